@@ -1,0 +1,129 @@
+"""What a robot is told: the downward half of edge contract v1.
+
+Unknown fields are refused: a robot must not guess what a newer console meant.
+Everything that can move a machine carries a lease token, a sequence within that lease, a time to live
+and the challenge of the robot's newest heartbeat; none of it depends on two wall clocks agreeing.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct, field
+
+from backend_clients.edge.messages_up import (
+    Count,
+    Datum,
+    Id,
+    LatDeg,
+    LonDeg,
+    Metres,
+    Name,
+    Positive,
+    Text,
+)
+
+Ref = Annotated[str, Meta(min_length=8, max_length=64, description="UUID or the like; idempotency key")]
+Challenge = Annotated[str, Meta(min_length=8, max_length=64, description="from the newest heartbeat")]
+Action = Literal["start", "resume", "pause", "abort", "return_home", "drive_open", "drive_close"]
+
+
+class Order(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Fields every downward message carries."""
+
+    v: Literal[1] = 1
+    robot: Id
+
+
+class Command(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """An instant action. ``pause`` and ``abort`` need no lease (``lease_token`` 0)."""
+
+    command_id: Ref
+    action: Action
+    by: Name
+    lease_token: Count = 0
+    lease_seq: Count = 0
+    ttl_ms: Annotated[int, Meta(ge=100, le=10_000)] = 2000
+    challenge: Challenge
+    mission_id: Id | None = None
+    mission_sha256: Annotated[str, Meta(pattern="^[0-9a-f]{64}$")] | None = None
+    is_supervised: bool = True
+
+
+class Stop(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Stop and latch. Valid at any age, in any order, from anyone; idempotent by ``stop_id``."""
+
+    stop_id: Ref
+    by: Name
+    device: Name = ""
+    reason: Name = ""
+
+
+class StopReset(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Clear latched presses; never moves anything. The robot stays paused."""
+
+    reset_id: Ref
+    stop_ids: Annotated[list[Ref], Meta(min_length=1, max_length=64)]
+    by: Name
+    reason: Annotated[str, Meta(min_length=1, max_length=200)]
+    lease_token: Count
+    lease_seq: Count
+    ttl_ms: Annotated[int, Meta(ge=100, le=10_000)] = 2000
+    challenge: Challenge
+
+
+class Drive(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """10 Hz, QoS 0. Missing for 0.5 s the robot stops by itself. The tool is off."""
+
+    lease_token: Count
+    lease_seq: Count
+    challenge: Challenge
+    v_mps: Annotated[float, Meta(ge=-2, le=2)]
+    yaw_rate_radps: Annotated[float, Meta(ge=-2, le=2)]
+
+
+class OperatorHeartbeat(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """1 Hz while a page of the lease holder is open; sent only because a browser said so."""
+
+    lease_token: Count
+    lease_seq: Count
+    challenge: Challenge
+
+
+class Ping(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Asks the robot to echo ``nonce`` in its next heartbeat: measures the round trip."""
+
+    nonce: Annotated[str, Meta(min_length=1, max_length=64)]
+
+
+class Segment(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """One piece of path in the mission's ENU frame; ``points`` is (N, 2) metres, N >= 2.
+
+    ``row`` counts from 1 for rows and is 0 elsewhere. The tool works only where ``tool_on``.
+    """
+
+    kind: Literal["approach", "row", "turn", "headland", "exit"]
+    points: Annotated[list[tuple[Metres, Metres]], Meta(min_length=2, max_length=100_000)]
+    speed_mps: Annotated[float, Meta(gt=0, le=20)]
+    tool_on: bool = False
+    row: Count = 0
+
+
+class Mission(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A complete mission. Sending it moves nothing; the robot answers with the hash of what it stored."""
+
+    mission_id: Id
+    revision: Count
+    name: Name
+    field_name: Name
+    datum: Datum
+    width_m: Annotated[float, Meta(gt=0, le=100)]
+    area_m2: Positive
+    parcel: Annotated[
+        list[list[tuple[LonDeg, LatDeg]]],
+        Meta(min_length=1, max_length=200, description="rings, outer first, lon/lat as in GeoJSON"),
+    ]
+    segments: Annotated[list[Segment], Meta(min_length=1, max_length=20_000)]
+    note: Text = ""
+    at_end: Literal["stay", "return_home"] = "stay"
+    home: tuple[Metres, Metres] | None = field(default=None)
