@@ -89,9 +89,7 @@ class RobotHttp:
         assert isinstance(message, up.Ack)
         return message
 
-    async def _send(
-        self, method: str, path: str, body: bytes | None = None, *, timeout_s: float = TIMEOUT_S
-    ) -> bytes:
+    async def _send(self, method: str, path: str, body: bytes | None = None, *, timeout_s: float = TIMEOUT_S) -> bytes:
         headers = {"Content-Type": "application/json"} if body is not None else {}
         try:
             response = await self._client.request(method, path, content=body, headers=headers, timeout=timeout_s)

@@ -283,9 +283,7 @@ class Event(Header, frozen=True, kw_only=True):
     """QoS 1, never conflated; ``event_id`` makes duplicates harmless."""
 
     event_id: Annotated[str, Meta(min_length=8, max_length=64)]
-    kind: Literal[
-        "state_entered", "state_left", "alarm_raised", "alarm_cleared", "treatment", "mission", "safety"
-    ]
+    kind: Literal["state_entered", "state_left", "alarm_raised", "alarm_cleared", "treatment", "mission", "safety"]
     name: Name
     text: Text = ""
     data: dict[str, Any] = field(default_factory=dict)

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import ssl
 import threading
 from collections.abc import Callable, Sequence
@@ -56,7 +57,9 @@ class BrokerUrl:
         """Parse ``url``; raises ``ValueError`` with what is wrong."""
         parts = urlsplit(url)
         if parts.scheme not in ("mqtt", "mqtts") or not parts.hostname:
-            raise ValueError(f"broker address {parts.scheme}://{parts.hostname}: use mqtt://host:port or mqtts://host:port")
+            raise ValueError(
+                f"broker address {parts.scheme}://{parts.hostname}: use mqtt://host:port or mqtts://host:port"
+            )
         is_tls = parts.scheme == "mqtts"
         port = parts.port or (8883 if is_tls else 1883)
         return cls(parts.hostname, port, is_tls, parts.username, parts.password)
@@ -167,7 +170,7 @@ class MqttLink:
         if self._on_message is None:
             return
         try:
-            self._on_message(message.topic, message.payload, message.retain)
+            self._on_message(message.topic, bytes(message.payload), message.retain)
         except Exception as error:  # noqa: BLE001 - an exception here would end paho's thread silently
             self._fault(error)
 
@@ -182,7 +185,5 @@ class MqttLink:
 
     def _fault(self, error: Exception) -> None:
         if self._on_fault is not None:
-            try:
+            with contextlib.suppress(Exception):  # nothing may reach paho's thread
                 self._on_fault(error)
-            except Exception:  # noqa: BLE001, S110 - nothing may reach paho's thread
-                pass

@@ -1,0 +1,1 @@
+"""Building blocks of the screens: values in, callbacks out; they know no store and no client."""

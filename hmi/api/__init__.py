@@ -1,0 +1,1 @@
+"""REST /api/v1: the same services as the screens."""

@@ -1,0 +1,1 @@
+"""Everything that asks a robot to do something."""

@@ -1,0 +1,1 @@
+"""Live values to the browsers over one raw websocket each."""

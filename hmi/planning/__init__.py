@@ -1,0 +1,1 @@
+"""Coverage planning; pure, on shapely and pyproj."""

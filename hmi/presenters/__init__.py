@@ -1,0 +1,1 @@
+"""Domain values to the words and numbers of a screen; pure."""

@@ -1,0 +1,1 @@
+"""The STOP process: nothing but STOP."""
