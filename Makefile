@@ -1,0 +1,65 @@
+# Everything a newcomer needs: `make demo`, `make test`, `make bench`, `make screens`.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+DEV_STAMP := $(VENV)/.installed-dev
+
+.PHONY: demo serve test test-fast test-long lint types bench screens lock clean tools
+
+demo: $(STAMP)
+	@exec $(BIN)/headland demo
+
+serve: $(STAMP)
+	@exec $(BIN)/headland serve
+
+# Hash-checked dependencies (build back-end included), then the project itself without dependencies:
+# pip refuses an editable install in hash-checking mode.
+$(STAMP): requirements.txt pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "Headland needs Python 3.11 or newer; set PYTHON=/path/to/python3.11." >&2; exit 1; }
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV) || { echo "Cannot make a virtual environment: install the venv module of Python (Debian: apt-get install python3-venv)." >&2; exit 1; }
+	@echo "Installing pinned dependencies into $(VENV) (first time only) ..."
+	@$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements.txt
+	@$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@touch $@
+
+$(DEV_STAMP): $(STAMP) requirements-dev.txt
+	@echo "Installing pinned test dependencies into $(VENV) ..."
+	@$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements-dev.txt
+	@touch $@
+
+# Chromium and mosquitto: installed when we may, named when we may not.
+tools: $(DEV_STAMP)
+	@sh tests/install_tools.sh
+
+lint: $(DEV_STAMP)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(DEV_STAMP)
+	$(BIN)/mypy
+
+test: tools lint types
+	$(BIN)/pytest -m "not long"
+
+# The inner loop: no browser, no broker.
+test-fast: $(DEV_STAMP)
+	$(BIN)/ruff check .
+	$(BIN)/pytest -q -x -m "not long and not browser and not broker"
+
+test-long: tools
+	HEADLAND_LONG=1 $(BIN)/pytest -m "long"
+
+# `make bench NAME=stop_loaded_p99_ms` runs one.
+bench: tools
+	@$(BIN)/python -m bench $(NAME)
+
+screens: tools
+	$(BIN)/python -m bench.screens
+
+# Writes the pinned requirements anew; the result names no host.
+lock: $(DEV_STAMP)
+	sh requirements.sh
+
+clean:
+	rm -rf $(VENV) .pytest_cache .mypy_cache .ruff_cache .hypothesis test-results

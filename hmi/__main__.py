@@ -1,0 +1,5 @@
+"""``python -m hmi`` is ``headland``."""
+
+from hmi.cli import main
+
+main()

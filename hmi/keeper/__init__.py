@@ -1,0 +1,1 @@
+"""The process keeper: starts, watches and restarts the processes of one installation."""

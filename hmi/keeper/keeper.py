@@ -1,0 +1,127 @@
+"""Start all parts, watch them, restart what falls, end everything in order."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from types import FrameType
+
+import psutil
+
+from hmi.keeper.data_folder import read_json, write_json
+from hmi.keeper.errors import StartError
+from hmi.keeper.part import Part, PartSpec
+
+WATCH_S = 0.1
+START_LIMIT_S = 60.0
+END_LIMIT_S = 2.0  # with a second to spare for the promise of three
+
+
+class Keeper:
+    """Keeps the parts of one installation running until told to end.
+
+    Its view goes to ``run/keeper.json``, where the console reads it for health and the screens.
+
+    Args:
+        groups: parts in start order; parts of one group start together once the group before is ready.
+    """
+
+    def __init__(self, groups: Sequence[Sequence[PartSpec]], data: Path) -> None:
+        self._data = data
+        self._groups = [[Part(spec, data / "logs") for spec in group] for group in groups]
+        self._parts = [part for group in self._groups for part in group]
+        self._end = threading.Event()
+
+    def run(self, on_ready: Callable[[], None]) -> None:
+        """Start everything, call ``on_ready`` once all parts serve, and watch until a signal or ``end``.
+
+        Raises:
+            StartError: a part did not become ready; its last log lines are in the message.
+        """
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(number, self._signalled)
+        end_left_overs(self._data)
+        try:
+            for group in self._groups:
+                self._start(group)
+            if not self._end.is_set():
+                on_ready()
+            while not self._end.wait(WATCH_S):
+                self._watch()
+        finally:
+            self._end_all()
+
+    def end(self) -> None:
+        """Let ``run`` return after ending all parts."""
+        self._end.set()
+
+    def _start(self, group: list[Part]) -> None:
+        for part in group:
+            part.start()
+        self._write()
+        deadline_s = time.monotonic() + START_LIMIT_S
+        while not self._end.is_set() and any(part.state != "ok" for part in group):
+            self._watch()
+            fallen = next((p for p in group if p.restarts > 2), None)
+            late = next((p for p in group if p.state != "ok"), None) if time.monotonic() > deadline_s else None
+            if failed := fallen or late:
+                raise StartError(f"{failed.spec.name} does not start. Its log ends with:\n{failed.log_tail()}")
+            self._end.wait(0.03)
+
+    def _watch(self) -> None:
+        changed = [part.watch() for part in self._parts if part.state != "stopped"]  # every part, no short cut
+        if any(changed):
+            self._write()
+
+    def _write(self) -> None:
+        write_json(
+            self._data / "run" / "keeper.json",
+            {"pid": os.getpid(), "parts": {part.spec.name: part.describe() for part in self._parts}},
+        )
+
+    def _end_all(self) -> None:
+        for part in reversed(self._parts):
+            part.terminate()
+        deadline_s = time.monotonic() + END_LIMIT_S
+        for part in reversed(self._parts):
+            part.wait(deadline_s)
+        (self._data / "run" / "keeper.json").unlink(missing_ok=True)
+
+    def _signalled(self, number: int, frame: FrameType | None) -> None:
+        self._end.set()
+
+
+def end_left_overs(data: Path) -> None:
+    """End parts that an earlier keeper of this data folder left running when it was killed.
+
+    Raises:
+        StartError: the earlier keeper still runs.
+    """
+    before = read_json(data / "run" / "keeper.json")
+    if not isinstance(before, dict):
+        return
+    keeper_pid = before.get("pid")
+    if isinstance(keeper_pid, int) and keeper_pid != os.getpid() and _is_ours(keeper_pid):
+        raise StartError(f"Headland already runs with the data folder {data} (process {keeper_pid}).")
+    left = [p for part in before.get("parts", {}).values() if (p := _process(part.get("pid"))) is not None]
+    for process in left:
+        process.terminate()
+    for process in psutil.wait_procs(left, timeout=END_LIMIT_S)[1]:
+        process.kill()
+
+
+def _process(pid: object) -> psutil.Process | None:
+    return psutil.Process(pid) if isinstance(pid, int) and _is_ours(pid) else None
+
+
+def _is_ours(pid: int) -> bool:
+    """Say whether ``pid`` runs a program of ours; pids are reused, so a number alone proves nothing."""
+    try:
+        words = " ".join(psutil.Process(pid).cmdline())
+    except psutil.Error:
+        return False
+    return "headland" in words or "hmi.cli" in words or "mosquitto -c" in words
