@@ -121,6 +121,22 @@ class Acknowledgement:
     stamp: Stamp | None
 
 
+class OrderFailed(Exception):
+    """Nothing usable came back for an order; the adapter translates its client's errors into this.
+
+    Args:
+        code: stable machine-readable reason, e.g. ``not_connected`` or the robot's own code.
+        text: one sentence for a person.
+        is_outcome_known: False if the order may have taken effect all the same (no answer in time).
+    """
+
+    def __init__(self, code: str, text: str, *, is_outcome_known: bool) -> None:
+        super().__init__(f"{code}: {text}")
+        self.code = code
+        self.text = text
+        self.is_outcome_known = is_outcome_known
+
+
 class OrderSender(Protocol):
     """Puts orders on the wire, now or not at all."""
 
@@ -136,6 +152,6 @@ class OrderSender(Protocol):
         """Store a mission on the robot and return its answer with the hash it read back.
 
         Raises:
-            backend_clients.errors.ClientError: nothing usable came back.
+            OrderFailed: nothing usable came back, or the robot refused the document.
         """
         ...
