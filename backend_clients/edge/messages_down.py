@@ -100,6 +100,8 @@ class Segment(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """One piece of path in the mission's ENU frame; ``points`` is (N, 2) metres, N >= 2.
 
     ``row`` counts from 1 for rows and is 0 elsewhere. The tool works only where ``tool_on``.
+    Segments join end to start. Inside a segment the heading turns gently; where it jumps between two
+    segments the later one says ``pivot``: stop, turn on the spot to its first direction, drive on.
     """
 
     kind: Literal["approach", "row", "turn", "headland", "exit"]
@@ -107,6 +109,7 @@ class Segment(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     speed_mps: Annotated[float, Meta(gt=0, le=20)]
     tool_on: bool = False
     row: Count = 0
+    pivot: bool = False
 
 
 class Mission(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
