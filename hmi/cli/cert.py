@@ -1,0 +1,27 @@
+"""``headland cert``: a local certificate authority and a server certificate for the farm's network."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def register(app: typer.Typer) -> None:
+    """Add the command to ``app``."""
+    app.command()(cert)
+
+
+def cert(
+    names: Annotated[list[str], typer.Argument(help="Host names and addresses tablets use, e.g. 192.168.1.20")],
+    folder: Annotated[Path, typer.Option(help="Where keys and certificates go.")] = Path("data/tls"),
+    days: Annotated[int, typer.Option(min=1, max=825, help="Validity of the server certificate.")] = 397,
+) -> None:
+    """Make a local CA (once) and a server certificate for NAMES, for `tls_cert` and `tls_key`."""
+    from hmi.keeper.certificates import make_certificates
+
+    made = make_certificates(names, folder, days=days)
+    typer.echo(f"Server certificate: {made.cert}\nServer key:         {made.key}")
+    typer.echo(f"Install {made.ca} on each tablet as a trusted authority (never the key beside it).")
+    typer.echo(f"Then start with: HEADLAND_TLS_CERT={made.cert} HEADLAND_TLS_KEY={made.key} headland serve")

@@ -1,0 +1,43 @@
+"""``headland demo``, ``serve``, ``console``, ``stop``: the installation and its processes."""
+
+from __future__ import annotations
+
+import typer
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands to ``app``."""
+    app.command()(demo)
+    app.command()(serve)
+    app.command()(console)
+    app.command()(stop)
+
+
+def demo() -> None:
+    """Start everything with simulated robots: broker, STOP gateway, console, simulator."""
+    from hmi.keeper.installation import run_demo
+
+    run_demo(lambda url: typer.echo(f"Headland is ready at {url}"))
+
+
+def serve() -> None:
+    """Start console and STOP gateway for real robots and keep them running."""
+    from hmi.keeper.installation import run_serve
+
+    run_serve(lambda url: typer.echo(f"Headland is ready at {url}"))
+
+
+def console() -> None:
+    """Run the console process alone (the keeper does this)."""
+    from hmi.app import run_console
+    from hmi.settings import Settings
+
+    run_console(Settings())  # type: ignore[call-arg]  # every field comes from file or variables
+
+
+def stop() -> None:
+    """Run the STOP gateway process alone (the keeper does this)."""
+    from hmi.settings import Settings
+    from hmi.stop_gateway.process import run_gateway
+
+    run_gateway(Settings())  # type: ignore[call-arg]  # every field comes from file or variables

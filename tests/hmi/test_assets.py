@@ -1,0 +1,74 @@
+"""Static files leave compressed, cached and identical."""
+
+from __future__ import annotations
+
+import gzip
+
+import brotli
+import httpx
+import pytest
+from starlette.types import Receive, Scope, Send
+
+from hmi.assets import CompressedAssets
+
+SCRIPT = b"const answer = 42;\n" * 200
+
+
+class Origin:
+    """Serves one script and counts how often it was asked."""
+
+    def __init__(self) -> None:
+        self.asked = 0
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        self.asked += 1
+        status = 200 if scope["path"].endswith(".js") else 404
+        headers = [(b"content-type", b"text/javascript")]
+        await send({"type": "http.response.start", "status": status, "headers": headers})
+        await send({"type": "http.response.body", "body": SCRIPT if status == 200 else b"no"})
+
+
+@pytest.fixture
+def origin() -> Origin:
+    return Origin()
+
+
+@pytest.fixture
+def client(origin: Origin) -> httpx.AsyncClient:
+    transport = httpx.ASGITransport(app=CompressedAssets(origin, ("/static/",)))
+    return httpx.AsyncClient(transport=transport, base_url="http://test")
+
+
+@pytest.mark.parametrize(("encoding", "unpack"), [("br", brotli.decompress), ("gzip", gzip.decompress)])
+async def test_an_asset_is_compressed_as_the_browser_asks(client: httpx.AsyncClient, encoding: str, unpack) -> None:  # type: ignore[no-untyped-def]
+    async with client, client.stream("GET", "/static/a.js", headers={"accept-encoding": encoding}) as answer:
+        raw = b"".join([part async for part in answer.aiter_raw()])
+    assert answer.headers["content-encoding"] == encoding
+    assert len(raw) < len(SCRIPT) / 10
+    assert unpack(raw) == SCRIPT
+
+
+async def test_the_origin_is_asked_once_and_a_known_etag_costs_no_body(
+    client: httpx.AsyncClient, origin: Origin
+) -> None:
+    async with client:
+        first = await client.get("/static/a.js")
+        again = await client.get("/static/a.js", headers={"if-none-match": first.headers["etag"]})
+    assert origin.asked == 1
+    assert first.content == SCRIPT
+    assert "immutable" in first.headers["cache-control"]
+    assert (again.status_code, again.content) == (304, b"")
+
+
+async def test_a_missing_asset_stays_missing_and_is_not_cached(client: httpx.AsyncClient, origin: Origin) -> None:
+    async with client:
+        answers = [await client.get("/static/none.css") for _ in range(2)]
+    assert [a.status_code for a in answers] == [404, 404]
+    assert origin.asked == 2
+    assert "cache-control" not in answers[0].headers
+
+
+async def test_other_paths_pass_untouched(client: httpx.AsyncClient) -> None:
+    async with client:
+        answer = await client.get("/api/x.js")
+    assert "content-encoding" not in answer.headers
