@@ -94,6 +94,7 @@ class MqttLink:
         ca_file: str | None = None,
     ) -> None:
         self.url = BrokerUrl.parse(url)
+        self._client_id = client_id
         self._subscriptions = list(subscriptions)
         self._on_message, self._on_link, self._on_fault = on_message, on_link, on_fault
         self._state = LinkState.CONNECTING
@@ -126,8 +127,14 @@ class MqttLink:
         """Whether a publication made now would be sent."""
         return self._state is LinkState.UP and self._client.is_connected()
 
+    @property
+    def is_alive(self) -> bool:
+        """Whether the network thread runs; an error inside paho itself can end it without a word."""
+        name = f"paho-mqtt-client-{self._client_id}"
+        return any(t.name == name and t.is_alive() for t in threading.enumerate())
+
     def start(self) -> None:
-        """Connect in the background and keep trying."""
+        """Connect in the background and keep trying; also starts a network thread that has died."""
         self._client.connect_async(self.url.host, self.url.port, keepalive=KEEPALIVE_S)
         self._client.loop_start()
 

@@ -7,7 +7,9 @@ never a zero. Times are on the console's monotonic clock (``Clock.mono_s``).
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from datetime import datetime
 from enum import StrEnum
+from typing import Any
 
 
 class Family(StrEnum):
@@ -190,6 +192,24 @@ class SafetyState:
 
 
 @dataclass(frozen=True, slots=True)
+class RobotEvent:
+    """Something that happened at the robot, told once.
+
+    ``kind`` is state_entered, state_left, alarm_raised, alarm_cleared, treatment, mission or safety;
+    ``at`` is the console's UTC at the moment it was true.
+    """
+
+    robot_id: str
+    event_id: str
+    kind: str
+    name: str
+    text: str
+    data: dict[str, Any]
+    at: datetime
+    stamp: Stamp
+
+
+@dataclass(frozen=True, slots=True)
 class Node:
     """Life cycle of one software node (U6)."""
 
@@ -241,7 +261,8 @@ class Factsheet:
 class LinkHealth:
     """How well the robot is heard.
 
-    ``heard_s`` is when the newest heartbeat was true; ``rtt_s`` the console-robot round trip.
+    ``heard_s`` is when the newest heartbeat was true; ``rtt_s`` the console-robot round trip, measured at
+    ``rtt_at_s``; ``rtt_max_s`` the largest of the last minute.
     """
 
     is_online: bool
@@ -252,6 +273,7 @@ class LinkHealth:
     rtt_s: float | None
     rtt_max_s: float | None
     is_broker_up: bool
+    rtt_at_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,123 @@
+"""Hands raw payloads from the MQTT thread to the event loop, in bounded memory.
+
+State is conflated: only the newest payload per (robot, kind) waits. What happened once (acknowledgements,
+events, presence, nodes) waits in order in a bounded queue; its overflow is counted, never silent.
+Nothing is decoded here, so that no payload can harm the network thread.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import NamedTuple
+
+from backend_clients.edge.topics import Address, Down, Up, parse
+from backend_clients.errors import WireError, WrongIdentity
+
+CADENCE_S = 0.025  # a drain at most this often; the first frame after a pause is drained at once
+FIFO_LIMIT = 10_000  # 2.5 s of a fleet that sends nothing but events at 4,000 a second
+KEY_LIMIT = 20_000  # 4,000 robots x 5 kinds; keys beyond it are refused and counted
+CONFLATED = frozenset({Up.FACTSHEET, Up.HEARTBEAT, Up.TELEMETRY, Up.STATE, Up.SAFETY})
+
+
+class Letter(NamedTuple):
+    """One raw message and when the network thread had it, in monotonic seconds."""
+
+    address: Address
+    payload: bytes
+    received_s: float
+    is_retained: bool
+
+
+class Batch(NamedTuple):
+    """What one drain takes out: discrete messages in order, then the newest state per key."""
+
+    discrete: list[Letter]
+    state: list[Letter]
+    lost: int
+    refused: dict[str, int]
+
+
+class Mailbox:
+    """Between one network thread and one event loop.
+
+    Args:
+        loop: where ``on_mail`` runs.
+        on_mail: called on the loop when there is something to ``take``; once a batch.
+        mono_s: the console's monotonic clock; called on the network thread.
+    """
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        on_mail: Callable[[], None],
+        mono_s: Callable[[], float],
+        *,
+        fifo_limit: int = FIFO_LIMIT,
+        key_limit: int = KEY_LIMIT,
+    ) -> None:
+        self._loop, self._on_mail, self._mono_s = loop, on_mail, mono_s
+        self._fifo_limit, self._key_limit = fifo_limit, key_limit
+        self._lock = threading.Lock()
+        self._state: dict[Address, Letter] = {}
+        self._discrete: deque[Letter] = deque()
+        self._refused: dict[str, int] = {}
+        self._lost = 0
+        self._is_called = False
+        self._is_closed = False
+
+    def post(self, topic: str, payload: bytes, is_retained: bool) -> None:
+        """Take one message; any thread, any bytes, never raises for what is in them."""
+        received_s = self._mono_s()
+        try:
+            address = parse(topic)
+            if isinstance(address.kind, Down):
+                raise WrongIdentity(f"{topic} is a topic of the console")
+        except WireError:
+            self._refuse("bad_topic")
+            return
+        letter = Letter(address, payload, received_s, is_retained)
+        with self._lock:
+            self._keep(letter)
+            if self._is_called or self._is_closed:
+                return
+            self._is_called = True
+        self._call()
+
+    def take(self) -> Batch:
+        """Empty the box; on the loop."""
+        with self._lock:
+            batch = Batch(list(self._discrete), list(self._state.values()), self._lost, self._refused)
+            self._discrete.clear()
+            self._state.clear()
+            self._lost, self._refused = 0, {}
+            self._is_called = False
+        return batch
+
+    def close(self) -> None:
+        """Stop calling the loop; what still comes is kept within the limits and forgotten."""
+        with self._lock:
+            self._is_closed = True
+
+    def _keep(self, letter: Letter) -> None:
+        if letter.address.kind not in CONFLATED:
+            if len(self._discrete) >= self._fifo_limit:
+                self._discrete.popleft()  # the newest acknowledgement matters more than the oldest
+                self._lost += 1
+            self._discrete.append(letter)
+        elif letter.address in self._state or len(self._state) < self._key_limit:
+            self._state[letter.address] = letter
+        else:
+            self._refused["too_many_keys"] = self._refused.get("too_many_keys", 0) + 1
+
+    def _refuse(self, reason: str) -> None:
+        with self._lock:
+            self._refused[reason] = self._refused.get(reason, 0) + 1
+
+    def _call(self) -> None:
+        try:
+            self._loop.call_soon_threadsafe(self._on_mail)
+        except RuntimeError:  # the loop has ended; nobody is left to read
+            self.close()

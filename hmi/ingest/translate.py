@@ -1,0 +1,137 @@
+"""Wire messages of a robot to the console's own values. The only place that knows both.
+
+Every function takes the message and its ``Stamp``; ``to_console_s`` maps a robot time in ms to the console's
+monotonic clock.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from datetime import datetime
+
+from backend_clients.edge import messages_up as up
+from hmi.domain import robot as domain
+from hmi.domain.command import Acknowledgement
+
+ToConsole = Callable[[int], float]
+
+
+def telemetry(m: up.Telemetry, stamp: domain.Stamp) -> domain.Telemetry:
+    """Fast values."""
+    return domain.Telemetry(
+        pose=domain.Pose(m.lat_deg, m.lon_deg, m.x_m, m.y_m, m.theta_rad, m.speed_mps, m.yaw_rate_radps, stamp),
+        gnss=domain.Gnss(m.gnss.fix, m.gnss.accuracy_m, m.gnss.satellites, m.gnss.correction_age_s) if m.gnss else None,
+        battery=domain.Battery(m.battery.soc, m.battery.remaining_s, m.battery.charging) if m.battery else None,
+        tool=domain.ToolState(m.tool.state, m.tool.interlock_ok, m.tool.rate_per_min, m.tool.temperature_c)
+        if m.tool
+        else None,
+        cross_track_m=m.cross_track_m,
+        obstacle_m=m.obstacle_m,
+    )
+
+
+def state(m: up.State, stamp: domain.Stamp, to_console_s: ToConsole) -> domain.RobotState:
+    """Operating state, mission progress and what is wrong."""
+    return domain.RobotState(
+        mode=domain.Mode(m.mode),
+        path=tuple(m.path),
+        path_since_s=to_console_s(m.path_since_ms),
+        lease_token=m.lease_token,
+        set_speed_mps=m.set_speed_mps,
+        order=_order(m.order) if m.order else None,
+        faults=tuple(domain.Fault(f.code, f.level, f.text, f.hint) for f in m.faults),
+        hold=domain.Hold(m.hold.code, m.hold.text, m.hold.clears, m.hold.who) if m.hold else None,
+        stamp=stamp,
+    )
+
+
+def _order(m: up.OrderState) -> domain.Order:
+    return domain.Order(
+        mission_id=m.mission_id,
+        revision=m.revision,
+        sha256=m.sha256,
+        status=domain.OrderStatus(m.status),
+        row=m.row,
+        rows=m.rows,
+        segment=m.segment,
+        segment_s_m=m.segment_s_m,
+        area_m2=m.area_m2,
+        area_done_m2=m.area_done_m2,
+        distance_m=m.distance_m,
+        remaining_s=m.remaining_s,
+        is_supervised=m.is_supervised,
+    )
+
+
+def safety(m: up.Safety, stamp: domain.Stamp, to_console_s: ToConsole) -> domain.SafetyState:
+    """What the safety controller says."""
+    return domain.SafetyState(
+        hardware_stop=m.hardware_stop,
+        latched=m.latched,
+        standstill=m.standstill,
+        speed_mps=m.speed_mps,
+        tool_off=m.tool_off,
+        presses=tuple(domain.Press(p.stop_id, p.by, p.device, to_console_s(p.mono_ms), p.is_reset) for p in m.presses),
+        stopping_distance_m=m.stopping_distance_m,
+        stamp=stamp,
+    )
+
+
+def factsheet(m: up.Factsheet) -> domain.Factsheet:
+    """What the robot says it is."""
+    return domain.Factsheet(
+        family=domain.Family(m.family),
+        name=m.name,
+        model=m.model,
+        software=m.software,
+        datum_lat_deg=m.datum.lat_deg,
+        datum_lon_deg=m.datum.lon_deg,
+        length_m=m.dimensions.length_m,
+        width_m=m.dimensions.width_m,
+        height_m=m.dimensions.height_m,
+        base_to_front_m=m.dimensions.base_to_front_m,
+        track_m=m.dimensions.track_m,
+        max_speed_mps=m.limits.max_speed_mps,
+        max_accel_mps2=m.limits.max_accel_mps2,
+        decel_mps2=m.limits.decel_mps2,
+        max_yaw_rate_radps=m.limits.max_yaw_rate_radps,
+        turning_radius_m=m.limits.turning_radius_m,
+        can_reverse=m.limits.can_reverse,
+        can_pivot=m.limits.can_pivot,
+        tool_kind=m.tool.kind if m.tool else "",
+        tool_label=m.tool.label if m.tool else "",
+        tool_width_m=m.tool.width_m if m.tool else 0.0,
+        drive_deadman_s=m.behaviour.drive_deadman_s,
+        operator_lost_pause_s=m.behaviour.operator_lost_pause_s,
+        link_lost_pause_s=m.behaviour.link_lost_pause_s,
+        start_horn_s=m.behaviour.start_horn_s,
+        keep_out_m=m.behaviour.keep_out_m,
+        stop_effect=m.behaviour.stop_effect,
+        functions=tuple((f.name, f.label, tuple(f.depends_on)) for f in m.functions),
+        cameras=tuple((c.id, c.label) for c in m.cameras),
+    )
+
+
+def node(m: up.Node, stamp: domain.Stamp) -> domain.Node:
+    """Life cycle of one software node."""
+    return domain.Node(m.name, m.state, m.rate_hz, m.cpu_pct, m.restarts, m.text, stamp)
+
+
+def event(m: up.Event, stamp: domain.Stamp, at: datetime) -> domain.RobotEvent:
+    """Something that happened once."""
+    return domain.RobotEvent(m.robot, m.event_id, m.kind, m.name, m.text, m.data, at, stamp)
+
+
+def acknowledgement(m: up.Ack, stamp: domain.Stamp | None) -> Acknowledgement:
+    """The robot's answer; ``stamp`` is ``None`` when it came by HTTP."""
+    return Acknowledgement(
+        robot_id=m.robot,
+        kind=m.kind,
+        ref=m.ref,
+        is_accepted=m.outcome == "accepted",
+        code=m.code,
+        text=m.text,
+        speed_mps=m.speed_mps,
+        sha256=m.sha256,
+        stamp=stamp,
+    )

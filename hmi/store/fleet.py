@@ -1,0 +1,336 @@
+"""The newest known state of every robot, with a revision that tells who changed since when.
+
+Lives on the event loop; nothing here blocks or waits. Values are replaced as a whole, so that a ``Robot``
+once read never changes.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import NamedTuple, Protocol
+
+from hmi.domain import robot as domain
+from hmi.domain.freshness import LOST_S
+
+UNREGISTERED_LIMIT = 200  # robots heard but not in the registry; more would let a hostile wire fill memory
+UNREGISTERED_KEPT_S = 60.0  # one that was silent this long makes room for a new one
+NODE_LIMIT = 64  # software nodes a robot may report
+RTT_WINDOW_S = 60.0
+REMOVED_KEPT = 1000
+
+
+class Part(StrEnum):
+    """The pieces of a robot that change apart from each other."""
+
+    REGISTRY = "registry"
+    LINK = "link"
+    FACTSHEET = "factsheet"
+    TELEMETRY = "telemetry"
+    STATE = "state"
+    SAFETY = "safety"
+    NODES = "nodes"
+
+
+ALL_PARTS = frozenset(Part)
+
+
+class Registered(Protocol):
+    """What the store reads of a registry entry; the database row fits as it is."""
+
+    @property
+    def id(self) -> str:
+        """Id on the wire."""
+        ...
+
+    @property
+    def farm_id(self) -> str:
+        """Farm it belongs to."""
+        ...
+
+    @property
+    def name(self) -> str:
+        """Name people call it."""
+        ...
+
+    @property
+    def http_url(self) -> str | None:
+        """Address of its own HTTP endpoint."""
+        ...
+
+    @property
+    def http_token(self) -> str | None:
+        """Bearer token for it."""
+        ...
+
+    @property
+    def contact_name(self) -> str | None:
+        """Whom to call about it."""
+        ...
+
+    @property
+    def contact_phone(self) -> str | None:
+        """Their number."""
+        ...
+
+
+class RobotAddress(NamedTuple):
+    """Where a robot's HTTP endpoint is, from the registry alone."""
+
+    http_url: str
+    token: str
+
+
+class Changes(NamedTuple):
+    """What changed after a revision; ``revision`` is what to ask with next time."""
+
+    revision: int
+    robots: dict[str, frozenset[Part]]
+    removed: frozenset[str]
+
+
+@dataclass(slots=True)
+class _Record:
+    """Everything of one robot, mutable; ``built`` is the frozen copy handed out."""
+
+    id: str
+    entry: Registered | None = None
+    heard_s: float | None = None
+    active_s: float = 0.0
+    challenge: str | None = None
+    boot: str | None = None
+    is_online: bool = False
+    is_gone: bool = False
+    rtt_s: float | None = None
+    rtt_at_s: float | None = None
+    rtts: deque[tuple[float, float]] = field(default_factory=deque)
+    factsheet: domain.Factsheet | None = None
+    telemetry: domain.Telemetry | None = None
+    state: domain.RobotState | None = None
+    safety: domain.SafetyState | None = None
+    nodes: dict[str, domain.Node] = field(default_factory=dict)
+    revisions: dict[Part, int] = field(default_factory=dict)
+    built: domain.Robot | None = None
+
+
+class FleetStore:
+    """Live state of all robots of one console.
+
+    Args:
+        mono_s: the console's monotonic clock.
+        farm_id: farm that unregistered robots are shown to.
+    """
+
+    def __init__(self, mono_s: Callable[[], float], farm_id: str = "farm") -> None:
+        self._mono_s, self._farm_id = mono_s, farm_id
+        self._records: dict[str, _Record] = {}
+        self._changed: dict[str, int] = {}  # robot -> newest revision, in order of change
+        self._removed: dict[str, int] = {}
+        self._is_broker_up = False
+        self._listeners: list[Callable[[], None]] = []
+        self.revision = 0
+
+    def get(self, robot_id: str) -> domain.Robot | None:
+        """Return one robot as it is known now."""
+        record = self._records.get(robot_id)
+        return None if record is None else self._build(record)
+
+    def all(self) -> list[domain.Robot]:
+        """Return every robot, registered ones first, by id."""
+        records = sorted(self._records.values(), key=lambda r: (r.entry is None, r.id))
+        return [self._build(r) for r in records]
+
+    def registration(self, robot_id: str) -> Registered | None:
+        """Return the registry entry; ``None`` for a robot that is only heard."""
+        record = self._records.get(robot_id)
+        return None if record is None else record.entry
+
+    def registered_ids(self) -> list[str]:
+        """Return the ids of the registry."""
+        return [r.id for r in self._records.values() if r.entry is not None]
+
+    def address(self, robot_id: str) -> RobotAddress | None:
+        """Return where the robot's HTTP is; from the registry, never from the wire."""
+        entry = self.registration(robot_id)
+        if entry is None or not entry.http_url:
+            return None
+        return RobotAddress(entry.http_url, entry.http_token or "")
+
+    def since(self, revision: int) -> Changes:
+        """Return which parts of which robots changed after ``revision``."""
+        robots: dict[str, frozenset[Part]] = {}
+        for robot_id in reversed(self._changed):
+            if self._changed[robot_id] <= revision:
+                break
+            parts = self._records[robot_id].revisions
+            robots[robot_id] = frozenset(p for p, r in parts.items() if r > revision)
+        removed = frozenset(i for i, r in self._removed.items() if r > revision)
+        return Changes(self.revision, robots, removed)
+
+    def subscribe(self, listener: Callable[[], None]) -> Callable[[], None]:
+        """Call ``listener`` after each batch of changes; returns what ends it."""
+        self._listeners.append(listener)
+        return lambda: self._listeners.remove(listener)
+
+    def announce(self) -> None:
+        """Tell the listeners that a batch of changes is complete."""
+        for listener in list(self._listeners):
+            listener()
+
+    def set_registry(self, entries: Iterable[Registered]) -> None:
+        """Take over the registry: names, addresses, who may be operated."""
+        by_id = {e.id: e for e in entries}
+        for robot_id in [r.id for r in self._records.values() if r.entry is not None and r.id not in by_id]:
+            self._drop(robot_id)
+        for robot_id, entry in by_id.items():
+            record = self._records.get(robot_id) or self._add(robot_id)
+            if record.entry is not entry:
+                record.entry = entry
+                self._touch(record, Part.REGISTRY)
+        self.announce()
+
+    def admit(self, robot_id: str) -> bool:
+        """Make room for a robot that was heard; ``False`` if it is unknown and there are too many such."""
+        if robot_id in self._records:
+            return True
+        strangers = [r for r in self._records.values() if r.entry is None]
+        if len(strangers) >= UNREGISTERED_LIMIT:
+            oldest = min(strangers, key=lambda r: r.active_s)
+            if self._mono_s() - oldest.active_s < UNREGISTERED_KEPT_S:
+                return False
+            self._drop(oldest.id)
+        self._touch(self._add(robot_id), Part.REGISTRY)
+        return True
+
+    def put_factsheet(self, robot_id: str, value: domain.Factsheet) -> None:
+        """Replace what the robot says it is."""
+        record = self._records[robot_id]
+        if record.factsheet != value:
+            record.factsheet = value
+            self._touch(record, Part.FACTSHEET)
+
+    def put_telemetry(self, robot_id: str, value: domain.Telemetry) -> None:
+        """Replace the fast values."""
+        record = self._records[robot_id]
+        record.telemetry = value
+        self._touch(record, Part.TELEMETRY)
+
+    def put_state(self, robot_id: str, value: domain.RobotState) -> None:
+        """Replace the operating state."""
+        record = self._records[robot_id]
+        record.state = value
+        self._touch(record, Part.STATE)
+
+    def put_safety(self, robot_id: str, value: domain.SafetyState) -> None:
+        """Replace the safety state."""
+        record = self._records[robot_id]
+        record.safety = value
+        self._touch(record, Part.SAFETY)
+
+    def put_node(self, robot_id: str, value: domain.Node) -> None:
+        """Replace one software node; more than ``NODE_LIMIT`` names are ignored."""
+        record = self._records[robot_id]
+        if value.name in record.nodes or len(record.nodes) < NODE_LIMIT:
+            record.nodes = {**record.nodes, value.name: value}
+            self._touch(record, Part.NODES)
+
+    def put_heartbeat(self, robot_id: str, *, boot: str, challenge: str, heard_s: float) -> None:
+        """Take a heartbeat; ``heard_s`` is when it was made, so that a held one does not count as hearing."""
+        record = self._records[robot_id]
+        record.boot, record.challenge, record.heard_s = boot, challenge, heard_s
+        record.active_s = self._mono_s()
+        record.is_gone = False
+        record.is_online = self._is_heard(record)
+        self._touch(record, Part.LINK)
+
+    def put_round_trip(self, robot_id: str, rtt_s: float) -> None:
+        """Take one measured round trip console - robot - console."""
+        record = self._records[robot_id]
+        now_s = self._mono_s()
+        record.rtt_s, record.rtt_at_s = rtt_s, now_s
+        record.rtts.append((now_s, rtt_s))
+        while now_s - record.rtts[0][0] > RTT_WINDOW_S:
+            record.rtts.popleft()
+        self._touch(record, Part.LINK)
+
+    def put_presence(self, robot_id: str, *, is_online: bool) -> None:
+        """Take presence or last will. It can only take away: being heard is told by heartbeats."""
+        record = self._records[robot_id]
+        if record.is_gone == is_online:
+            record.is_gone = not is_online
+            record.is_online = self._is_heard(record)
+            self._touch(record, Part.LINK)
+
+    def set_broker(self, *, is_up: bool) -> None:
+        """Note whether the console is connected to the broker."""
+        if is_up != self._is_broker_up:
+            self._is_broker_up = is_up
+            for record in self._records.values():
+                self._touch(record, Part.LINK)
+            self.announce()
+
+    def refresh_links(self) -> None:
+        """Judge again who is heard; call a few times a second, since silence makes no message."""
+        has_changed = False
+        for record in self._records.values():
+            is_online = self._is_heard(record)
+            if is_online != record.is_online:
+                record.is_online, has_changed = is_online, True
+                self._touch(record, Part.LINK)
+        if has_changed:
+            self.announce()
+
+    def _is_heard(self, record: _Record) -> bool:
+        return not record.is_gone and record.heard_s is not None and self._mono_s() - record.heard_s < LOST_S
+
+    def _add(self, robot_id: str) -> _Record:
+        record = self._records[robot_id] = _Record(robot_id, active_s=self._mono_s())
+        self._removed.pop(robot_id, None)
+        return record
+
+    def _drop(self, robot_id: str) -> None:
+        del self._records[robot_id]
+        self._changed.pop(robot_id, None)
+        self.revision += 1
+        self._removed[robot_id] = self.revision
+        if len(self._removed) > REMOVED_KEPT:
+            del self._removed[next(iter(self._removed))]
+
+    def _touch(self, record: _Record, part: Part) -> None:
+        self.revision += 1
+        record.revisions[part] = self.revision
+        record.built = None
+        self._changed.pop(record.id, None)
+        self._changed[record.id] = self.revision
+
+    def _build(self, record: _Record) -> domain.Robot:
+        if record.built is None:
+            entry, sheet = record.entry, record.factsheet
+            record.built = domain.Robot(
+                id=record.id,
+                is_registered=entry is not None,
+                name=entry.name if entry else (sheet.name if sheet and sheet.name else record.id),
+                farm_id=entry.farm_id if entry else self._farm_id,
+                link=self._link(record),
+                factsheet=sheet,
+                telemetry=record.telemetry,
+                state=record.state,
+                safety=record.safety,
+                nodes=record.nodes,
+            )
+        return record.built
+
+    def _link(self, record: _Record) -> domain.LinkHealth:
+        return domain.LinkHealth(
+            is_online=record.is_online,
+            heard_s=record.heard_s,
+            challenge=record.challenge,
+            challenge_s=record.heard_s,
+            boot=record.boot,
+            rtt_s=record.rtt_s,
+            rtt_max_s=max((rtt for _, rtt in record.rtts), default=None),
+            is_broker_up=self._is_broker_up,
+            rtt_at_s=record.rtt_at_s,
+        )
