@@ -9,7 +9,7 @@ from __future__ import annotations
 from datetime import UTC, datetime
 from typing import Any
 
-from sqlalchemy import JSON, Boolean, Float, ForeignKey, Index, Integer, String, Text, TypeDecorator
+from sqlalchemy import JSON, BigInteger, Boolean, Float, ForeignKey, Index, Integer, String, Text, TypeDecorator
 from sqlalchemy.engine import Dialect
 from sqlalchemy.orm import DeclarativeBase, Mapped, mapped_column
 
@@ -31,6 +31,9 @@ class UtcText(TypeDecorator[datetime]):
     def process_result_value(self, value: Any | None, dialect: Dialect) -> datetime | None:
         """Read back what was written."""
         return None if value is None else datetime.fromisoformat(value)
+
+
+_SERIAL = BigInteger().with_variant(Integer, "sqlite")  # 1,000 robots at 1 Hz pass 2^31 samples in 25 days
 
 
 class Base(DeclarativeBase):
@@ -102,6 +105,7 @@ class RobotRow(Base):
     ack_limit_s: Mapped[float] = mapped_column(Float, default=1.0)
     standstill_limit_s: Mapped[float] = mapped_column(Float, default=3.0)
     decel_mps2: Mapped[float] = mapped_column(Float, default=1.0)
+    keep_out_m: Mapped[float] = mapped_column(Float, default=15.0)
     is_unattended_allowed: Mapped[bool] = mapped_column(Boolean, default=False)
     added_by: Mapped[str] = mapped_column(String(64))
     added_at: Mapped[datetime] = mapped_column(UtcText)
@@ -161,8 +165,8 @@ class AuditRow(Base):
     """Append-only record of commands, stops, sign-ins and changes; each row hashes the one before it."""
 
     __tablename__ = "audit"
-    seq: Mapped[int] = mapped_column(Integer, primary_key=True, autoincrement=True)
-    farm_id: Mapped[str] = mapped_column(ForeignKey("farm.id"), index=True)
+    seq: Mapped[int] = mapped_column(_SERIAL, primary_key=True, autoincrement=True)
+    farm_id: Mapped[str] = mapped_column(ForeignKey("farm.id"))
     at: Mapped[datetime] = mapped_column(UtcText, index=True)
     actor: Mapped[str] = mapped_column(String(80))
     device: Mapped[str] = mapped_column(String(80), default="")
@@ -174,29 +178,30 @@ class AuditRow(Base):
     data: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
     previous_hash: Mapped[str] = mapped_column(String(64))
     hash: Mapped[str] = mapped_column(String(64))
+    __table_args__ = (Index("audit_by_farm", "farm_id", "seq"),)
 
 
 class EventRow(Base):
-    """An event of a robot, kept once by its id."""
+    """An event of a robot, kept once by robot and id: no robot can hide another's event by using its id."""
 
     __tablename__ = "event"
+    robot_id: Mapped[str] = mapped_column(String(64), primary_key=True)
     id: Mapped[str] = mapped_column(String(64), primary_key=True)
-    farm_id: Mapped[str] = mapped_column(ForeignKey("farm.id"), index=True)
-    robot_id: Mapped[str] = mapped_column(String(64))
+    farm_id: Mapped[str] = mapped_column(ForeignKey("farm.id"))
     mission_id: Mapped[str | None] = mapped_column(String(64), default=None)
     at: Mapped[datetime] = mapped_column(UtcText)
     kind: Mapped[str] = mapped_column(String(24))
     name: Mapped[str] = mapped_column(String(80))
     text: Mapped[str] = mapped_column(Text, default="")
     data: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)
-    __table_args__ = (Index("event_by_robot", "robot_id", "at"),)
+    __table_args__ = (Index("event_by_robot", "robot_id", "at"), Index("event_by_farm", "farm_id", "at"))
 
 
 class SampleRow(Base):
     """Down-sampled telemetry: one row a robot and period (1 s fresh, 10 s after a day, 60 s after a month)."""
 
     __tablename__ = "sample"
-    id: Mapped[int] = mapped_column(Integer, primary_key=True, autoincrement=True)
+    id: Mapped[int] = mapped_column(_SERIAL, primary_key=True, autoincrement=True)
     farm_id: Mapped[str] = mapped_column(ForeignKey("farm.id"))
     robot_id: Mapped[str] = mapped_column(String(64))
     mission_id: Mapped[str | None] = mapped_column(String(64), default=None)
@@ -214,13 +219,13 @@ class SampleRow(Base):
     mode: Mapped[str | None] = mapped_column(String(16), default=None)
     row: Mapped[int | None] = mapped_column(Integer, default=None)
     area_done_m2: Mapped[float | None] = mapped_column(Float, default=None)
-    __table_args__ = (Index("sample_by_robot", "robot_id", "at"),)
+    __table_args__ = (Index("sample_by_robot", "robot_id", "at"), Index("sample_by_period", "period_s", "at"))
 
 
 class CounterRow(Base):
     """A number that only grows, e.g. the lease epoch: fencing tokens stay ordered across restarts."""
 
     __tablename__ = "counter"
+    farm_id: Mapped[str] = mapped_column(ForeignKey("farm.id"), primary_key=True)
     name: Mapped[str] = mapped_column(String(64), primary_key=True)
-    farm_id: Mapped[str] = mapped_column(ForeignKey("farm.id"))
     value: Mapped[int] = mapped_column(Integer, default=0)

@@ -1,0 +1,37 @@
+"""The errors of everything that keeps records.
+
+::
+
+    StoreError
+    ├── DatabaseUnavailable   cannot be opened, is locked, or its disk is full; try again later
+    ├── DatabaseTooNew        made by a newer Headland
+    ├── AlreadyExists         the id is taken
+    ├── NotFound              no such row in this farm
+    └── StopListNotWritten    saved, but the STOP gateway could not be told
+"""
+
+from __future__ import annotations
+
+
+class StoreError(Exception):
+    """Root of all errors raised by ``hmi.store``."""
+
+
+class DatabaseUnavailable(StoreError):
+    """The database cannot be used now: not reachable, locked, or its disk is full."""
+
+
+class DatabaseTooNew(StoreError):
+    """The database was written by a newer version of Headland."""
+
+
+class AlreadyExists(StoreError):
+    """The id is taken."""
+
+
+class NotFound(StoreError):
+    """There is no such row in this farm."""
+
+
+class StopListNotWritten(StoreError):
+    """The change is saved, but the STOP gateway's list could not be written: STOP does not know of it yet."""

@@ -1,0 +1,16 @@
+"""Read by Alembic: run the steps on the connection that ``upgrade`` hands over."""
+
+from __future__ import annotations
+
+from alembic import context
+
+from hmi.store.tables import Base
+
+context.configure(
+    connection=context.config.attributes["connection"],
+    target_metadata=Base.metadata,
+    compare_type=True,
+    render_as_batch=True,
+    transactional_ddl=True,
+)
+context.run_migrations()

@@ -1,0 +1,94 @@
+"""What the STOP gateway must know, written to files so that it works without console and database.
+
+``robots.json`` and ``revoked.json`` in ``HEADLAND_DATA/stop``, as laid down in docs/protocols/stop.md.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+import threading
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import select, union
+
+from hmi.store.database import Database
+from hmi.store.errors import StopListNotWritten
+from hmi.store.tables import DeviceRow, RobotRow, SessionRow, UserRow
+
+
+class StopList:
+    """Writes both files of one farm. Blocking, any thread."""
+
+    def __init__(self, database: Database, farm_id: str, folder: Path) -> None:
+        self._database = database
+        self._farm_id = farm_id
+        self._folder = folder
+        self._one_at_a_time = threading.Lock()
+        self.is_written = False
+
+    def export(self) -> None:
+        """Write what the database says now; readers see the old or the new file, never half of one.
+
+        Raises:
+            StopListNotWritten: the files are as before; ``is_written`` is False until a later call succeeds.
+        """
+        with self._one_at_a_time:
+            self.is_written = False
+            robots, revoked = self._robots(), self._revoked()
+            try:
+                self._folder.mkdir(parents=True, exist_ok=True)
+                _replace(self._folder / "robots.json", robots)
+                _replace(self._folder / "revoked.json", revoked)
+            except OSError as error:
+                raise StopListNotWritten(f"the list of the STOP gateway was not written: {error.strerror}") from error
+            self.is_written = True
+
+    def _robots(self) -> list[dict[str, Any]]:
+        query = select(RobotRow).filter_by(farm_id=self._farm_id, removed_at=None).order_by(RobotRow.id)
+        with self._database.read() as session:
+            return [_entry(row) for row in session.scalars(query)]
+
+    def _revoked(self) -> list[str]:
+        """Return revoked devices, and the browsers of people who may no longer sign in."""
+        devices = select(DeviceRow.id).where(DeviceRow.farm_id == self._farm_id, DeviceRow.revoked_at.is_not(None))
+        enrolled = select(DeviceRow.id)
+        browsers = (
+            select(SessionRow.device_id)
+            .join(UserRow, UserRow.id == SessionRow.user_id)
+            .where(SessionRow.farm_id == self._farm_id, UserRow.is_active.is_(False))
+            .where(SessionRow.device_id.is_not(None), SessionRow.device_id.not_in(enrolled))
+        )
+        with self._database.read() as session:
+            return sorted(session.scalars(union(devices, browsers)))
+
+
+def _entry(row: RobotRow) -> dict[str, Any]:
+    return {
+        "id": row.id,
+        "name": row.name,
+        "http_url": row.http_url,
+        "token": row.http_token,
+        "decel_mps2": row.decel_mps2,
+        "ack_limit_s": row.ack_limit_s,
+        "standstill_limit_s": row.standstill_limit_s,
+        "keep_out_m": row.keep_out_m,
+        "contact_name": row.contact_name,
+        "contact_phone": row.contact_phone,
+    }
+
+
+def _replace(path: Path, value: Any) -> None:
+    """Write beside and rename; ``mkstemp`` makes it readable by the owner only, for it holds robot tokens."""
+    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    try:
+        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+            json.dump(value, file)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(name, path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
