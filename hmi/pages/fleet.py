@@ -1,0 +1,13 @@
+"""Fleet: every robot with its state, why it waits, link and battery."""
+
+from __future__ import annotations
+
+from components.live_element import LiveElement
+from hmi.pages.services import PageServices, Visitor
+
+
+def build(services: PageServices, visitor: Visitor) -> None:
+    """Lay out the list; the rows come from the live lane."""
+    with LiveElement("hl-screen", classes="h-screen", data_screen="fleet", data_title="Fleet"):
+        LiveElement("hl-fleet", classes="h-scroll h-fleet", hook="fleet")
+        LiveElement("hl-dock-hint", classes="h-dockbar", data_text="Open a robot to operate it.|This corner stops all robots.")

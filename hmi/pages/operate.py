@@ -1,0 +1,69 @@
+"""Operate: one robot, its map, its values, and what can be asked of it."""
+
+from __future__ import annotations
+
+from nicegui import ui
+
+from components.action_dock import ActionDock
+from components.hold_to_drive import HoldToDrive
+from components.live_element import LiveElement
+from components.mission_card import MissionCard
+from components.state_path import StatePath
+from components.telemetry_tile import TelemetryTile
+from hmi.domain.ids import is_id
+from hmi.domain.role import Permission
+from hmi.pages import live_map, notice
+from hmi.pages.services import PageServices, Visitor
+
+TILES = (
+    ("speed", "Speed"),
+    ("battery", "Battery"),
+    ("gnss", "RTK"),
+    ("delay", "Link delay"),
+    ("tool", "Tool"),
+    ("cross-track", "Off line"),
+)
+
+
+def build(services: PageServices, visitor: Visitor, robot_id: str) -> None:
+    """Lay out the screen of one robot; a robot nobody ever heard of gets a notice instead."""
+    robot = services.fleet.robot(robot_id) if is_id(robot_id) else None
+    if robot is None:
+        _unknown(robot_id)
+        return
+    if not services.authorise(visitor, Permission.WATCH, robot):
+        notice.build("operate", "lock", f"You may not watch {robot.name}", "It belongs to another farm.", "/fleet", "Fleet")
+        return
+    with LiveElement("hl-screen", classes="h-screen h-operate", data_screen="operate", data_robot=robot_id, data_title=robot.name):
+        with ui.element("section").classes("h-map").props('aria-label="Map"'):
+            live_map.place(robot_id)
+            with ui.element("div").classes("h-view h-seg").props('role="group" aria-label="View"'):
+                ui.html('<i class="h-i m" aria-hidden="true">map</i>Map', sanitize=False, tag="span").classes("on")
+            HoldToDrive()
+            LiveElement("hl-connecting", classes="h-connecting", data_name=robot.name)
+        with ui.element("aside").classes("h-side").props('aria-label="Values"'):
+            _panel()
+            ActionDock()
+
+
+def _panel() -> None:
+    LiveElement("hl-stop-card", classes="h-stopslot", hook="stop-card", hidden="")
+    LiveElement("hl-lease", classes="h-card h-lease", hidden="")
+    MissionCard()
+    LiveElement("hl-why", classes="h-card h-why", hook="robot-why", hidden="")
+    StatePath()
+    with ui.element("div").classes("h-tiles"):
+        for key, label in TILES:
+            TelemetryTile(key, label)
+
+
+def pick(services: PageServices, visitor: Visitor) -> None:
+    """Let the browser open the robot it showed last, else offer those there are."""
+    known = [r for r in services.fleet.robots() if services.authorise(visitor, Permission.WATCH, r)]
+    with LiveElement("hl-screen", classes="h-screen", data_screen="operate", data_title="Operate"):
+        LiveElement("hl-pick-robot", classes="h-scroll", data_known=" ".join(sorted(r.id for r in known if r.is_registered)))
+
+
+def _unknown(robot_id: str) -> None:
+    name = robot_id if is_id(robot_id) else "this address"
+    notice.build("operate", "help", f"No robot {name}", "It was never heard of here. Check the name.", "/operate", "Choose a robot")

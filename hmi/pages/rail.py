@@ -1,0 +1,44 @@
+"""Navigation by role: only screens that exist, only those a role may open."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from nicegui import ui
+
+from hmi.domain.role import Permission, Role, may
+from hmi.pages.services import Visitor
+
+
+@dataclass(frozen=True, slots=True)
+class Destination:
+    """One entry of the rail; ``needs`` is the right that opens the screen."""
+
+    name: str
+    label: str
+    icon: str
+    path: str
+    needs: Permission
+
+
+DESTINATIONS = (
+    Destination("operate", "Operate", "gamepad", "/operate", Permission.WATCH),
+    Destination("fleet", "Fleet", "lists", "/fleet", Permission.WATCH),
+    Destination("missions", "Missions", "route", "/missions", Permission.WATCH),
+    Destination("admin", "Admin", "tune", "/admin", Permission.MANAGE_USERS),
+)
+
+
+def destinations(role: Role) -> tuple[Destination, ...]:
+    """Return what a role sees, in order."""
+    return tuple(d for d in DESTINATIONS if may(role, d.needs))
+
+
+def build(visitor: Visitor) -> None:
+    """Lay out the rail; in portrait the style sheet moves it into the dock."""
+    with ui.element("nav").classes("h-rail").props('aria-label="Main"'):
+        for place in destinations(visitor.role):
+            link = ui.element("a").classes("h-nav").props(f'href={place.path} data-nav={place.name}')
+            with link.props(f"data-testid=nav-{place.name}"):
+                ui.html(f'<i class="h-i" aria-hidden="true">{place.icon}</i>', sanitize=False)
+                ui.label(place.label)

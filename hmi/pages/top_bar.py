@@ -1,0 +1,36 @@
+"""Top bar: logo, robot, mode, state, mission; link delay, faults, theme, clock, person."""
+
+from __future__ import annotations
+
+from nicegui import ui
+
+from components.live_element import LiveElement
+from components.mode_chip import ModeChip
+from hmi.pages.services import PageServices, Visitor
+
+LOGO = (
+    '<svg width="40" height="40" viewBox="0 0 40 40" fill="none" stroke="currentColor" stroke-width="3.4" '
+    'stroke-linecap="round" role="img" aria-label="Headland"><path d="M7 33V14a6.5 6.5 0 0 1 13 0v12a6.5 6.5 0 0 0 '
+    '13 0V7"/><path d="M28.5 10.5 33 5.5l4.5 5" stroke-linejoin="round"/></svg>'
+)
+
+
+def build(services: PageServices, visitor: Visitor | None) -> None:
+    """Lay out the bar; without a person only name, link, theme and clock."""
+    with ui.element("header").classes("h-top"):
+        ui.html(LOGO, sanitize=False).classes("h-logo")
+        if visitor is not None:
+            LiveElement("hl-robot-switch")
+            ModeChip()
+            LiveElement("hl-mission-name", classes="h-2 h-t14 h-ell")
+        title = LiveElement("hl-title", classes="h-title h-t18 h-b", data_farm=services.settings.farm_name)
+        if visitor is None:
+            title.props("data-fixed=Headland")
+        ui.element("span").classes("h-sp")
+        LiveElement("hl-link")
+        if visitor is not None:
+            LiveElement("hl-alarms", hook="alarm-counts")
+        LiveElement("hl-theme")
+        LiveElement("hl-clock")
+        if visitor is not None:
+            LiveElement("hl-user")
