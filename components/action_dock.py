@@ -9,4 +9,6 @@ class ActionDock(LiveElement):
     """Actions by state of the robot; each refused one keeps its place and says why."""
 
     def __init__(self) -> None:
-        super().__init__("hl-actions", hook="actions", classes="h-dockbar h-actions", aria_label="Actions", role="group")
+        super().__init__(
+            "hl-actions", hook="actions", classes="h-dockbar h-actions", aria_label="Actions", role="group"
+        )

@@ -7,7 +7,8 @@ from nicegui import ui
 from components.live_element import LiveElement
 from hmi.domain.role import Permission
 from hmi.pages import notice
-from hmi.pages.services import PageServices, Visitor
+from hmi.pages.services import PageServices
+from hmi.security.session_info import SessionInfo
 
 SECTIONS = (
     ("robots", "Robots", "smart_toy"),
@@ -18,16 +19,22 @@ SECTIONS = (
 )
 
 
-def build(services: PageServices, visitor: Visitor) -> None:
+def build(services: PageServices, session: SessionInfo) -> None:
     """Lay out the sections; everything they change goes through REST, which asks for the right again."""
-    if not services.authorise(visitor, Permission.MANAGE_USERS, None):
+    if services.refusal(session, Permission.MANAGE_USERS):
         notice.build("admin", "lock", "Admins only", "Ask an admin of this farm.", "/operate", "Operate")
         return
     with LiveElement("hl-screen", classes="h-screen h-admin", data_screen="admin", data_title="Admin"):
         with ui.element("div").classes("h-tabs h-seg").props('role="group" aria-label="Section"'):
             for name, label, icon in SECTIONS:
-                tab = ui.element("button").props(f'type=button data-tab={name} data-testid=admin-tab-{name}')
+                tab = ui.element("button").props(f"type=button data-tab={name} data-testid=admin-tab-{name}")
                 with tab:
-                    ui.html(f'<i class="h-i m" aria-hidden="true">{icon}</i>{label}', sanitize=False, tag="span").classes("h-row")
+                    ui.html(
+                        f'<i class="h-i m" aria-hidden="true">{icon}</i>{label}', sanitize=False, tag="span"
+                    ).classes("h-row")
         LiveElement("hl-admin", classes="h-scroll")
-        LiveElement("hl-dock-hint", classes="h-dockbar", data_text="Changes are written to the audit log.|This corner stops all robots.")
+        LiveElement(
+            "hl-dock-hint",
+            classes="h-dockbar",
+            data_text="Changes are written to the audit log.|This corner stops all robots.",
+        )

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from components.live_element import LiveElement
-from hmi.pages.services import PageServices, Visitor
+from hmi.pages.services import PageServices
+from hmi.security.session_info import SessionInfo
 
 
-def build(services: PageServices, visitor: Visitor) -> None:
+def build(services: PageServices, session: SessionInfo) -> None:
     """Lay out the list; the rows come from the live lane."""
     with LiveElement("hl-screen", classes="h-screen", data_screen="fleet", data_title="Fleet"):
         LiveElement("hl-fleet", classes="h-scroll h-fleet", hook="fleet")
-        LiveElement("hl-dock-hint", classes="h-dockbar", data_text="Open a robot to operate it.|This corner stops all robots.")
+        LiveElement(
+            "hl-dock-hint", classes="h-dockbar", data_text="Open a robot to operate it.|This corner stops all robots."
+        )

@@ -13,7 +13,8 @@ from components.telemetry_tile import TelemetryTile
 from hmi.domain.ids import is_id
 from hmi.domain.role import Permission
 from hmi.pages import live_map, notice
-from hmi.pages.services import PageServices, Visitor
+from hmi.pages.services import PageServices
+from hmi.security.session_info import SessionInfo
 
 TILES = (
     ("speed", "Speed"),
@@ -25,16 +26,19 @@ TILES = (
 )
 
 
-def build(services: PageServices, visitor: Visitor, robot_id: str) -> None:
+def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
     """Lay out the screen of one robot; a robot nobody ever heard of gets a notice instead."""
     robot = services.fleet.robot(robot_id) if is_id(robot_id) else None
     if robot is None:
         _unknown(robot_id)
         return
-    if not services.authorise(visitor, Permission.WATCH, robot):
-        notice.build("operate", "lock", f"You may not watch {robot.name}", "It belongs to another farm.", "/fleet", "Fleet")
+    problem = services.refusal(session, Permission.WATCH, robot_id)
+    if problem:
+        notice.build("operate", "lock", f"You may not watch {robot.name}", problem, "/fleet", "Fleet")
         return
-    with LiveElement("hl-screen", classes="h-screen h-operate", data_screen="operate", data_robot=robot_id, data_title=robot.name):
+    with LiveElement(
+        "hl-screen", classes="h-screen h-operate", data_screen="operate", data_robot=robot_id, data_title=robot.name
+    ):
         with ui.element("section").classes("h-map").props('aria-label="Map"'):
             live_map.place(robot_id)
             with ui.element("div").classes("h-view h-seg").props('role="group" aria-label="View"'):
@@ -57,13 +61,22 @@ def _panel() -> None:
             TelemetryTile(key, label)
 
 
-def pick(services: PageServices, visitor: Visitor) -> None:
+def pick(services: PageServices, session: SessionInfo) -> None:
     """Let the browser open the robot it showed last, else offer those there are."""
-    known = [r for r in services.fleet.robots() if services.authorise(visitor, Permission.WATCH, r)]
+    known = [r for r in services.fleet.robots() if not services.refusal(session, Permission.WATCH, r.id)]
     with LiveElement("hl-screen", classes="h-screen", data_screen="operate", data_title="Operate"):
-        LiveElement("hl-pick-robot", classes="h-scroll", data_known=" ".join(sorted(r.id for r in known if r.is_registered)))
+        LiveElement(
+            "hl-pick-robot", classes="h-scroll", data_known=" ".join(sorted(r.id for r in known if r.is_registered))
+        )
 
 
 def _unknown(robot_id: str) -> None:
     name = robot_id if is_id(robot_id) else "this address"
-    notice.build("operate", "help", f"No robot {name}", "It was never heard of here. Check the name.", "/operate", "Choose a robot")
+    notice.build(
+        "operate",
+        "help",
+        f"No robot {name}",
+        "It was never heard of here. Check the name.",
+        "/operate",
+        "Choose a robot",
+    )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from nicegui import ui
 
 from hmi.domain.role import Permission, Role, may
-from hmi.pages.services import Visitor
+from hmi.security.session_info import SessionInfo
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,11 +34,11 @@ def destinations(role: Role) -> tuple[Destination, ...]:
     return tuple(d for d in DESTINATIONS if may(role, d.needs))
 
 
-def build(visitor: Visitor) -> None:
+def build(session: SessionInfo) -> None:
     """Lay out the rail; in portrait the style sheet moves it into the dock."""
     with ui.element("nav").classes("h-rail").props('aria-label="Main"'):
-        for place in destinations(visitor.role):
-            link = ui.element("a").classes("h-nav").props(f'href={place.path} data-nav={place.name}')
+        for place in destinations(session.role):
+            link = ui.element("a").classes("h-nav").props(f"href={place.path} data-nav={place.name}")
             with link.props(f"data-testid=nav-{place.name}"):
                 ui.html(f'<i class="h-i" aria-hidden="true">{place.icon}</i>', sanitize=False)
                 ui.label(place.label)

@@ -13,7 +13,8 @@ from nicegui import ui
 from components.live_element import LiveElement
 from hmi.domain.role import PERMISSIONS
 from hmi.pages import admin, bundle, fleet, login, operate, rail, top_bar
-from hmi.pages.services import PageServices, Visitor
+from hmi.pages.services import PageServices
+from hmi.security.session_info import SessionInfo
 
 TITLE = "Headland"
 RECONNECT_S = 30.0  # a draft survives a ten second outage; our own heartbeat shows the outage after one second
@@ -23,47 +24,47 @@ def shell(services: PageServices) -> Callable[[], None]:
     """Return the root function for ``ui.run_with``."""
 
     def root() -> None:
-        visitor = services.visitor(ui.context.client.request)
-        _head(services, visitor)
-        with ui.element("div").classes("h-app").props(f'data-screen={"start" if visitor else "login"}'):
-            top_bar.build(services, visitor)
-            if visitor is not None:
-                rail.build(visitor)
+        session = services.session()
+        _head(services, session)
+        with ui.element("div").classes("h-app").props(f"data-screen={'start' if session else 'login'}"):
+            top_bar.build(services, session)
+            if session is not None:
+                rail.build(session)
             with ui.element("main").classes("h-main"):
                 LiveElement("hl-link-banner", hook="link-banner", data_state="ok", role="alert")
-                _screens(services, visitor)
+                _screens(services, session)
             ui.element("footer").classes("h-dock")
         LiveElement("hl-toasts", classes="h-toasts", hook="toast", role="status", aria_live="polite")
 
     return root
 
 
-def _screens(services: PageServices, visitor: Visitor | None) -> None:
-    if visitor is None:
+def _screens(services: PageServices, session: SessionInfo | None) -> None:
+    if session is None:
         login.build(services)
         return
     ui.sub_pages(
         {
-            "/": lambda: operate.pick(services, visitor),
-            "/operate": lambda: operate.pick(services, visitor),
-            "/operate/{robot}": lambda robot: operate.build(services, visitor, robot),
-            "/fleet": lambda: fleet.build(services, visitor),
-            "/missions": lambda: _missions(services, visitor),
-            "/admin": lambda: admin.build(services, visitor),
-            "/login": lambda: operate.pick(services, visitor),
+            "/": lambda: operate.pick(services, session),
+            "/operate": lambda: operate.pick(services, session),
+            "/operate/{robot}": lambda robot: operate.build(services, session, robot),
+            "/fleet": lambda: fleet.build(services, session),
+            "/missions": lambda: _missions(services, session),
+            "/admin": lambda: admin.build(services, session),
+            "/login": lambda: operate.pick(services, session),
         }
     )
 
 
-def _missions(services: PageServices, visitor: Visitor) -> None:
+def _missions(services: PageServices, session: SessionInfo) -> None:
     from hmi.pages import missions
 
     with LiveElement("hl-screen", classes="h-screen", data_screen="missions", data_title="Missions"):
-        missions.build(services, visitor)
+        missions.build(services, session)
 
 
-def _head(services: PageServices, visitor: Visitor | None) -> None:
-    text = json.dumps(_config(services, visitor)).replace("<", "\\u003c")
+def _head(services: PageServices, session: SessionInfo | None) -> None:
+    text = json.dumps(_config(services, session)).replace("<", "\\u003c")
     ui.add_head_html(
         f"<script>window.HEADLAND={text}</script>"
         f'<script src="{bundle.versioned("js/boot.js")}"></script>'
@@ -74,14 +75,14 @@ def _head(services: PageServices, visitor: Visitor | None) -> None:
     )
 
 
-def _config(services: PageServices, visitor: Visitor | None) -> dict[str, object]:
+def _config(services: PageServices, session: SessionInfo | None) -> dict[str, object]:
     settings = services.settings
     return {
-        "user": visitor and {"id": visitor.user_id, "name": visitor.user_name, "role": visitor.role.value},
-        "rights": sorted(p.value for p in PERMISSIONS[visitor.role]) if visitor else [],
-        "session": visitor.session_id if visitor else "",
-        "csrf": visitor.csrf if visitor else "",
-        "device": visitor.device_name if visitor else "",
+        "user": session and {"id": session.user_id, "name": session.user_name, "role": session.role.value},
+        "rights": sorted(p.value for p in PERMISSIONS[session.role]) if session else [],
+        "session": session.session_id if session else "",
+        "csrf": session.csrf if session else "",
+        "device": session.device_name if session else "",
         "lane": "/live",
         "api": "/api/v1",
         "stop": {"url": services.stop.public_url, "port": services.stop.port},

@@ -6,7 +6,8 @@ from nicegui import ui
 
 from components.live_element import LiveElement
 from components.mode_chip import ModeChip
-from hmi.pages.services import PageServices, Visitor
+from hmi.pages.services import PageServices
+from hmi.security.session_info import SessionInfo
 
 LOGO = (
     '<svg width="40" height="40" viewBox="0 0 40 40" fill="none" stroke="currentColor" stroke-width="3.4" '
@@ -15,22 +16,22 @@ LOGO = (
 )
 
 
-def build(services: PageServices, visitor: Visitor | None) -> None:
+def build(services: PageServices, session: SessionInfo | None) -> None:
     """Lay out the bar; without a person only name, link, theme and clock."""
     with ui.element("header").classes("h-top"):
         ui.html(LOGO, sanitize=False).classes("h-logo")
-        if visitor is not None:
+        if session is not None:
             LiveElement("hl-robot-switch")
             ModeChip()
             LiveElement("hl-mission-name", classes="h-2 h-t14 h-ell")
         title = LiveElement("hl-title", classes="h-title h-t18 h-b", data_farm=services.settings.farm_name)
-        if visitor is None:
+        if session is None:
             title.props("data-fixed=Headland")
         ui.element("span").classes("h-sp")
         LiveElement("hl-link")
-        if visitor is not None:
+        if session is not None:
             LiveElement("hl-alarms", hook="alarm-counts")
         LiveElement("hl-theme")
         LiveElement("hl-clock")
-        if visitor is not None:
+        if session is not None:
             LiveElement("hl-user")
