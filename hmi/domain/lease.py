@@ -96,7 +96,7 @@ class LeaseBook:
         self._epoch = epoch
         self._grants = 0
         self._leases: dict[str, Lease] = {}
-        self._seq: dict[str, int] = {}
+        self._seq: dict[int, int] = {}
 
     @property
     def is_low_on_tokens(self) -> bool:
@@ -124,11 +124,21 @@ class LeaseBook:
         return tuple(lease for lease in live if lease is not None and lease.holder.session_id == session_id)
 
     def next_seq(self, lease: Lease) -> int:
-        """Return the next order number under ``lease``; it starts at 1 with each token."""
-        if self._leases.get(lease.robot_id, lease).token != lease.token:
-            raise ValueError(f"lease {lease.token} of {lease.robot_id} is no longer in force")
-        self._seq[lease.robot_id] = self._seq.get(lease.robot_id, 0) + 1
-        return self._seq[lease.robot_id]
+        """Return the next order number under ``lease``; it starts at 1 with each token.
+
+        An ended lease still has numbers until ``forget``, for the one setpoint that brings the robot to rest.
+
+        Raises:
+            ValueError: the lease was forgotten.
+        """
+        if lease.token not in self._seq:
+            raise ValueError(f"lease {lease.token} of {lease.robot_id} is over")
+        self._seq[lease.token] += 1
+        return self._seq[lease.token]
+
+    def forget(self, lease: Lease) -> None:
+        """Let no further order be numbered under an ended lease."""
+        self._seq.pop(lease.token, None)
 
     def request(self, robot_id: str, holder: Holder, now_s: float) -> LeaseAnswer:
         """Take a free robot, or wait to be given a held one. Asking twice changes nothing."""
@@ -230,7 +240,7 @@ class LeaseBook:
             return LeaseAnswer(LeaseCode.NO_TOKENS, before)
         self._grants += 1
         token = self._epoch << TOKEN_BITS | self._grants
-        self._seq[robot_id] = 0
+        self._seq[token] = 0
         return LeaseAnswer(
             LeaseCode.GRANTED, self._put(Lease(robot_id, holder, token, now_s, now_s, asks)), ended=before
         )

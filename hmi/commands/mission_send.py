@@ -1,0 +1,88 @@
+"""Sending a stored mission to a robot: uploaded, read back, compared. It moves nothing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hmi.commands.gate import Gate
+from hmi.commands.ports import AuditEntry, AuditSink, LaneEvent, MissionSource, StoredMission
+from hmi.commands.refusal import BUSY, HASH_MISMATCH, UNKNOWN_MISSION, OrderRefused
+from hmi.domain.command import OrderFailed, OrderSender, Outcome
+from hmi.domain.robot import Robot
+from hmi.domain.role import Permission
+from hmi.security.session_info import SessionInfo
+
+
+@dataclass(frozen=True, slots=True)
+class MissionSent:
+    """What became of sending; ``sha256`` is the hash the robot read back, if it did."""
+
+    outcome: Outcome
+    code: str
+    text: str
+    sha256: str | None = None
+
+
+class MissionSender:
+    """Uploads missions, one at a time and robot."""
+
+    def __init__(
+        self, gate: Gate, source: MissionSource, sender: OrderSender, audit: AuditSink, on_event: LaneEvent
+    ) -> None:
+        self._gate, self._source, self._sender = gate, source, sender
+        self._audit, self._on_event = audit, on_event
+        self._busy: set[str] = set()
+
+    async def send(self, actor: SessionInfo, robot_id: str, mission_id: str) -> MissionSent:
+        """Send a stored mission; only a robot that read back the same hash has it."""
+        try:
+            robot = self._gate.right(actor, Permission.SEND_MISSION, robot_id)
+            if robot_id in self._busy:
+                raise OrderRefused(BUSY, f"{robot.name} is getting a mission already.")
+        except OrderRefused as refused:
+            return self._settle(actor, robot_id, mission_id, MissionSent(Outcome.REJECTED, refused.code, refused.text))
+        self._busy.add(robot_id)
+        try:
+            return self._settle(actor, robot_id, mission_id, await self._upload(actor, robot, mission_id))
+        finally:
+            self._busy.discard(robot_id)
+
+    async def _upload(self, actor: SessionInfo, robot: Robot, mission_id: str) -> MissionSent:
+        stored = await self._source.stored(actor.farm_id, mission_id, robot.id)
+        if stored is None:
+            return MissionSent(Outcome.REJECTED, UNKNOWN_MISSION, "There is no such mission.")
+        try:
+            answer = await self._sender.upload_mission(robot.id, dict(stored.document))
+        except OrderFailed as failed:
+            outcome = Outcome.REJECTED if failed.is_outcome_known else Outcome.UNKNOWN
+            return MissionSent(outcome, failed.code, failed.text)
+        if not answer.is_accepted:
+            return MissionSent(Outcome.REJECTED, answer.code, answer.text, answer.sha256)
+        if answer.sha256 != stored.sha256:
+            text = f"{robot.name} read back another mission than was sent. Do not start it; send it again."
+            return MissionSent(Outcome.REJECTED, HASH_MISMATCH, text, answer.sha256)
+        await self._source.sent(actor.farm_id, mission_id, robot.id, actor.user_name)
+        return MissionSent(Outcome.ACCEPTED, "ok", _sent_text(robot, stored), answer.sha256)
+
+    def _settle(self, actor: SessionInfo, robot_id: str, mission_id: str, result: MissionSent) -> MissionSent:
+        data = {"mission_id": mission_id, "code": result.code, "sha256": result.sha256}
+        self._audit.append(
+            AuditEntry(
+                farm_id=actor.farm_id,
+                actor=actor.user_name,
+                device=actor.device_name,
+                kind="mission",
+                outcome=result.outcome.value,
+                robot_id=robot_id,
+                ref=mission_id,
+                text=result.text,
+                data=data,
+            )
+        )
+        event = {"kind": "mission", "robot": robot_id, "outcome": result.outcome.value, "text": result.text}
+        self._on_event({**event, **data, "by": actor.user_name})
+        return result
+
+
+def _sent_text(robot: Robot, stored: StoredMission) -> str:
+    return f"{robot.name} has {stored.name} and read it back. Sending does not move the robot."

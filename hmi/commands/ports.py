@@ -1,0 +1,78 @@
+"""What the command services need from the rest of the console, as narrow protocols."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from hmi.domain.robot import Robot
+
+
+class TickJudge(Protocol):
+    """Knows which ticks of the live lane were issued and when."""
+
+    def is_fresh(self, tick_id: str) -> bool:
+        """Say whether this tick is at most 2 s old on the console's monotonic clock."""
+        ...
+
+    def age_s(self, tick_id: str) -> float | None:
+        """Return the age of a tick, ``None`` for one never issued or forgotten."""
+        ...
+
+
+class FleetReader(Protocol):
+    """The newest known state of every robot."""
+
+    def robot(self, robot_id: str) -> Robot | None:
+        """Return all that is known of one robot, ``None`` if it was never heard of."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class AuditEntry:
+    """One line of the audit, before it is numbered, stamped and hashed."""
+
+    farm_id: str
+    actor: str
+    device: str
+    kind: str
+    outcome: str
+    robot_id: str | None = None
+    ref: str = ""
+    text: str = ""
+    data: Mapping[str, Any] | None = None
+
+
+class AuditSink(Protocol):
+    """Takes audit lines without ever making the caller wait."""
+
+    def append(self, entry: AuditEntry) -> None:
+        """Queue one line; never blocks, never raises."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class StoredMission:
+    """A stored mission as it goes to a robot, with the hash the robot must read back."""
+
+    mission_id: str
+    name: str
+    document: Mapping[str, Any]
+    sha256: str
+
+
+class MissionSource(Protocol):
+    """Where stored missions come from."""
+
+    async def stored(self, farm_id: str, mission_id: str, robot_id: str) -> StoredMission | None:
+        """Return a mission of this farm as it goes to this robot, ``None`` if there is none."""
+        ...
+
+    async def sent(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> None:
+        """Note that the robot holds this mission now."""
+        ...
+
+
+LaneEvent = Callable[[dict[str, Any]], None]
+"""Hands a discrete event to every open lane, see ``{"k":"event"}`` in docs/protocols/lane.md."""

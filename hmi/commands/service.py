@@ -1,0 +1,110 @@
+"""Commands from a screen to a robot: every question asked, sent once, answered honestly.
+
+The way is docs/architecture.md: authorise, lease, freshness, send, await, audit. A command whose tick is older
+than 2 s is refused, whatever it is: nothing executes late after any outage. Only STOP is exempt, and lives apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from hmi.commands.gate import Gate
+from hmi.commands.lease_service import LeaseService
+from hmi.commands.ledger import CommandResult, OrderLedger, Ticket
+from hmi.commands.refusal import ACTION_PERMISSION, NO_LEASE, WRONG_MISSION, OrderRefused
+from hmi.domain.command import LEASED_ACTIONS, Action, CommandOrder
+from hmi.domain.robot import Order, OrderStatus, Robot
+from hmi.security.session_info import SessionInfo
+
+TTL_MS = 2000  # the robot refuses the order when it is older by its own clock
+_MOVING = frozenset({Action.START, Action.RESUME, Action.RETURN_HOME, Action.DRIVE_OPEN})
+
+
+@dataclass(frozen=True, slots=True)
+class CommandRequest:
+    """What a screen asks for; ``tick_id`` is the newest tick the screen had when the person decided."""
+
+    robot_id: str
+    action: Action
+    command_id: str
+    tick_id: str
+    mission_id: str | None = None
+
+
+class CommandService:
+    """Sends instant actions. Refusals are results with code and sentence, never exceptions."""
+
+    def __init__(self, gate: Gate, leases: LeaseService, ledger: OrderLedger) -> None:
+        self._gate, self._leases, self._ledger = gate, leases, ledger
+
+    async def submit(self, actor: SessionInfo, request: CommandRequest) -> CommandResult:
+        """Send one command and return what became of it within 2 s.
+
+        The same ``command_id`` from the same browser returns the same result and acts once.
+        """
+        action = request.action
+        ticket = Ticket(
+            kind="command",
+            ref=request.command_id,
+            robot_id=request.robot_id,
+            what=action.value,
+            actor=actor,
+            content=(request.mission_id or "",),
+            is_urgent=action not in LEASED_ACTIONS,
+        )
+        try:
+            robot = self._gate.right(actor, ACTION_PERMISSION[action], request.robot_id)
+        except OrderRefused as refused:
+            return self._ledger.refuse(ticket, refused)
+        return await self._ledger.place(ticket, lambda: self._order(actor, robot, request))
+
+    async def close_drive(self, actor: SessionInfo, robot_id: str, command_id: str) -> CommandResult:
+        """End manual driving for the holder because nothing was pressed for long; moves nothing, takes nothing."""
+        ticket = Ticket("command", command_id, robot_id, Action.DRIVE_CLOSE.value, actor, ("no input",))
+
+        def prepare() -> CommandOrder:
+            robot = self._gate.right(actor, ACTION_PERMISSION[Action.DRIVE_CLOSE], robot_id)
+            if self._leases.holds(actor.session_id, robot_id) is None:
+                raise OrderRefused(NO_LEASE, "Control has ended already.")
+            return self._build(actor, robot, Action.DRIVE_CLOSE, command_id, mission=None)
+
+        return await self._ledger.place(ticket, prepare)
+
+    def _order(self, actor: SessionInfo, robot: Robot, request: CommandRequest) -> CommandOrder:
+        self._gate.decided_now(request.tick_id)
+        if request.action in _MOVING:
+            self._gate.may_move(robot)
+        mission = _mission(robot, request)
+        return self._build(actor, robot, request.action, request.command_id, mission=mission)
+
+    def _build(
+        self, actor: SessionInfo, robot: Robot, action: Action, command_id: str, *, mission: Order | None
+    ) -> CommandOrder:
+        challenge = self._gate.challenge(robot)
+        token, seq = 0, 0
+        if action in LEASED_ACTIONS:
+            lease = self._leases.control(actor, robot)
+            token, seq = lease.token, self._leases.next_seq(lease)
+        return CommandOrder(
+            robot_id=robot.id,
+            command_id=command_id,
+            action=action,
+            by=actor.user_name,
+            lease_token=token,
+            lease_seq=seq,
+            ttl_ms=TTL_MS,
+            challenge=challenge,
+            mission_id=mission.mission_id if mission is not None else None,
+            mission_sha256=mission.sha256 if mission is not None else None,
+            is_supervised=mission.is_supervised if mission is not None else True,
+        )
+
+
+def _mission(robot: Robot, request: CommandRequest) -> Order | None:
+    """Return the mission to name in the order: the one on the robot, which must be the one on the screen."""
+    loaded = robot.state.order if robot.state is not None else None
+    if loaded is not None and loaded.status is OrderStatus.NONE:
+        loaded = None
+    if request.mission_id is not None and (loaded is None or loaded.mission_id != request.mission_id):
+        raise OrderRefused(WRONG_MISSION, f"{robot.name} holds another mission than this screen. Send this one first.")
+    return loaded if request.action in (Action.START, Action.RESUME) else None
