@@ -104,8 +104,8 @@ class CommandDesk:
 
     async def tend(self) -> None:
         """Do once what ``start`` does twice a second."""
-        await self.leases.tend()
         await self.drive.tend()
+        await self.leases.tend()
 
     async def _tend(self) -> None:
         while True:
