@@ -18,7 +18,15 @@ from typing import Any, ParamSpec, TypeVar
 
 from sqlalchemy import Connection, Engine, create_engine, event, text
 from sqlalchemy.engine import URL, make_url
-from sqlalchemy.exc import IntegrityError, OperationalError
+from sqlalchemy.exc import (
+    DatabaseError,
+    IntegrityError,
+    InterfaceError,
+    InternalError,
+    OperationalError,
+    SQLAlchemyError,
+)
+from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.orm import Session
 
 from hmi.store.errors import AlreadyExists, DatabaseUnavailable
@@ -111,8 +119,16 @@ def _translated() -> Iterator[None]:
         yield
     except IntegrityError as error:
         raise AlreadyExists(str(error.orig)) from error
-    except OperationalError as error:
-        raise DatabaseUnavailable(f"the database cannot be used now: {error.orig}") from error
+    except (OperationalError, InterfaceError, InternalError, PoolTimeout) as error:
+        raise DatabaseUnavailable(f"the database cannot be used now: {_cause(error)}") from error
+    except DatabaseError as error:
+        if type(error) is not DatabaseError:  # a mistake in a statement is ours, not the disk's
+            raise
+        raise DatabaseUnavailable(f"the database cannot be used now: {_cause(error)}") from error
+
+
+def _cause(error: SQLAlchemyError) -> object:
+    return getattr(error, "orig", None) or error
 
 
 def _make_engine(url: URL) -> Engine:
