@@ -1,0 +1,182 @@
+"""All STOP presses that are not reset, as the gateway and the console's second path each keep them.
+
+Pure: the caller gives the time, sends what ``due`` names and tells what came back.
+Every method that can change something returns the attempts that changed, newest state.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from datetime import datetime
+from typing import Any
+
+from hmi.domain.stop import SafetyReport, StopAnswer, StopAttempt, StopState, StopTarget
+
+MAX_OPEN_PER_ROBOT = 64  # as many as a robot lists; beyond, the oldest press is covered by 64 newer ones
+MAX_FINISHED = 256  # so that somebody who asks late still reads "reset"
+
+Key = tuple[str, str]
+
+
+class ReportOrder:
+    """Tells reports that arrive late, by whichever path, from new ones."""
+
+    def __init__(self) -> None:
+        self._newest: dict[str, tuple[str, float]] = {}
+        self._gone: dict[str, set[str]] = {}
+
+    def is_new(self, robot_id: str, report: SafetyReport) -> bool:
+        """Say whether ``report`` is as new as any before it, and remember it if so."""
+        boot, at_s = self._newest.get(robot_id, ("", float("-inf")))
+        if report.boot == boot:
+            if report.at_s < at_s:
+                return False
+        elif report.boot in self._gone.get(robot_id, ()):
+            return False
+        elif boot:
+            self._gone.setdefault(robot_id, set()).add(boot)
+        self._newest[robot_id] = (report.boot, report.at_s)
+        return True
+
+
+class StopBook:
+    """The presses, keyed by stop id and robot."""
+
+    def __init__(self) -> None:
+        self._open: dict[Key, StopAttempt] = {}
+        self._by_robot: dict[str, list[Key]] = {}
+        self._finished: OrderedDict[Key, StopAttempt] = OrderedDict()
+        self._order = ReportOrder()
+
+    def __len__(self) -> int:
+        return len(self._open)
+
+    def press(
+        self,
+        stop_id: str,
+        target: StopTarget,
+        by: str,
+        device: str,
+        *,
+        now_s: float,
+        utc: datetime,
+        speed_mps: float | None = None,
+    ) -> StopAttempt:
+        """Note a press, or one more copy of it; what is open afterwards is due at once."""
+        key = (stop_id, target.id)
+        known = self._open.get(key) or self._finished.get(key)
+        if known is not None:
+            return self._keep(key, known.at(now_s).pressed_again(now_s))
+        attempt = StopAttempt.press(stop_id, target, by, device, now_s=now_s, utc=utc, speed_mps=speed_mps)
+        self._add(attempt)
+        return attempt
+
+    def restore(self, attempts: Iterable[StopAttempt]) -> None:
+        """Take over presses from before a restart."""
+        for attempt in attempts:
+            self._add(attempt)
+
+    def has(self, stop_id: str, robot_id: str) -> bool:
+        """Say whether this press at this robot is known, open or finished."""
+        return (stop_id, robot_id) in self._open or (stop_id, robot_id) in self._finished
+
+    def attempts(self) -> list[StopAttempt]:
+        """Return every press that is not reset, oldest first."""
+        return list(self._open.values())
+
+    def attempts_at(self, robot_id: str) -> list[StopAttempt]:
+        """Return the open presses at one robot, oldest first."""
+        return [self._open[key] for key in self._by_robot.get(robot_id, ())]
+
+    def steps(self, now_s: float, stop_id: str | None = None) -> list[dict[str, Any]]:
+        """Return the step of every open press, or of every robot of one press, finished or not."""
+        if stop_id is None:
+            return [attempt.step(now_s) for attempt in self._open.values()]
+        both = [*self._open.values(), *self._finished.values()]
+        return [attempt.step(now_s) for attempt in both if attempt.stop_id == stop_id]
+
+    def due(self, now_s: float) -> list[StopAttempt]:
+        """Return what must be sent now, newest press first."""
+        return [attempt for attempt in reversed(self._open.values()) if attempt.is_due(now_s)]
+
+    def next_due_s(self) -> float | None:
+        """Return when ``due`` or ``tick`` has something to do next, ``None`` if never by time alone."""
+        times = [a.next_send_s for a in self._open.values()]
+        times += [change for a in self._open.values() if (change := a.next_change_s) is not None]
+        return min(times, default=None)
+
+    def tick(self, now_s: float) -> list[StopAttempt]:
+        """Let limits run out."""
+        return self._each(list(self._open), lambda attempt: attempt.at(now_s))
+
+    def sent(self, attempt: StopAttempt, now_s: float, *, by_mqtt: bool) -> None:
+        """Note that copies of ``attempt`` went out."""
+        key = (attempt.stop_id, attempt.robot_id)
+        if key in self._open:
+            self._keep(key, self._open[key].sent(now_s, by_mqtt=by_mqtt))
+
+    def carried_by_http(self, stop_id: str, robot_id: str, sent_s: float) -> None:
+        """Note that the robot's HTTP endpoint took the copy that left at ``sent_s``."""
+        key = (stop_id, robot_id)
+        if key in self._open:
+            self._keep(key, self._open[key].carried_by_http(sent_s))
+
+    def answered(self, stop_id: str, robot_id: str, answer: StopAnswer, now_s: float) -> list[StopAttempt]:
+        """Apply the robot's answer to one press."""
+        return self._each([(stop_id, robot_id)], lambda attempt: attempt.answered(now_s, answer))
+
+    def reported(self, robot_id: str, report: SafetyReport, now_s: float) -> list[StopAttempt]:
+        """Apply a safety report; one that is older than another already seen changes nothing."""
+        if not self._order.is_new(robot_id, report):
+            return []
+        return self._each(self._keys_at(robot_id), lambda attempt: attempt.reported(now_s, report))
+
+    def returned(self, robot_id: str, now_s: float) -> None:
+        """The robot is back: what it has not confirmed is due at once."""
+        self._each(self._keys_at(robot_id), lambda attempt: attempt.returned(now_s))
+
+    def path_returned(self, now_s: float) -> None:
+        """A path to all robots is back: what is not confirmed is due at once."""
+        self._each(list(self._open), lambda attempt: attempt.returned(now_s))
+
+    def withdraw(self, robot_id: str, text: str) -> list[StopAttempt]:
+        """End the presses at a robot that was taken out of the registry."""
+        gone = self._keys_at(robot_id)
+        return self._each(gone, lambda attempt: replace(attempt, state=StopState.RESET, text=text))
+
+    def _keys_at(self, robot_id: str) -> list[Key]:
+        return list(self._by_robot.get(robot_id, ()))
+
+    def _each(self, keys: list[Key], change: Callable[[StopAttempt], StopAttempt]) -> list[StopAttempt]:
+        changed = []
+        for key in keys:
+            before = self._open.get(key)
+            if before is None:
+                continue
+            after = change(before)
+            if after is not before and after != before:
+                self._keep(key, after)
+                changed.append(after)
+        return changed
+
+    def _add(self, attempt: StopAttempt) -> None:
+        keys = self._by_robot.setdefault(attempt.robot_id, [])
+        if len(keys) >= MAX_OPEN_PER_ROBOT:
+            self._open.pop(keys.pop(0), None)
+        key = (attempt.stop_id, attempt.robot_id)
+        if key not in self._open:
+            keys.append(key)
+        self._open[key] = attempt
+
+    def _keep(self, key: Key, attempt: StopAttempt) -> StopAttempt:
+        if attempt.is_open:
+            self._open[key] = attempt
+            return attempt
+        if self._open.pop(key, None) is not None:
+            self._by_robot[attempt.robot_id].remove(key)
+        self._finished[key] = attempt
+        while len(self._finished) > MAX_FINISHED:
+            self._finished.popitem(last=False)
+        return attempt

@@ -1,0 +1,244 @@
+"""STOP from a press to a confirmed standstill: sends, repeats, listens, and never gives up by itself."""
+
+from __future__ import annotations
+
+import asyncio
+import secrets
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from backend_clients.edge import messages_up as up
+from hmi.clock import Clock
+from hmi.domain.stop import StopAnswer, StopAttempt
+from hmi.domain.stop_book import StopBook
+from hmi.domain.stop_token import StopToken
+from hmi.stop_gateway.errors import TooManyRobots
+from hmi.stop_gateway.http_path import HttpEvents, HttpPath
+from hmi.stop_gateway.registry import Registry
+from hmi.stop_gateway.watch import RobotWatch
+from hmi.stop_gateway.wire import BrokerWire, Heard, LinkChanged, answer_of, report_of
+
+MAX_UNKNOWN_ROBOTS = 64  # never registered, never heard: more than that is not a farm
+MAX_AT_ONCE = 8  # copies of different presses for one robot in one round; the least sent go first
+POLL_S = 0.2  # the robot's HTTP safety state while a press is not confirmed
+POLL_IF_OLDER_S = 0.3  # no question while MQTT brings the answer at 5 to 10 Hz
+ASK_S, ASK_MAX_S = 1.0, 8.0  # signs of life by HTTP from robots that are silent on MQTT
+PING_S = (0.9, 1.5)  # jittered: the robot echoes one nonce a heartbeat, and the console measures too
+LONGEST_WAIT_S = 0.1
+
+Changed = Callable[[list[StopAttempt]], None]
+
+
+class StopDispatcher:
+    """All presses of the farm and the two paths to its robots.
+
+    Args:
+        on_changed: told every attempt whose state, times or paths moved on; must not block.
+    """
+
+    def __init__(
+        self, clock: Clock, registry: Registry, on_changed: Changed, broker_url: str, *, broker_ca: str | None = None
+    ) -> None:
+        self._clock = clock
+        self._on_changed = on_changed
+        self.registry = registry
+        self.book = StopBook()
+        self.watch = RobotWatch()
+        self.wire = BrokerWire(broker_url, self._hear, ca_file=broker_ca)
+        self._http = HttpPath(HttpEvents(self._answered_by_http, self._safety_by_http))
+        self._wake = asyncio.Event()
+        self._ask_at: dict[str, float] = {}
+        self._ask_pause: dict[str, float] = {}
+        self._pings: dict[str, tuple[str, float]] = {}
+        self._unknown: set[str] = set()
+
+    # -- browsers ---------------------------------------------------------------------------------------
+
+    def press(self, stop_id: str, robots: Sequence[str] | str, token: StopToken) -> list[dict[str, Any]]:
+        """Send STOP to ``robots`` (or ``"all"``) at once, on every path; return the steps.
+
+        Raises:
+            TooManyRobots: it names more robots that nobody knows than the gateway keeps.
+        """
+        now_s = self._clock.mono_s()
+        utc = self._clock.utc()
+        attempts = []
+        for robot_id in self._everyone() if isinstance(robots, str) else dict.fromkeys(robots):
+            self._admit(robot_id)
+            speed = self.watch.speed_mps(robot_id, now_s)
+            target = self.registry.target(robot_id)
+            attempts.append(
+                self.book.press(stop_id, target, token.who, token.device_name, now_s=now_s, utc=utc, speed_mps=speed)
+            )
+        for attempt in attempts:
+            if attempt.is_open:
+                self._send(attempt, now_s)
+        self._wake.set()
+        self._on_changed([self._newest(attempt) for attempt in attempts])
+        return self.book.steps(now_s, stop_id)
+
+    def steps(self, stop_id: str | None = None) -> list[dict[str, Any]]:
+        """Return the steps of one press, or of all that are not reset."""
+        return self.book.steps(self._clock.mono_s(), stop_id)
+
+    def heartbeat(self) -> dict[str, Any]:
+        """Return the robots of the ``hb`` frame: all registered, and those with an open press."""
+        now_s = self._clock.mono_s()
+        names = {robot_id: entry.name or robot_id for robot_id, entry in self.registry.robots.items()}
+        for robot_id in self._everyone():
+            names.setdefault(robot_id, robot_id)
+        for attempt in self.book.attempts():
+            names.setdefault(attempt.robot_id, attempt.target.name)
+        return {robot_id: self.watch.line(robot_id, name, now_s) for robot_id, name in names.items()}
+
+    def _everyone(self) -> list[str]:
+        """Return what ``all`` means: the registered robots; before the first list, whoever was heard."""
+        return list(self.registry.robots) if self.registry.is_known else self.watch.known()
+
+    def _admit(self, robot_id: str) -> None:
+        if robot_id in self.registry.robots or self.watch.of(robot_id).heard_s is not None:
+            return
+        if robot_id not in self._unknown and len(self._unknown) >= MAX_UNKNOWN_ROBOTS:
+            raise TooManyRobots(f"{robot_id} is unknown, and so are {MAX_UNKNOWN_ROBOTS} others.")
+        self._unknown.add(robot_id)
+
+    def _newest(self, attempt: StopAttempt) -> StopAttempt:
+        for other in self.book.attempts_at(attempt.robot_id):
+            if other.stop_id == attempt.stop_id:
+                return other
+        return attempt
+
+    # -- time -------------------------------------------------------------------------------------------
+
+    async def run(self) -> None:
+        """Repeat, let limits run out, ask silent robots; until cancelled."""
+        while True:
+            now_s = self._clock.mono_s()
+            self._changed(self.book.tick(now_s))
+            self._send_due(now_s)
+            self._ask(now_s)
+            self._wake.clear()
+            next_s = self.book.next_due_s()
+            wait_s = LONGEST_WAIT_S if next_s is None else min(max(next_s - now_s, 0.005), LONGEST_WAIT_S)
+            try:
+                await asyncio.wait_for(self._wake.wait(), wait_s)
+            except TimeoutError:
+                continue
+
+    async def ping(self) -> None:
+        """Measure the round trip to every robot, for ever."""
+        low_s, high_s = PING_S
+        while True:
+            await asyncio.sleep(low_s + (high_s - low_s) * secrets.randbelow(1000) / 1000)
+            nonce = f"stop-{secrets.token_hex(6)}"
+            for robot_id in list(self.registry.robots)[:100]:  # a round trip is shown, not relied on
+                if self.watch.of(robot_id).heard_s is not None and self.wire.ping(robot_id, nonce):
+                    self._pings[robot_id] = (nonce, self._clock.mono_s())
+
+    async def close(self) -> None:
+        """Close the HTTP connections; the broker connection is closed by its owner."""
+        await self._http.close()
+
+    def restore(self, attempts: list[StopAttempt]) -> None:
+        """Go on with the presses of before a restart, at once."""
+        self.book.restore(attempts)
+        self._wake.set()
+
+    async def refresh(self) -> bool:
+        """Follow the console's files; return whether the robots changed."""
+        before = set(self.registry.robots)
+        if not await asyncio.to_thread(self.registry.refresh):
+            return False
+        self._http.follow(self.registry.robots)
+        for robot_id in before - set(self.registry.robots):
+            self._changed(self.book.withdraw(robot_id, "The robot was taken out of the registry."))
+        return True
+
+    def _send_due(self, now_s: float) -> None:
+        by_robot: dict[str, list[StopAttempt]] = defaultdict(list)
+        for attempt in self.book.due(now_s):
+            by_robot[attempt.robot_id].append(attempt)
+        for attempts in by_robot.values():
+            for attempt in sorted(attempts, key=lambda a: a.count)[:MAX_AT_ONCE]:
+                self._send(attempt, now_s)
+
+    def _send(self, attempt: StopAttempt, now_s: float) -> None:
+        by_mqtt = self.wire.send(attempt)
+        self._http.send(attempt, now_s)
+        self.book.sent(attempt, now_s, by_mqtt=by_mqtt)
+
+    def _ask(self, now_s: float) -> None:
+        unsure = {attempt.robot_id for attempt in self.book.attempts() if attempt.wants_sending}
+        for robot_id in self.registry.robots:
+            if not self._http.has(robot_id) or now_s < self._ask_at.get(robot_id, 0.0):
+                continue
+            heard = self.watch.of(robot_id)
+            if robot_id in unsure:
+                if heard.report_s is None or now_s - heard.report_s > POLL_IF_OLDER_S:
+                    self._ask_at[robot_id] = now_s + POLL_S
+                    self._http.ask(robot_id)
+            elif heard.heard_s is None or heard.via == "http" or now_s - heard.heard_s > ASK_S:
+                self._ask_at[robot_id] = now_s + self._ask_pause.get(robot_id, ASK_S)
+                self._http.ask(robot_id)
+
+    # -- robots -----------------------------------------------------------------------------------------
+
+    def _hear(self, batch: list[Heard]) -> None:
+        now_s = self._clock.mono_s()
+        for message in batch:
+            match message:
+                case up.Ack():
+                    self._heard(message.robot, now_s)
+                    if message.kind == "stop":
+                        self._changed(self.book.answered(message.ref, message.robot, answer_of(message), now_s))
+                case up.Safety():
+                    self._heard(message.robot, now_s)
+                    self._reported(message, now_s)
+                case up.Heartbeat():
+                    self._heard(message.robot, now_s)
+                    self._echoed(message, now_s)
+                case up.Presence() if message.online:
+                    self.book.returned(message.robot, now_s)
+                    self._wake.set()
+                case LinkChanged(is_up=True):
+                    self.book.path_returned(now_s)
+                    self._wake.set()
+
+    def _heard(self, robot_id: str, now_s: float, via: str = "mqtt") -> None:
+        if self.watch.heard(robot_id, now_s, via):
+            self.book.returned(robot_id, now_s)
+            self._wake.set()
+
+    def _reported(self, safety: up.Safety, now_s: float) -> None:
+        report = report_of(safety)
+        self.watch.reported(safety.robot, report, now_s)
+        self._changed(self.book.reported(safety.robot, report, now_s))
+
+    def _echoed(self, heartbeat: up.Heartbeat, now_s: float) -> None:
+        nonce, sent_s = self._pings.get(heartbeat.robot, ("", 0.0))
+        if nonce and heartbeat.echo_nonce == nonce:
+            del self._pings[heartbeat.robot]
+            self.watch.measured(heartbeat.robot, max(0.0, now_s - sent_s - heartbeat.echo_held_ms / 1000), now_s)
+
+    def _answered_by_http(self, attempt: StopAttempt, ack: up.Ack | StopAnswer, left_s: float) -> None:
+        now_s = self._clock.mono_s()
+        self.book.carried_by_http(attempt.stop_id, attempt.robot_id, left_s)
+        if isinstance(ack, up.Ack):
+            self._heard(attempt.robot_id, now_s, "http")
+            ack = answer_of(ack)
+        self._changed(self.book.answered(attempt.stop_id, attempt.robot_id, ack, now_s))
+
+    def _safety_by_http(self, robot_id: str, safety: up.Safety | None) -> None:
+        now_s = self._clock.mono_s()
+        if safety is None:
+            self._ask_pause[robot_id] = min(self._ask_pause.get(robot_id, ASK_S) * 2, ASK_MAX_S)
+            return
+        self._ask_pause.pop(robot_id, None)
+        self._heard(robot_id, now_s, "http")
+        self._reported(safety, now_s)
+
+    def _changed(self, attempts: list[StopAttempt]) -> None:
+        if attempts:
+            self._wake.set()
+            self._on_changed(attempts)
