@@ -7,9 +7,7 @@ never a zero. Times are on the console's monotonic clock (``Clock.mono_s``).
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from datetime import datetime
 from enum import StrEnum
-from typing import Any
 
 
 class Family(StrEnum):
@@ -188,24 +186,6 @@ class SafetyState:
     tool_off: bool
     presses: tuple[Press, ...]
     stopping_distance_m: float | None
-    stamp: Stamp
-
-
-@dataclass(frozen=True, slots=True)
-class RobotEvent:
-    """Something that happened at the robot, told once.
-
-    ``kind`` is state_entered, state_left, alarm_raised, alarm_cleared, treatment, mission or safety;
-    ``at`` is the console's UTC at the moment it was true.
-    """
-
-    robot_id: str
-    event_id: str
-    kind: str
-    name: str
-    text: str
-    data: dict[str, Any]
-    at: datetime
     stamp: Stamp
 
 

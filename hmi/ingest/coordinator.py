@@ -20,7 +20,8 @@ from backend_clients.edge.topics import Address, Up, every_robot
 from backend_clients.errors import MalformedPayload, OversizedPayload, WireError, WrongIdentity
 from hmi.clock import Clock
 from hmi.domain.command import Acknowledgement
-from hmi.domain.robot import RobotEvent, SafetyState, Stamp
+from hmi.domain.event import RobotEvent
+from hmi.domain.robot import SafetyState, Stamp
 from hmi.ingest import translate
 from hmi.ingest.mailbox import CADENCE_S, Letter, Mailbox
 from hmi.ingest.pinger import Pinger
@@ -254,7 +255,7 @@ class EdgeCoordinator:
 
     def _clock_of(self, robot: str) -> RobotClock:
         if len(self._clocks) > 2 * len(self._store.registered_ids()) + 400:
-            known = {r.id for r in self._store.all()}
+            known = {r.id for r in self._store.robots()}
             self._clocks = {i: c for i, c in self._clocks.items() if i in known}
         return self._clocks.setdefault(robot, RobotClock())
 

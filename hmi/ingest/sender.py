@@ -13,13 +13,14 @@ from backend_clients.edge import messages_down as down
 from backend_clients.edge.codec import encode, mission_hash
 from backend_clients.edge.http import RobotHttp
 from backend_clients.edge.topics import Down, topic
-from backend_clients.errors import ClientError, MalformedPayload, NotConnected, Refused, TimedOut
+from backend_clients.errors import ClientError, Refused
 from hmi.domain.command import (
     Acknowledgement,
     CommandOrder,
     DriveOrder,
     OperatorPulse,
     Order,
+    OrderFailed,
     ResetOrder,
     StopOrder,
 )
@@ -95,7 +96,7 @@ class EdgeSender:
         stored something else than was sent is answered for with ``hash_mismatch``.
 
         Raises:
-            backend_clients.errors.ClientError: nothing usable came back.
+            OrderFailed: nothing usable came back, or the document is no mission.
         """
         mission = _mission(robot_id, document)
         answer = await self._by_http(robot_id, mission)
@@ -134,10 +135,13 @@ class EdgeSender:
         waiting = self._waiting.setdefault(key, asyncio.get_running_loop().create_future())
         try:
             if not self._publisher.publish(topic(robot_id, Down.MISSION), encode(mission), qos=1):
-                raise NotConnected(f"{robot_id}: no broker, the mission was not sent")
+                raise OrderFailed(
+                    "not_connected", "No link to the broker. The mission was not sent.", is_outcome_known=True
+                )
             return await asyncio.wait_for(asyncio.shield(waiting), MISSION_ACK_S)
         except TimeoutError as error:
-            raise TimedOut(f"{robot_id} did not answer for mission {mission.mission_id}") from error
+            text = "The robot did not answer. It may have stored the mission all the same."
+            raise OrderFailed("no_answer", text, is_outcome_known=False) from error
         finally:
             if self._waiting.get(key) is waiting:
                 del self._waiting[key]
@@ -229,7 +233,7 @@ def _mission(robot_id: str, document: dict[str, Any]) -> down.Mission:
     try:
         return msgspec.convert({**document, "robot": robot_id}, down.Mission)
     except msgspec.ValidationError as error:
-        raise MalformedPayload(f"mission for {robot_id}: {error}") from error
+        raise OrderFailed("bad_mission", f"This is no mission a robot takes: {error}", is_outcome_known=True) from error
 
 
 def _refusal(robot_id: str, ref: str, code: str, text: str, sha256: str | None) -> Acknowledgement:

@@ -12,6 +12,7 @@ from datetime import datetime
 from backend_clients.edge import messages_up as up
 from hmi.domain import robot as domain
 from hmi.domain.command import Acknowledgement
+from hmi.domain.event import RobotEvent
 
 ToConsole = Callable[[int], float]
 
@@ -117,9 +118,9 @@ def node(m: up.Node, stamp: domain.Stamp) -> domain.Node:
     return domain.Node(m.name, m.state, m.rate_hz, m.cpu_pct, m.restarts, m.text, stamp)
 
 
-def event(m: up.Event, stamp: domain.Stamp, at: datetime) -> domain.RobotEvent:
+def event(m: up.Event, stamp: domain.Stamp, at: datetime) -> RobotEvent:
     """Something that happened once."""
-    return domain.RobotEvent(m.robot, m.event_id, m.kind, m.name, m.text, m.data, at, stamp)
+    return RobotEvent(m.robot, m.event_id, m.kind, m.name, m.text, m.data, at_utc=at, stamp=stamp)
 
 
 def acknowledgement(m: up.Ack, stamp: domain.Stamp | None) -> Acknowledgement:

@@ -132,12 +132,12 @@ class FleetStore:
         self._listeners: list[Callable[[], None]] = []
         self.revision = 0
 
-    def get(self, robot_id: str) -> domain.Robot | None:
+    def robot(self, robot_id: str) -> domain.Robot | None:
         """Return one robot as it is known now."""
         record = self._records.get(robot_id)
         return None if record is None else self._build(record)
 
-    def all(self) -> list[domain.Robot]:
+    def robots(self) -> list[domain.Robot]:
         """Return every robot, registered ones first, by id."""
         records = sorted(self._records.values(), key=lambda r: (r.entry is None, r.id))
         return [self._build(r) for r in records]

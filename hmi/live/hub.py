@@ -1,0 +1,243 @@
+"""Ten ticks a second, one encoding a topic, any number of lanes.
+
+Everything here runs on the event loop and never waits for a browser: each lane takes what it can, see ``outbox``.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from hmi.clock import Clock
+from hmi.domain.freshness import TickRing
+from hmi.domain.robot import Robot
+from hmi.live import frames
+from hmi.live.outbox import Outbox
+from hmi.live.topics import FleetTopic, PosesTopic, RobotTopic
+from hmi.presenters.operate import Context, MissionTitle
+from hmi.store.fleet import ALL_PARTS, FleetStore, Part
+
+log = logging.getLogger(__name__)
+
+TICK_S = 0.1
+FLUSH_S = 0.04  # a change is sent at once, the next one after this: 10 Hz telemetry is never held back
+FLEET_S = 0.5  # lists are read by people
+TitleOf = Callable[[str], MissionTitle | None]
+_NO_PARTS: frozenset[Part] = frozenset()
+
+
+class LiveHub:
+    """Between the fleet store and the lanes.
+
+    Args:
+        store: read, and listened to for changes.
+        ticks: issues the tick ids that orders must echo.
+        clock: the console's clocks.
+        title_of: mission id to what people call it; answers from memory.
+    """
+
+    def __init__(
+        self, store: FleetStore, ticks: TickRing, clock: Clock, title_of: TitleOf = lambda _mission_id: None
+    ) -> None:
+        self._store, self._ticks, self._clock, self._title_of = store, ticks, clock, title_of
+        self._lanes: set[Outbox] = set()
+        self._robots: dict[str, RobotTopic] = {}
+        self._extras: dict[str, dict[str, Any]] = {}
+        self._fleet, self._poses = FleetTopic(), PosesTopic()
+        self._listeners: dict[str, set[Outbox]] = {}
+        self._seen = self._fleet_seen = self._poses_seen = 0
+        self._fleet_due_s = self._poses_due_s = float("-inf")
+        self._revision = 0
+        self._changed = asyncio.Event()
+        self._tasks: list[asyncio.Task[None]] = []
+        self._unsubscribe: Callable[[], None] = lambda: None
+        self.stop_state = "unknown"
+        self.keeper: list[dict[str, Any]] = []
+
+    @property
+    def boot(self) -> str:
+        """Names this run of the console."""
+        return self._ticks.boot
+
+    @property
+    def lanes(self) -> int:
+        """How many browsers are connected."""
+        return len(self._lanes)
+
+    async def start(self) -> None:
+        """Begin to tick and to send."""
+        self._unsubscribe = self._store.subscribe(self._changed.set)
+        self._tasks = [
+            asyncio.create_task(self._tick_forever(), name="live-tick"),
+            asyncio.create_task(self._flush_forever(), name="live-flush"),
+        ]
+
+    async def stop(self) -> None:
+        """End the tasks; the lanes end when the server closes them."""
+        self._unsubscribe()
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        self._tasks = []
+
+    def attach(self, lane: Outbox) -> None:
+        """Take a lane in; it hears ticks and events from now on, topics after ``subscribe``."""
+        self._lanes.add(lane)
+
+    def detach(self, lane: Outbox) -> None:
+        """Forget a lane."""
+        if lane in self._lanes:
+            self._lanes.discard(lane)
+            self._leave(lane, lane.topics)
+
+    def subscribe(self, lane: Outbox, topics: list[str]) -> None:
+        """Replace what a lane listens to; it gets a snapshot next."""
+        chosen = tuple(dict.fromkeys(t for t in topics if frames.is_topic(t)))
+        self._join(lane, chosen)
+        self._leave(lane, set(lane.topics) - set(chosen))
+        lane.topics = chosen
+        lane.wants_snapshot()
+
+    def set_group(self, robot_id: str, group: str, value: Any) -> None:
+        """Set a group that is not the robot's own, such as ``lease``; sent with the next flush."""
+        self._extras.setdefault(robot_id, {})[group] = value
+        topic = self._robots.get(robot_id)
+        if topic is not None:
+            self._send(topic.name, topic.put({group: value}))
+
+    def event(self, data: dict[str, Any], *, session_id: str | None = None) -> None:
+        """Tell something discrete to every lane, or to those of one session; never conflated."""
+        text = frames.encode({"k": "event", "d": data})
+        for lane in self._lanes:
+            if session_id is None or lane.session_id == session_id:
+                lane.event(text)
+
+    def end_session(self, session_id: str, code: str, text: str) -> None:
+        """Say ``bye`` to every lane of a session that ended and close them."""
+        for lane in self._lanes:
+            if lane.session_id == session_id:
+                lane.bye(code, text)
+
+    def snapshot(self, lane: Outbox) -> str:
+        """Return the full state of what a lane listens to."""
+        return frames.snapshot(self._revision, [(name, self._whole(name)) for name in lane.topics])
+
+    def poses_frame(self) -> bytes:
+        """Return a binary frame with the place of every robot."""
+        return self._poses.frame(self._revision, self._clock.mono_s(), self._store.robots())
+
+    def beat(self) -> None:
+        """Issue a tick and hand it to every lane; called ten times a second."""
+        tick = self._ticks.issue()
+        frame: dict[str, Any] = {"k": "tick", "id": tick.id, "m": round(tick.at_s * 1000, 1), "stop": self.stop_state}
+        frame["keeper"] = self.keeper
+        text = frames.encode(frame)
+        for lane in self._lanes:
+            lane.tick(text)
+
+    def flush(self) -> None:
+        """Send what changed since the last time, as far as anybody listens."""
+        changes = self._store.since(self._seen)
+        self._seen = changes.revision
+        for robot_id, topic in self._robots.items():
+            parts = ALL_PARTS if robot_id in changes.removed else changes.robots.get(robot_id, _NO_PARTS)
+            if parts:
+                robot = self._store.robot(robot_id)
+                self._send(topic.name, topic.update(robot, self._context(robot_id), parts))
+        now_s = self._clock.mono_s()
+        if self._listeners.get(frames.FLEET) and now_s >= self._fleet_due_s:
+            self._fleet_due_s = now_s + FLEET_S
+            self._send(frames.FLEET, self._update_fleet())
+        if self._listeners.get(frames.POSES) and now_s >= self._poses_due_s:
+            self._poses_due_s = now_s + TICK_S * 0.9  # a beat that comes a little early still counts
+            self._send_poses(now_s)
+
+    def _update_fleet(self) -> str | None:
+        changes = self._store.since(self._fleet_seen)
+        self._fleet_seen = changes.revision
+        return self._fleet.update(self._known(changes.robots), changes.removed)
+
+    def _send_poses(self, now_s: float) -> None:
+        changes = self._store.since(self._poses_seen)
+        self._poses_seen = changes.revision
+        known = self._poses.known
+        moved = self._known(i for i, parts in changes.robots.items() if Part.TELEMETRY in parts)
+        self._revision += 1
+        frame = self._poses.frame(self._revision, now_s, moved)
+        has_new_names = self._poses.known != known
+        for lane in self._listeners[frames.POSES]:
+            if has_new_names:
+                lane.wants_snapshot()
+            else:
+                lane.delta(frame)
+
+    def _known(self, robot_ids: Iterable[str]) -> list[Robot]:
+        return [robot for i in robot_ids if (robot := self._store.robot(i)) is not None]
+
+    def _send(self, topic: str, groups: str | None) -> None:
+        if groups is None:
+            return
+        self._revision += 1
+        text = frames.delta(self._revision, topic, groups)
+        for lane in self._listeners.get(topic, ()):
+            lane.delta(text)
+
+    def _context(self, robot_id: str) -> Context:
+        entry = self._store.registration(robot_id)
+        if entry is None:
+            return Context(title_of=self._title_of)
+        return Context(entry.contact_name or "", entry.contact_phone or "", self._title_of)
+
+    def _join(self, lane: Outbox, topics: Iterable[str]) -> None:
+        for name in topics:
+            if name not in self._listeners:
+                self._listeners[name] = set()
+                self._open(name)
+            self._listeners[name].add(lane)
+
+    def _leave(self, lane: Outbox, topics: Iterable[str]) -> None:
+        for name in topics:
+            self._listeners[name].discard(lane)
+            if not self._listeners[name]:
+                del self._listeners[name]
+                self._robots.pop(name.removeprefix(frames.ROBOT), None)
+
+    def _open(self, name: str) -> None:
+        """Bring a topic up to date that nobody listened to until now."""
+        if name == frames.FLEET:
+            self._update_fleet()
+        elif name.startswith(frames.ROBOT):
+            robot_id = name.removeprefix(frames.ROBOT)
+            topic = self._robots[robot_id] = RobotTopic(robot_id)
+            topic.update(self._store.robot(robot_id), self._context(robot_id), ALL_PARTS)
+            topic.put({"lease": None, **self._extras.get(robot_id, {})})
+
+    def _whole(self, name: str) -> str:
+        if name == frames.FLEET:
+            return self._fleet.whole()
+        if name == frames.POSES:
+            for robot in self._store.robots():
+                self._poses.number(robot.id)
+            return self._poses.names()
+        return self._robots[name.removeprefix(frames.ROBOT)].whole()
+
+    async def _tick_forever(self) -> None:
+        loop = asyncio.get_running_loop()
+        due_s = loop.time()
+        while True:
+            self.beat()
+            self._changed.set()  # the fleet list waits for its turn even when nothing new comes
+            due_s = max(due_s + TICK_S, loop.time() - TICK_S)
+            await asyncio.sleep(due_s - loop.time())
+
+    async def _flush_forever(self) -> None:
+        while True:
+            await self._changed.wait()
+            self._changed.clear()
+            try:
+                self.flush()
+            except Exception:  # one value that cannot be shown must not stop the others
+                log.exception("a flush of the live lane failed")
+            await asyncio.sleep(FLUSH_S)

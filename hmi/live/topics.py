@@ -1,0 +1,135 @@
+"""What a topic holds: the newest groups, what of them changed, each encoded once however many lanes listen."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable
+from typing import Any
+
+from hmi.domain.robot import Robot
+from hmi.live.frames import FLEET, POSES, ROBOT, piece
+from hmi.presenters import fleet, operate
+from hmi.store.fleet import Part
+
+GROUPS_OF: dict[Part, tuple[str, ...]] = {
+    Part.REGISTRY: ("id", "tiles", "why", "actions", "body"),
+    Part.LINK: ("link", "tiles", "why", "actions"),
+    Part.FACTSHEET: ("id", "tiles", "body"),
+    Part.TELEMETRY: ("pose", "tiles"),
+    Part.STATE: ("mode", "mission", "supervisor", "tiles", "why", "actions", "faults"),
+    Part.SAFETY: ("mode", "safety", "tiles", "why", "actions"),
+    Part.NODES: (),
+}
+
+
+class RobotTopic:
+    """Topic ``robot/{id}``: groups, each kept as the JSON that was sent last."""
+
+    def __init__(self, robot_id: str) -> None:
+        self.robot_id = robot_id
+        self.name = ROBOT + robot_id
+        self._groups: dict[str, str] = {}
+        self._whole: str | None = None
+
+    def update(self, robot: Robot | None, context: operate.Context, parts: Iterable[Part]) -> str | None:
+        """Take over what changed; return the changed groups as JSON, ``None`` if nothing did."""
+        names = {name for part in parts for name in GROUPS_OF[part]}
+        values = operate.present(robot, context, names) if robot is not None else dict.fromkeys(names)
+        return self.put(values)
+
+    def put(self, values: dict[str, Any]) -> str | None:
+        """Replace groups; return those that differ as JSON, ``None`` if none does."""
+        changed = []
+        for name, value in values.items():
+            text = piece(value)
+            if self._groups.get(name) != text:
+                self._groups[name] = text
+                changed.append(f'"{name}":{text}')
+        if not changed:
+            return None
+        self._whole = None
+        return "{" + ",".join(changed) + "}"
+
+    def whole(self) -> str:
+        """Return all groups as JSON."""
+        if self._whole is None:
+            self._whole = "{" + ",".join(f'"{name}":{text}' for name, text in self._groups.items()) + "}"
+        return self._whole
+
+
+class FleetTopic:
+    """Topic ``fleet``: one entry a robot; deltas carry only the entries that changed, ``null`` for one that left."""
+
+    name = FLEET
+
+    def __init__(self) -> None:
+        self._entries: dict[str, str] = {}
+        self._whole: str | None = None
+
+    def update(self, robots: Iterable[Robot], removed: Iterable[str]) -> str | None:
+        """Take over changed robots; return the changed entries as JSON, ``None`` if nothing changed."""
+        changed = []
+        for robot in robots:
+            text = piece(fleet.entry(robot))
+            if self._entries.get(robot.id) != text:
+                self._entries[robot.id] = text
+                changed.append(f'"{robot.id}":{text}')
+        for robot_id in removed:
+            if self._entries.pop(robot_id, None) is not None:
+                changed.append(f'"{robot_id}":null')
+        if not changed:
+            return None
+        self._whole = None
+        return '{"robots":{' + ",".join(changed) + "}}"
+
+    def whole(self) -> str:
+        """Return every entry as JSON."""
+        if self._whole is None:
+            self._whole = '{"robots":{' + ",".join(f'"{i}":{t}' for i, t in self._entries.items()) + "}}"
+        return self._whole
+
+
+_HEAD = struct.Struct("<4sIdI")
+_POSE = struct.Struct("<IiiHH")
+MAGIC = b"HLP1"
+AGE_UNIT_S, AGE_MAX = 0.01, 65_535
+
+
+class PosesTopic:
+    """Topic ``poses``: where every robot is, ten times a second, as one binary frame of all that moved.
+
+    A robot is named by a number that ``names`` gives and that never changes while the console runs.
+    """
+
+    name = POSES
+
+    def __init__(self) -> None:
+        self._numbers: dict[str, int] = {}
+
+    def number(self, robot_id: str) -> int:
+        """Return the number that stands for a robot in binary frames."""
+        return self._numbers.setdefault(robot_id, len(self._numbers))
+
+    def names(self) -> str:
+        """Return the number of every robot as JSON."""
+        return '{"numbers":' + piece(self._numbers) + "}"
+
+    @property
+    def known(self) -> int:
+        """How many robots have a number."""
+        return len(self._numbers)
+
+    def frame(self, revision: int, now_s: float, robots: Iterable[Robot]) -> bytes:
+        """Return one binary frame: see docs/protocols/lane.md for its layout."""
+        records = []
+        for robot in robots:
+            if robot.telemetry is None:
+                continue
+            pose = robot.telemetry.pose
+            age = min(AGE_MAX, max(0, int((now_s - pose.stamp.source_s) / AGE_UNIT_S)))
+            heading = int((90.0 - pose.theta_rad * 57.29577951308232) % 360.0 * 100) % 36_000
+            records.append(
+                _POSE.pack(self.number(robot.id), round(pose.lat_deg * 1e7), round(pose.lon_deg * 1e7), heading, age)
+            )
+        head = _HEAD.pack(MAGIC, revision & 0xFFFFFFFF, now_s * 1000, len(records))
+        return head + b"".join(records)

@@ -1,0 +1,170 @@
+"""What the robot's state allows, with the reason where it does not; and why it is not moving.
+
+Rights and the lease are no business of this module: the browser adds them.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from hmi.domain.robot import Mode, OrderStatus, Robot
+from hmi.presenters.units import milliseconds
+from hmi.presenters.words import HARDWARE_STOP, NO_LINK, NOT_REGISTERED, RESET_FIRST, has_mission, mode_of
+
+Verdict = dict[str, Any]
+ACTIONS = ("start", "pause", "resume", "abort", "return_home", "drive", "reset")
+_ACTIVE = (OrderStatus.RUNNING, OrderStatus.PAUSED)
+_STARTABLE = (OrderStatus.LOADED, OrderStatus.DONE, OrderStatus.ABORTED, OrderStatus.FAILED)
+
+
+def actions(robot: Robot) -> dict[str, Verdict]:
+    """Return for every action whether the robot's state allows it, and if not, why in one sentence."""
+    reasons = {
+        "start": _start(robot),
+        "pause": _pause(robot),
+        "resume": _resume(robot),
+        "abort": _abort(robot),
+        "return_home": _return_home(robot),
+        "drive": _drive(robot),
+        "reset": _reset(robot),
+    }
+    blocked = _blocked(robot)
+    return {a: {"ok": not (blocked or reasons[a]), "reason": blocked or reasons[a]} for a in ACTIONS}
+
+
+def why(robot: Robot) -> dict[str, Any] | None:
+    """Return why it is not moving, what clears it, who can, and since when; ``None`` if there is nothing to say."""
+    found = _why(robot)
+    if found is None:
+        return None
+    code, text, clears, who = found
+    return {"code": code, "text": text, "clears": clears, "who": who, "since": _since_ms(robot, code)}
+
+
+def _blocked(robot: Robot) -> str:
+    if not robot.is_registered:
+        return NOT_REGISTERED
+    return "" if robot.link.is_online and robot.state is not None else NO_LINK
+
+
+def _held(robot: Robot) -> str:
+    """Return why nothing that moves the machine is possible at all."""
+    safety = robot.safety
+    if safety is None:
+        return "Its safety controller was not heard yet."
+    if safety.hardware_stop:
+        return HARDWARE_STOP
+    return RESET_FIRST if safety.latched else ""
+
+
+def _start(robot: Robot) -> str:
+    mode = mode_of(robot)
+    if held := _held(robot):
+        return held
+    if mode is Mode.MANUAL:
+        return "End driving by hand first"
+    if has_mission(robot, OrderStatus.RUNNING):
+        return "The mission is running"
+    if has_mission(robot, OrderStatus.PAUSED):
+        return "Resume or abort the paused mission first"
+    if not has_mission(robot, *_STARTABLE):
+        return "Send a mission first"
+    return "" if mode in (Mode.IDLE, Mode.PAUSED) else "Clear the fault first" if mode is Mode.FAULT else "It is moving"
+
+
+def _pause(robot: Robot) -> str:
+    mode = mode_of(robot)
+    if mode is Mode.AUTO:
+        return ""
+    return {Mode.PAUSED: "It is paused", Mode.STOPPED: "It is stopped", Mode.MANUAL: "Let go to stop it"}.get(
+        mode, "Nothing is running"
+    )
+
+
+def _resume(robot: Robot) -> str:
+    mode = mode_of(robot)
+    if held := _held(robot):
+        return held
+    if mode is Mode.MANUAL:
+        return "End driving by hand first"
+    if mode is Mode.FAULT:
+        return "Clear the fault first"
+    return "" if mode is Mode.PAUSED and has_mission(robot, *_ACTIVE) else "No paused mission"
+
+
+def _abort(robot: Robot) -> str:
+    return "" if has_mission(robot, *_ACTIVE) else "No mission to abort"
+
+
+def _return_home(robot: Robot) -> str:
+    mode = mode_of(robot)
+    if held := _held(robot):
+        return held
+    if mode is Mode.MANUAL:
+        return "End driving by hand first"
+    return "Clear the fault first" if mode is Mode.FAULT else ""
+
+
+def _drive(robot: Robot) -> str:
+    return _held(robot)
+
+
+def _reset(robot: Robot) -> str:
+    safety = robot.safety
+    if safety is None or not (safety.latched or safety.hardware_stop):
+        return "No stop is active"
+    if safety.hardware_stop:
+        return HARDWARE_STOP
+    return "" if safety.standstill else "Wait until it stands still"
+
+
+def _why(robot: Robot) -> tuple[str, str, str, str] | None:
+    if not robot.is_registered:
+        return "not_registered", "It is heard but not registered here.", "Accept it under Admin, Robots.", "admin"
+    if not robot.link.is_broker_up:
+        return "no_broker", "The server has no link to the robots' broker.", "Start the broker.", "admin"
+    if not robot.link.is_online or robot.state is None:
+        return "no_link", "It is not heard.", "Look at its power and its radio.", "anybody at the machine"
+    return _stopped(robot) or _halted(robot)
+
+
+def _stopped(robot: Robot) -> tuple[str, str, str, str] | None:
+    safety = robot.safety
+    if safety is None:
+        return None
+    if safety.hardware_stop:
+        text = "The red button on the machine is pressed."
+        return "hardware_stop", text, "Release it at the machine.", "anybody at the machine"
+    if not safety.latched:
+        return None
+    names = " and ".join(dict.fromkeys(p.by for p in safety.presses if not p.is_reset and p.by))
+    by = f"{names} pressed STOP." if names else "STOP was pressed."
+    return "stop_latched", by, "Reset the stop, then resume.", "operator"
+
+
+def _halted(robot: Robot) -> tuple[str, str, str, str] | None:
+    state = robot.state
+    assert state is not None
+    worst = next((f for f in state.faults if f.level in ("critical", "high")), None)
+    if state.hold is not None:
+        return state.hold.code, state.hold.text, state.hold.clears, state.hold.who
+    if state.mode is Mode.FAULT:
+        if worst is None:
+            return "fault", "It reports a fault.", "Look at its alarms.", "operator"
+        return worst.code, worst.text, worst.hint, "operator"
+    if state.mode is Mode.PAUSED:
+        return "paused", "The mission is paused.", "Slide to resume.", "operator"
+    if state.mode is Mode.STOPPED:
+        return "stopped", "It is stopped.", "Start or resume the mission.", "operator"
+    if state.mode is Mode.IDLE and has_mission(robot, OrderStatus.LOADED):
+        return "ready", "The mission is loaded and waits for the start.", "Slide to start.", "operator"
+    return None
+
+
+def _since_ms(robot: Robot, code: str) -> float | None:
+    if code == "no_link":
+        return milliseconds(robot.link.heard_s)
+    if code == "stop_latched" and robot.safety is not None:
+        return milliseconds(min((p.pressed_s for p in robot.safety.presses if not p.is_reset), default=None))
+    is_of_state = robot.state is not None and code not in ("not_registered", "no_broker", "hardware_stop")
+    return milliseconds(robot.state.path_since_s) if robot.state is not None and is_of_state else None

@@ -1,0 +1,401 @@
+// The live lane in the browser: one websocket, one clock, one state, shared by everything on the page.
+// Protocol: docs/protocols/lane.md. Plain script without imports; offers window.headland.
+(function (global) {
+  'use strict';
+
+  const LATE_S = 1.0, STALE_S = 2.0, LOST_S = 3.5;      // streams of 2 Hz and more
+  const LATE_PERIODS = 1.5, STALE_PERIODS = 3.0;        // slower streams
+  const FAST_PERIOD_MS = 500;
+  const TICK_STALE_S = 1.0;                             // ten ticks missed: the picture is old
+  const TICK_LOST_S = 3.5;
+  const TICK_USABLE_S = 2.0;                            // the console refuses older ticks, so none is offered
+  const CHECK_MS = 100, HERE_MS = 1000, PING_MS = 1000;
+  const BACKOFF_MS = [200, 400, 800, 1500, 2500];       // a console restart takes about 2 s
+  const OPEN_LIMIT_MS = 4000;                           // a handshake that hangs longer is given up
+  const COMMAND_LIMIT_MS = 3000;
+  const OFFSET_WINDOW = 600;                            // one minute of ticks: follows clock drift
+  const AT_MOST_M_JUMP_MS = 5000;
+
+  const config = global.HEADLAND || {};
+  const listeners = new Map();   // topic -> Set of fn(state, topic, changed)
+  const state = new Map();       // topic -> object of groups
+  const arrived = [];            // per tick: performance.now() - m, newest last
+  let numbers = [];              // robot ids by their number in binary frames
+  let socket = null, attempt = 0, retryAt = 0, openedAt = 0, isEnded = false;
+  let boot = null, revision = -1, hello = null;
+  let offset = null;             // smallest (performance.now() - m) of the window
+  let tickId = null, tickM = null, tickAt = -Infinity, tickInfo = {};
+  let wanted = [];
+  let pings = new Map(), pingNumber = 0, rtt = null;
+  let control = null;
+  let linkState = 'server-lost', linkSince = performance.now();
+  let reconnects = 0;
+
+  // ---- time ---------------------------------------------------------------------------------------------
+
+  function now() { return offset === null ? null : performance.now() - offset; }
+
+  function learn(m) {
+    const seen = performance.now() - m;
+    if (offset !== null && seen < offset - AT_MOST_M_JUMP_MS) arrived.length = 0; // this machine slept
+    arrived.push(seen);
+    if (arrived.length > OFFSET_WINDOW) arrived.shift();
+    // The smallest delay of the window: a frame can be late, never early.
+    if (offset === null || seen <= offset) offset = seen;
+    else if (arrived.length % 10 === 0 || arrived.length < 10) offset = Math.min.apply(null, arrived);
+  }
+
+  function age(t) {
+    const n = now();
+    return t === null || t === undefined || n === null ? null : Math.max(0, (n - t) / 1000);
+  }
+
+  function freshness(t, periodMs) {
+    const a = age(t);
+    if (a === null) return 'missing';
+    const p = periodMs || FAST_PERIOD_MS;
+    if (p <= FAST_PERIOD_MS) {
+      return a >= LOST_S ? 'lost' : a >= STALE_S ? 'stale' : a >= LATE_S ? 'late' : 'fresh';
+    }
+    return a >= STALE_PERIODS * p / 1000 ? 'stale' : a >= LATE_PERIODS * p / 1000 ? 'late' : 'fresh';
+  }
+
+  function ageText(seconds) {
+    if (seconds === null || seconds === undefined || Number.isNaN(seconds)) return '––';
+    const s = Math.max(0, seconds);
+    if (s < 9.95) return s.toFixed(1) + ' s';
+    if (s < 59.5) return s.toFixed(0) + ' s';
+    const whole = Math.round(s);
+    if (whole < 3600) return Math.floor(whole / 60) + ':' + String(whole % 60).padStart(2, '0');
+    const minutes = Math.round(s / 60);
+    return Math.floor(minutes / 60) + ' h ' + String(minutes % 60).padStart(2, '0');
+  }
+
+  function tickAge() { return (performance.now() - tickAt) / 1000; }
+
+  function tick() {
+    // An id that came in a held burst is as old as its time says, not as its arrival.
+    if (tickId === null || !isOpen()) return null;
+    return Math.max(tickAge(), age(tickM)) < TICK_USABLE_S ? tickId : null;
+  }
+
+  // ---- state --------------------------------------------------------------------------------------------
+
+  function on(topic, fn) {
+    if (!listeners.has(topic)) listeners.set(topic, new Set());
+    listeners.get(topic).add(fn);
+    if (state.has(topic)) call(fn, state.get(topic), topic, null);
+    return function off() { const all = listeners.get(topic); if (all) all.delete(fn); };
+  }
+
+  function call(fn, value, topic, changed) {
+    try { fn(value, topic, changed); } catch (error) { console.error('headland: a listener of ' + topic + ' failed', error); }
+  }
+
+  function tell(topic, value, changed) {
+    const all = listeners.get(topic);
+    if (all) for (const fn of Array.from(all)) call(fn, value, topic, changed);
+  }
+
+  function merge(topic, groups) {
+    const held = state.get(topic) || {};
+    if (topic === 'fleet') {
+      const robots = Object.assign({}, held.robots);
+      for (const [id, entry] of Object.entries(groups.robots || {})) {
+        if (entry === null) delete robots[id]; else robots[id] = entry;
+      }
+      state.set(topic, { robots });
+    } else {
+      state.set(topic, Object.assign({}, held, groups));
+    }
+    tell(topic, state.get(topic), Object.keys(topic === 'fleet' ? groups.robots || {} : groups));
+  }
+
+  function snapshot(data) {
+    for (const [topic, groups] of Object.entries(data)) {
+      if (topic === 'poses') {
+        numbers = [];
+        for (const [id, n] of Object.entries(groups.numbers)) numbers[n] = id;
+        continue;
+      }
+      state.set(topic, groups);
+      tell(topic, groups, null);
+    }
+  }
+
+  function poses(buffer) {
+    const view = new DataView(buffer);
+    if (buffer.byteLength < 20 || view.getUint32(0, true) !== 0x31504c48) return; // "HLP1"
+    const rev = view.getUint32(4, true);
+    if (rev <= revision) return;
+    revision = rev;
+    const m = view.getFloat64(8, true), count = view.getUint32(16, true);
+    const held = state.get('poses') || { robots: {} };
+    const changed = [];
+    for (let i = 0, at = 20; i < count; i++, at += 16) {
+      const id = numbers[view.getUint32(at, true)];
+      if (id === undefined) continue;
+      held.robots[id] = {
+        lat: view.getInt32(at + 4, true) / 1e7, lon: view.getInt32(at + 8, true) / 1e7,
+        heading_deg: view.getUint16(at + 12, true) / 100, t: m - view.getUint16(at + 14, true) * 10,
+      };
+      changed.push(id);
+    }
+    state.set('poses', held);
+    tell('poses', held, changed);
+  }
+
+  // ---- frames -------------------------------------------------------------------------------------------
+
+  function receive(message) {
+    if (typeof message.data !== 'string') { poses(message.data); return; }
+    let frame;
+    try { frame = JSON.parse(message.data); } catch (error) { return; }
+    switch (frame.k) {
+      case 'hello': greet(frame); break;
+      case 'tick':
+        learn(frame.m);
+        if (tickM === null || frame.m > tickM) {
+          tickId = frame.id; tickM = frame.m; tickAt = performance.now();
+          tickInfo = { stop: frame.stop, keeper: frame.keeper || [] };
+        }
+        tell('tick', tickInfo, null);
+        check();
+        break;
+      case 'snap':
+        if (frame.rev >= revision) { revision = frame.rev; snapshot(frame.d); }
+        break;
+      case 'delta':
+        if (frame.rev > revision) {
+          revision = frame.rev;
+          for (const [topic, groups] of Object.entries(frame.d)) merge(topic, groups);
+        }
+        break;
+      case 'event': tell('event', frame.d, null); break;
+      case 'pong': {
+        const sent = pings.get(frame.n);
+        if (sent !== undefined) { rtt = performance.now() - sent; pings = new Map(); }
+        break;
+      }
+      case 'bye':
+        isEnded = frame.code !== 'full';
+        tell('bye', frame, null);
+        dispatch('headland:bye', frame);
+        break;
+    }
+  }
+
+  function greet(frame) {
+    if (boot !== null && boot !== frame.boot) reconnects += 1;
+    boot = frame.boot; hello = frame; revision = -1; attempt = 0;
+    // Another run of the console has another clock: nothing of the old one maps.
+    offset = null; arrived.length = 0; tickId = null; tickM = null; tickAt = -Infinity;
+    if (wanted.length) transmit({ k: 'sub', topics: wanted });
+    ping();
+    tell('hello', frame, null);
+  }
+
+  function isOpen() { return socket !== null && socket.readyState === 1; }
+
+  function transmit(frame) {
+    if (!isOpen()) return false;              // dropped, never queued: nothing may act late
+    if (socket.bufferedAmount > 65536) return false;
+    socket.send(JSON.stringify(frame));
+    return true;
+  }
+
+  function send(frame) { return linkState !== 'server-lost' && transmit(frame); }
+
+  function sub(topics) {
+    wanted = Array.from(new Set(topics));
+    for (const topic of Array.from(state.keys())) if (!wanted.includes(topic)) state.delete(topic);
+    transmit({ k: 'sub', topics: wanted });
+  }
+
+  function ping() {
+    const n = ++pingNumber;
+    if (pings.size > 20) pings.clear();
+    pings.set(n, performance.now());
+    transmit(tickM === null ? { k: 'ping', n } : { k: 'ping', n, m: tickM });
+  }
+
+  // ---- connection ---------------------------------------------------------------------------------------
+
+  function url() {
+    const path = config.lanePath || '/live';
+    if (/^wss?:/.test(path)) return path;
+    return (location.protocol === 'https:' ? 'wss://' : 'ws://') + location.host + path;
+  }
+
+  function connect() {
+    openedAt = performance.now();
+    let mine;
+    try { mine = new WebSocket(url()); } catch (error) { retryAt = performance.now() + 2500; return; }
+    socket = mine;
+    mine.binaryType = 'arraybuffer';
+    mine.onmessage = function (message) { if (socket === mine) receive(message); };
+    mine.onclose = function (event) { if (socket === mine) closed(event.code); };
+    mine.onerror = function () { /* onclose follows */ };
+  }
+
+  function closed(code) {
+    socket = null;
+    rtt = null;
+    pings.clear();
+    if (code === 4401 && !isEnded) { isEnded = true; dispatch('headland:bye', { code: 'signed_out', text: '' }); }
+    if (!isEnded) {
+      const wait = BACKOFF_MS[Math.min(attempt, BACKOFF_MS.length - 1)];
+      attempt += 1;
+      retryAt = performance.now() + wait * (0.75 + Math.random() * 0.5); // tablets of a farm do not knock at once
+    }
+    check();
+  }
+
+  function drop() {
+    const old = socket;
+    if (old === null) return;
+    old.onclose = old.onmessage = null;
+    try { old.close(); } catch (error) { /* it was never open */ }
+    closed(1006);
+  }
+
+  function look() {
+    const t = performance.now();
+    if (socket === null) {
+      if (!isEnded && t >= retryAt) connect();
+    } else if (!isOpen()) {
+      if (t - openedAt > OPEN_LIMIT_MS) drop();
+    } else if (tickAge() > 2 * TICK_LOST_S && t - openedAt > 2 * TICK_LOST_S * 1000) {
+      drop(); // a socket that says nothing is dead, whatever the browser believes
+    }
+    check();
+  }
+
+  function judge() {
+    if (isEnded || tickId === null) return 'server-lost';
+    const a = Math.max(tickAge(), age(tickM) || 0);
+    if (a >= TICK_LOST_S) return 'server-lost';
+    return a >= TICK_STALE_S || !isOpen() ? 'stale' : 'ok';
+  }
+
+  function check() {
+    const found = judge();
+    if (found === linkState) return;
+    linkState = found;
+    linkSince = performance.now();
+    dispatch('headland:link', { state: found, since: linkSince });
+    tell('link', found, null);
+  }
+
+  function dispatch(name, detail) {
+    if (global.dispatchEvent) global.dispatchEvent(new CustomEvent(name, { detail }));
+  }
+
+  // ---- orders -------------------------------------------------------------------------------------------
+
+  function uuid() {
+    // crypto.randomUUID is missing on plain http in a local network
+    const b = crypto.getRandomValues(new Uint8Array(16));
+    return Array.from(b, function (x) { return x.toString(16).padStart(2, '0'); }).join('');
+  }
+
+  function problem(code, text) { return { ok: false, status: 0, code, text }; }
+
+  async function api(method, path, body, limitMs) {
+    const headers = { Accept: 'application/json' };
+    if (method !== 'GET') headers['X-Headland-CSRF'] = config.csrf || '';
+    if (body !== undefined && body !== null) headers['Content-Type'] = 'application/json';
+    const abort = new AbortController();
+    const timer = setTimeout(function () { abort.abort(); }, limitMs || 10000);
+    try {
+      const response = await fetch((config.apiPath || '/api/v1') + path, {
+        method, headers, signal: abort.signal, credentials: 'same-origin', cache: 'no-store',
+        body: body === undefined || body === null ? undefined : JSON.stringify(body),
+      });
+      let data = null;
+      try { data = await response.json(); } catch (error) { data = null; }
+      const answer = Object.assign({}, data && typeof data === 'object' && !Array.isArray(data) ? data : {},
+        { ok: response.ok, status: response.status, data });
+      if (!response.ok && !answer.text) answer.text = 'The server answered ' + response.status + '.';
+      return answer;
+    } catch (error) {
+      return abort.signal.aborted ? problem('no_answer', 'The server did not answer in time.')
+        : problem('no_connection', 'The server cannot be reached.');
+    } finally {
+      clearTimeout(timer);
+    }
+  }
+
+  async function command(robot, action, params) {
+    const fresh = tick();
+    if (linkState === 'server-lost' || fresh === null) {
+      return Object.assign(problem('server_lost', 'Not sent: the link to the server is lost.'), { outcome: 'rejected' });
+    }
+    const body = Object.assign({ command_id: uuid(), action, tick: fresh }, params || {});
+    const answer = await api('POST', '/robots/' + encodeURIComponent(robot) + '/commands', body, COMMAND_LIMIT_MS);
+    if (!answer.outcome) {
+      // Nothing came back: it may have taken effect. A refusal by the server did not.
+      answer.outcome = answer.status >= 400 && answer.status < 500 ? 'rejected' : 'unknown';
+    }
+    answer.command_id = body.command_id;
+    return answer;
+  }
+
+  function here() {
+    const fresh = control === null ? null : tick();
+    if (fresh !== null && linkState !== 'server-lost') transmit({ k: 'here', robot: control, tick: fresh });
+  }
+
+  function setControl(robot) {
+    if (control === robot) return;
+    control = robot || null;
+    here();
+  }
+
+  // ---- NiceGUI ------------------------------------------------------------------------------------------
+  // socket.io keeps what is emitted while it is disconnected and sends it on reconnect: a press would act
+  // seconds later. Presses ("event") made then are dropped; everything else of NiceGUI passes.
+
+  function guard(io) {
+    if (!io || io.headlandGuard || typeof io.emit !== 'function') return;
+    const emit = io.emit;
+    io.headlandGuard = true;
+    io.emit = function (name) {
+      if (name === 'event' && !io.connected) {
+        dispatch('headland:dropped', { name });
+        return io;
+      }
+      return emit.apply(io, arguments);
+    };
+    if (typeof io.on === 'function') {
+      io.on('disconnect', function () {
+        if (Array.isArray(io.sendBuffer)) {
+          io.sendBuffer = io.sendBuffer.filter(function (packet) { return !(packet.data && packet.data[0] === 'event'); });
+        }
+      });
+    }
+  }
+
+  global.headland = {
+    on, sub, send, tick, now, age, freshness, ageText, api, command, setControl, uuid,
+    state: function (topic) { return state.get(topic); },
+    control: function () { return control; },
+    hello: function () { return hello; },
+    rtt: function () { return rtt; },
+    link: function () { return linkState; },
+    linkFor: function () { return (performance.now() - linkSince) / 1000; },
+    tickAge,
+    attempt: function () { return attempt; },
+    reconnects: function () { return reconnects; },
+    config,
+  };
+
+  setInterval(function () { guard(global.socket); look(); }, CHECK_MS);
+  setInterval(here, HERE_MS);
+  setInterval(function () { if (isOpen()) ping(); }, PING_MS);
+  if (global.addEventListener) {
+    global.addEventListener('online', function () { retryAt = 0; look(); });
+    global.addEventListener('pageshow', function () { retryAt = 0; look(); });
+  }
+  connect();
+})(window);
