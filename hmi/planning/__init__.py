@@ -1,1 +1,1 @@
-"""Coverage planning; pure, on shapely and pyproj."""
+"""Coverage planning on a local plane: pure functions over shapely geometry, metres and radians."""

@@ -1,0 +1,341 @@
+"""Cover a field: rows over the inner field, laps around it, ways in between, home and back."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+import shapely
+from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from hmi.planning import headland as headlands
+from hmi.planning import swaths as rows_of
+from hmi.planning.dubins import Pose
+from hmi.planning.errors import PlanRefused
+from hmi.planning.estimate import effort
+from hmi.planning.ground import Ground, erode, polygons_of
+from hmi.planning.headland import Headland, Lap
+from hmi.planning.links import Linker
+from hmi.planning.machine import RobotProfile
+from hmi.planning.plan import GENTLE_RAD, Figures, Leg, LegKind, Plan, headings, turn_between
+from hmi.planning.projection import Floats
+from hmi.planning.swaths import Swath
+
+MIN_WIDTH_M, MAX_WIDTH_M = 0.05, 50.0
+MAX_POINTS = 100_000  # corners of the field as given
+MAX_ROWS = 9_000  # the wire contract takes 20,000 segments: a row and a turn each
+_LONG_WAY_M = 10.0  # ways longer than this are driven at transit speed
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """What to plan. Geometry in metres on one plane.
+
+    Args:
+        parcel: the field with its holes; the machine's outline never leaves it while it works.
+        width_m: distance of the rows, the width one pass treats.
+        machine: whose outline and speeds count.
+        obstacles: ground inside the field where the machine may not be.
+        angle_rad: direction of the rows, 0 east; ``None`` searches the best.
+        headland_passes: laps around the field; ``None`` takes as many as turning needs.
+        home: where the machine stands; ``None`` begins at the first row.
+        roads: ground outside the field it may use to get there.
+        returns_home: drive back at the end.
+    """
+
+    parcel: Polygon
+    width_m: float
+    machine: RobotProfile
+    obstacles: tuple[Polygon, ...] = ()
+    angle_rad: float | None = None
+    headland_passes: int | None = None
+    home: tuple[float, float] | None = None
+    roads: BaseGeometry | None = None
+    returns_home: bool = False
+
+
+def plan_coverage(job: Job) -> Plan:
+    """Return a path that treats the whole field once.
+
+    Raises:
+        PlanRefused: the input is unusable or the field cannot be worked like this; says why.
+    """
+    field = _checked_field(job)
+    division = headlands.divide(job.machine, job.width_m, job.headland_passes)
+    inner = _inner(field, division, job)
+    ground = Ground(field, job.machine, crop=erode(inner, min(job.width_m, 1.0) * 0.6))
+    angle = job.angle_rad if job.angle_rad is not None else rows_of.best_angle(inner, job.width_m)
+    cells = rows_of.lay_rows(inner, ground.turning, angle, job.width_m)
+    if not any(cells):
+        raise PlanRefused("field_too_small", "No row fits into this field. Choose a smaller width.", "width_m")
+    return _Course(job, ground, division, cells).run(field, inner, angle)
+
+
+class _Course:
+    """Drives through the field once, collecting legs and what had to be left out."""
+
+    def __init__(self, job: Job, ground: Ground, division: Headland, cells: list[list[Swath]]) -> None:
+        self.job, self.ground, self.division = job, ground, division
+        self.linker = Linker(ground)
+        self.cells = cells
+        self.legs: list[Leg] = []
+        self.notes: list[str] = []
+        self.row = 0
+        self.laps: list[Lap] = []
+        self.done: list[Swath] = []
+
+    def run(self, field: BaseGeometry, inner: BaseGeometry, angle: float) -> Plan:
+        """Make the plan."""
+        self._rows()
+        self._headland()
+        if self.job.home is not None:
+            self._home()
+        legs = _with_pivots(self.legs, self.job.machine)
+        figures = self._figures(legs, field, inner, angle)
+        return Plan(tuple(legs), figures, tuple(self.notes))
+
+    # rows
+
+    def _rows(self) -> None:
+        waiting = [cell for cell in self.cells if cell]
+        place = self.job.home
+        while waiting:
+            cell, order = _nearest_cell(waiting, place)
+            waiting.remove(cell)
+            for swath in order:
+                self._row(swath)
+            if self.legs:
+                place = (float(self.legs[-1].points[-1][0]), float(self.legs[-1].points[-1][1]))
+        if self.row == 0:
+            raise PlanRefused("no_way", "No row of this field can be reached.", "field_id")
+        left_out = sum(len(cell) for cell in self.cells) - self.row
+        if left_out and not self.job.machine.can_pivot:
+            text = f"The robot's turning circle does not fit at {left_out} row ends. Choose more headland passes."
+            raise PlanRefused("turn_does_not_fit", text, "headland_passes")
+        if left_out:
+            self.notes.append(f"{left_out} rows cannot be reached from the others and are left out.")
+
+    def _row(self, swath: Swath) -> None:
+        """Drive to a row and along it; a row that cannot be reached is left out."""
+        points = np.array([swath.a, swath.b])
+        heading = float(headings(points)[0])
+        if not self._go((*swath.a, heading), self.job.machine.turn_speed_mps):
+            return
+        self.row += 1
+        self.done.append(swath)
+        self.legs.append(Leg(LegKind.ROW, points, self.job.machine.row_speed_mps, tool_on=True, row=self.row))
+
+    # headland
+
+    def _headland(self) -> None:
+        waiting = headlands.laps(self.ground, self.division)
+        missed = 0
+        while waiting:
+            here = self._pose()
+            waiting.sort(key=lambda lap: shapely.distance(shapely.LineString(lap.points), shapely.Point(here[:2])))
+            lap = waiting.pop(0)
+            if self._lap(lap):
+                self.laps.append(lap)
+            else:
+                missed += 1
+        if missed:
+            self.notes.append(f"{missed} headland laps cannot be reached and are left out.")
+
+    def _lap(self, lap: Lap) -> bool:
+        here = self._pose()
+        starts = headlands.entries(lap)
+        begin = [headlands.lap_from(lap, edge, is_forward=forward) for edge, forward in starts]
+        # nearest first, but a start that needs no turning back beats one a machine's length nearer
+        begin.sort(key=lambda p: _entry_cost(here, p))
+        for points in begin:
+            pose = (float(points[0][0]), float(points[0][1]), float(headings(points)[0]))
+            if self._go(pose, self.job.machine.turn_speed_mps):
+                self.legs.append(Leg(LegKind.HEADLAND, points, self.job.machine.row_speed_mps, tool_on=True))
+                return True
+        return False
+
+    # ways
+
+    def _pose(self) -> Pose:
+        last = self.legs[-1]
+        return float(last.points[-1][0]), float(last.points[-1][1]), last.last_heading_rad
+
+    def _go(self, goal: Pose, speed_mps: float) -> bool:
+        if not self.legs:
+            return True
+        pieces = self.linker.link(self._pose(), goal)
+        if pieces is None:
+            return False
+        self.legs += [Leg(LegKind.TURN, piece, self._way_speed(piece, speed_mps)) for piece in pieces]
+        return True
+
+    def _way_speed(self, points: Floats, slow_mps: float) -> float:
+        """Long ways go at transit speed, as far as their bends allow."""
+        machine = self.job.machine
+        length = float(np.hypot(*np.diff(points, axis=0).T).sum())
+        if length < _LONG_WAY_M:
+            return slow_mps
+        bend_mps = machine.transit_speed_mps if len(points) == 2 else machine.yaw_rate_radps * machine.turning_radius_m
+        return max(slow_mps, min(machine.transit_speed_mps, bend_mps))
+
+    def _home(self) -> None:
+        """Put the way from home before the path, and the way back after it if it is wanted."""
+        assert self.job.home is not None
+        ground = self.ground
+        if self.job.roads is not None:
+            ground = Ground(shapely.union_all([ground.allowed, self.job.roads]), self.job.machine, ground.crop)
+        linker = Linker(ground)
+        first = self.legs[0]
+        start: Pose = (float(first.points[0][0]), float(first.points[0][1]), first.first_heading_rad)
+        away = linker.link(_standing(self.job.home, start), start)
+        if away is None:
+            self.notes.append("No known way leads from home to this field. Drive the robot to the start.")
+            return
+        self.legs = [Leg(LegKind.APPROACH, p, self._way_speed(p, 0.6)) for p in away] + self.legs
+        if not self.job.returns_home:
+            return
+        here = self._pose()
+        back = linker.link(here, _standing(self.job.home, here))
+        if back is None:
+            self.notes.append("No known way leads back home. The robot stays at the end.")
+            return
+        self.legs += [Leg(LegKind.EXIT, p, self._way_speed(p, 0.6)) for p in back]
+
+    def _figures(self, legs: list[Leg], field: BaseGeometry, inner: BaseGeometry, angle: float) -> Figures:
+        work = effort(legs, self.job.machine)
+        width = self.job.width_m
+        strips = rows_of.strips(self.done, width)
+        by_rows = shapely.union_all(strips)
+        by_laps = headlands.worked(self.laps, width)
+        covered = shapely.union(by_rows, by_laps).intersection(field)
+        treated = (
+            sum(s.area for s in strips) + sum(shapely.length(shapely.LineString(a.points)) for a in self.laps) * width
+        )
+        outside = shapely.union(by_rows, by_laps).area - covered.area
+        return Figures(
+            length_m=work.length_m,
+            working_length_m=work.working_length_m,
+            duration_s=work.duration_s,
+            working_s=work.working_s,
+            rows=self.row,
+            turns=work.turns,
+            pivots=work.pivots,
+            area_m2=float(field.area),
+            covered_m2=float(covered.area),
+            overlap_m2=max(0.0, float(treated - covered.area - outside)),
+            inner_m2=float(inner.area),
+            inner_covered_m2=float(covered.intersection(inner).area),
+            energy_j=work.energy_j,
+            battery_share=work.energy_j / self.job.machine.battery_j,
+            angle_rad=angle % math.pi,
+            headland_passes=len(self.division.offsets_m),
+        )
+
+
+def _checked_field(job: Job) -> BaseGeometry:
+    width, parcel = job.width_m, job.parcel
+    if not math.isfinite(width) or width <= 0:
+        raise PlanRefused("width_not_positive", f"The row distance is {width}; it must be above 0 m.", "width_m")
+    if not MIN_WIDTH_M <= width <= MAX_WIDTH_M:
+        text = f"A row distance of {width:g} m makes no sense; use {MIN_WIDTH_M:g} to {MAX_WIDTH_M:g} m."
+        raise PlanRefused("width_absurd", text, "width_m")
+    if job.angle_rad is not None and not math.isfinite(job.angle_rad):
+        raise PlanRefused("bad_angle", "The row direction is not a number.", "angle_rad")
+    if job.headland_passes is not None and not 0 <= job.headland_passes <= 50:
+        raise PlanRefused("bad_headland", "Choose 0 to 50 headland passes.", "headland_passes")
+    if job.home is not None and not all(map(math.isfinite, job.home)):
+        raise PlanRefused("bad_home", "The home position is not a number.", "home")
+    for polygon in (parcel, *job.obstacles):
+        _check_polygon(polygon)
+    field = parcel.difference(shapely.union_all(job.obstacles)) if job.obstacles else parcel
+    parts = polygons_of(field)
+    if not parts:
+        raise PlanRefused("field_blocked", "Obstacles cover the whole field.", "field_id")
+    return parts[0] if len(parts) == 1 else MultiPolygon(parts)
+
+
+def _check_polygon(polygon: Polygon) -> None:
+    points = shapely.get_coordinates(polygon)
+    if len(points) > MAX_POINTS:
+        raise PlanRefused(
+            "too_many_points", f"The field has {len(points)} corners; {MAX_POINTS} is the most.", "field_id"
+        )
+    if polygon.is_empty or not np.isfinite(points).all():
+        raise PlanRefused("bad_field", "The field has corners that are not numbers.", "field_id")
+    if not polygon.is_valid:
+        why = shapely.is_valid_reason(polygon)
+        raise PlanRefused(
+            "bad_field", f"The field's edge crosses itself ({why}). Mend it on the map first.", "field_id"
+        )
+
+
+def _inner(field: BaseGeometry, division: Headland, job: Job) -> BaseGeometry:
+    """Return the field behind its headland, refusing one that is too small or would take too many rows."""
+    machine = job.machine
+    if erode(field, machine.width_m / 2 + machine.margin_m).is_empty:
+        size = f"{machine.length_m:g} x {machine.width_m:g} m"
+        raise PlanRefused("field_too_small", f"The field is smaller than the machine ({size}).", "field_id")
+    inner = erode(field, division.depth_m)
+    if inner.is_empty:
+        text = (
+            f"Nothing is left of the field behind a headland of {division.depth_m:.1f} m. Choose fewer headland passes."
+        )
+        raise PlanRefused("field_too_small", text, "headland_passes")
+    least = math.sqrt(inner.minimum_rotated_rectangle.area) / job.width_m if inner.area > 0 else 0
+    if least > MAX_ROWS:
+        raise PlanRefused(
+            "too_many_rows", f"That makes more than {MAX_ROWS} rows. Choose a larger row distance.", "width_m"
+        )
+    return inner
+
+
+def _nearest_cell(cells: list[list[Swath]], place: tuple[float, float] | None) -> tuple[list[Swath], list[Swath]]:
+    """Return the cell whose corner is nearest and its rows in driving order, every other one reversed."""
+    options = [
+        (cell, _driven(cell, is_upward=up, is_forward=forward))
+        for cell in cells
+        for up in (True, False)
+        for forward in (True, False)
+    ]
+    if place is None:
+        return options[0]
+    return min(options, key=lambda option: math.dist(option[1][0].a, place))
+
+
+def _driven(cell: list[Swath], *, is_upward: bool, is_forward: bool) -> list[Swath]:
+    ordered = cell if is_upward else cell[::-1]
+    return [
+        swath if (k % 2 == 0) == is_forward else replace(swath, a=swath.b, b=swath.a) for k, swath in enumerate(ordered)
+    ]
+
+
+def _entry_cost(here: Pose, lap: Floats) -> float:
+    dx, dy = lap[0][0] - here[0], lap[0][1] - here[1]
+    turn = abs(math.remainder(float(headings(lap)[0]) - here[2], 2 * math.pi))
+    behind = dx * math.cos(here[2]) + dy * math.sin(here[2]) < 0
+    return math.hypot(dx, dy) + 3 * turn + (5 if behind else 0)
+
+
+def _standing(home: tuple[float, float], other: Pose) -> Pose:
+    """Return the pose at home; its heading is free, so it looks at the other place (or away from it)."""
+    return home[0], home[1], math.atan2(other[1] - home[1], other[0] - home[0])
+
+
+def _with_pivots(legs: Sequence[Leg], machine: RobotProfile) -> list[Leg]:
+    """Declare every corner between legs; refuse corners for a machine that cannot turn on the spot."""
+    result = list(legs[:1])
+    for before, leg in pairwise(legs):
+        angle = abs(turn_between(before, leg))
+        if angle > GENTLE_RAD and not machine.can_pivot:
+            raise PlanRefused("turn_does_not_fit", _no_turn(before, leg), "headland_passes")
+        result.append(replace(leg, pivot=angle > GENTLE_RAD))
+    return result
+
+
+def _no_turn(before: Leg, after: Leg) -> str:
+    where = f"after row {before.row}" if before.row else f"before row {after.row}" if after.row else "on the headland"
+    return f"The robot's turning circle does not fit {where}. Choose more headland passes."

@@ -1,0 +1,179 @@
+"""Where a machine may be, and the ways it can take there.
+
+``turning`` is the ground eroded by the circle the outline sweeps: with its base inside, the machine fits at
+any heading. Outside ``turning`` the outline itself is tested, pose by pose.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from functools import cached_property
+
+import numpy as np
+import shapely
+from shapely.geometry import LineString, MultiPolygon, Point, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from hmi.planning.machine import RobotProfile
+from hmi.planning.plan import poses_along
+from hmi.planning.projection import Floats
+
+CHECK_STEP_M = 0.2  # outlines tested this far apart; between two of them a corner moves less than the margin
+CROP_COST = 8.0  # a metre across standing rows costs as much as nine along the headland
+_TOUCH_M = 1e-4  # a row end lies exactly on the border of the turning ground; rounding must not put it outside
+
+
+def erode(area: BaseGeometry, distance_m: float) -> BaseGeometry:
+    """Shrink by at least ``distance_m``: mitred corners give up a little more than they must, never less."""
+    return area.buffer(-distance_m, join_style="mitre", mitre_limit=3.0)
+
+
+def polygons_of(area: BaseGeometry) -> list[Polygon]:
+    """Return the polygons of any geometry, largest first."""
+    parts = [p for p in shapely.get_parts(area) if isinstance(p, Polygon) and not p.is_empty]
+    return sorted(parts, key=lambda p: p.area, reverse=True)
+
+
+class Ground:
+    """Allowed ground for one machine.
+
+    Args:
+        allowed: where the outline may be, metres.
+        machine: whose outline it is.
+        crop: standing rows that a way between two places should go around.
+    """
+
+    def __init__(self, allowed: BaseGeometry, machine: RobotProfile, crop: BaseGeometry | None = None) -> None:
+        self.allowed = allowed
+        self.machine = machine
+        self.crop = crop if crop is not None else MultiPolygon()
+        self.turning = erode(allowed, machine.reach_m + machine.margin_m)
+        self._kept = erode(allowed, machine.margin_m / 2)
+        self._free = self.turning.buffer(_TOUCH_M)
+        # necessary and cheap: half a width from the border at the least
+        self._drivable = allowed.buffer(_TOUCH_M - machine.width_m / 2)
+        for area in (self.allowed, self._kept, self._free, self._drivable, self.crop):
+            shapely.prepare(area)
+
+    def can_turn_at(self, xy: tuple[float, float]) -> bool:
+        """Say whether the machine fits there at any heading."""
+        return bool(shapely.covers(self._free, Point(xy)))
+
+    def fits(self, points: Floats) -> bool:
+        """Say whether the outline stays on the ground along a polyline."""
+        if len(points) < 2:
+            return True
+        line = LineString(points)
+        if shapely.covers(self._free, line):
+            return True
+        if not shapely.covers(self._drivable, line):
+            return False
+        outlines = self.machine.outline_polygons(poses_along(points, CHECK_STEP_M))
+        return bool(shapely.covers(self._kept, outlines).all())
+
+    def spares_crop(self, points: Floats) -> bool:
+        """Say whether a polyline keeps out of the standing rows."""
+        return not shapely.intersects(self.crop, LineString(points))
+
+    def outside_m(self, points: Floats, step_m: float = CHECK_STEP_M) -> float:
+        """Return how many metres of a polyline the outline is partly off the ground."""
+        poses = poses_along(points, step_m)
+        if shapely.covers(self._free, LineString(points)):
+            return 0.0
+        return float((~shapely.covers(self.allowed, self.machine.outline_polygons(poses))).sum()) * step_m
+
+    def way(self, start: tuple[float, float], goal: tuple[float, float]) -> Floats | None:
+        """Return the cheapest polyline from start to goal inside the turning ground, or ``None``.
+
+        Cheap is short and off the standing rows; corners are where the machine turns.
+        """
+        if not (self.can_turn_at(start) and self.can_turn_at(goal)):
+            return None
+        nodes = np.vstack([self._corners, [start, goal]])
+        n = len(nodes)
+        links = [[*row] for row in self._links]
+        links += [[], []]
+        for i in (n - 2, n - 1):
+            costs = self._costs(np.broadcast_to(nodes[i], (n, 2)), nodes)
+            for j in np.flatnonzero(np.isfinite(costs)):
+                if j != i:
+                    links[i].append((int(j), float(costs[j])))
+                    links[j].append((i, float(costs[j])))
+        order = _cheapest(links, n - 2, n - 1)
+        return None if order is None else nodes[order]
+
+    @cached_property
+    def _corners(self) -> Floats:
+        """Points where a shortest way may bend: a little inside the turning ground, and around the crop."""
+        slack = 0.45 * self.machine.turning_radius_m  # room to round a right angle without leaving the ground
+        areas = [*polygons_of(erode(self.turning, slack)), *polygons_of(self.turning)]
+        found = [corner for area in areas for corner in _bends(area.simplify(0.02))]
+        outside_crop = self.crop.buffer(0.05, join_style="mitre", mitre_limit=2.0)
+        found += [c for area in polygons_of(outside_crop) for c in _bends(area.simplify(0.02), outward=True)]
+        if not found:
+            return np.empty((0, 2))
+        corners = np.unique(np.round(np.array(found), 3), axis=0)
+        inside = shapely.covers(self._free, shapely.points(corners))
+        return np.asarray(corners[inside], dtype=np.float64)
+
+    @cached_property
+    def _links(self) -> list[list[tuple[int, float]]]:
+        corners = self._corners
+        n = len(corners)
+        links: list[list[tuple[int, float]]] = [[] for _ in range(n)]
+        if n < 2:
+            return links
+        i, j = np.triu_indices(n, 1)
+        costs = self._costs(corners[i], corners[j])
+        for k in np.flatnonzero(np.isfinite(costs)):
+            links[i[k]].append((int(j[k]), float(costs[k])))
+            links[j[k]].append((int(i[k]), float(costs[k])))
+        return links
+
+    def _costs(self, a: Floats, b: Floats) -> Floats:
+        """Return the cost of straight ways from a to b, (N, 2) each; infinite where they leave the ground."""
+        lines = shapely.linestrings(np.stack([a, b], axis=1))
+        lengths = shapely.length(lines)
+        costs = np.full(len(lengths), math.inf)
+        seen = np.flatnonzero(shapely.covers(self._free, lines))
+        across = np.zeros(len(seen))
+        hit = shapely.intersects(self.crop, lines[seen])
+        across[hit] = shapely.length(shapely.intersection(lines[seen][hit], self.crop))
+        costs[seen] = lengths[seen] + CROP_COST * across
+        return costs
+
+
+def _bends(area: Polygon, *, outward: bool = False) -> list[tuple[float, float]]:
+    """Return the corners of a polygon around which a way inside it (or outside, ``outward``) may bend."""
+    corners: list[tuple[float, float]] = []
+    for ring in (area.exterior, *area.interiors):
+        points = shapely.get_coordinates(ring)[:-1]
+        is_left = bool(ring.is_ccw) == (ring is area.exterior)
+        before, after = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
+        cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+        is_convex = cross > 0 if is_left else cross < 0
+        corners += [tuple(p) for p in points[is_convex if outward else ~is_convex]]
+    return corners
+
+
+def _cheapest(links: list[list[tuple[int, float]]], start: int, goal: int) -> list[int] | None:
+    """Dijkstra over adjacency lists; return node numbers from start to goal."""
+    best = {start: 0.0}
+    came: dict[int, int] = {}
+    queue = [(0.0, start)]
+    while queue:
+        cost, node = heapq.heappop(queue)
+        if node == goal:
+            order = [goal]
+            while order[-1] != start:
+                order.append(came[order[-1]])
+            return order[::-1]
+        if cost > best[node]:
+            continue
+        for other, step in links[node]:
+            total = cost + step
+            if total < best.get(other, math.inf):
+                best[other], came[other] = total, node
+                heapq.heappush(queue, (total, other))
+    return None

@@ -1,0 +1,116 @@
+"""Headland passes: closed laps around the field and around every hole, worked like rows."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely.geometry.base import BaseGeometry
+
+from hmi.planning.ground import Ground, polygons_of
+from hmi.planning.machine import RobotProfile
+from hmi.planning.plan import GENTLE_RAD, headings
+from hmi.planning.projection import Floats
+
+_ARC_STEPS = 12  # per quarter circle: 7.5 degrees a piece
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lap:
+    """A closed lap; first and last of the (N, 2) ``points`` are the same. ``offset_m`` from the border."""
+
+    points: Floats
+    offset_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Headland:
+    """How the border strip is divided: offsets of the laps, and the depth after which the inner field begins."""
+
+    offsets_m: tuple[float, ...]
+    depth_m: float
+
+
+def divide(machine: RobotProfile, width_m: float, passes: int | None) -> Headland:
+    """Choose the laps.
+
+    Args:
+        machine: needs room to turn at the end of the rows.
+        width_m: working width.
+        passes: number of laps; ``None`` takes as many as turning needs.
+    """
+    first = max(width_m / 2, machine.border_m)
+    if passes is None:
+        wanted = machine.reach_m + machine.margin_m + _turn_depth(machine, width_m)
+        passes = max(1, math.ceil((wanted - first - width_m / 2) / width_m - 1e-9) + 1)
+    offsets = tuple(first + k * width_m for k in range(passes))
+    # with few passes the inner field still begins where the machine can turn; the laps then cover less
+    depth = max(first + (passes - 0.5) * width_m, machine.reach_m + machine.margin_m + 0.01)
+    return Headland(offsets, depth)
+
+
+def _turn_depth(machine: RobotProfile, width_m: float) -> float:
+    """Return how far beyond the row ends a turn into the next row reaches.
+
+    A half circle where the rows are two radii apart; nearer than that, a bulb, which a machine that can turn on
+    the spot does without.
+    """
+    if width_m >= 2 * machine.turning_radius_m:
+        return 1.2 * machine.turning_radius_m
+    return 0.0 if machine.can_pivot else 3.2 * machine.turning_radius_m
+
+
+def laps(ground: Ground, headland: Headland) -> list[Lap]:
+    """Return the laps that the machine's outline can drive without leaving the ground."""
+    radius = max(ground.machine.turning_radius_m, 0.05)
+    found: list[Lap] = []
+    for offset in headland.offsets_m:
+        room = ground.allowed.buffer(-(offset + radius), quad_segs=_ARC_STEPS)
+        # one part at a time: parts that meet when grown again would make a lap with a cusp
+        for part in polygons_of(room):
+            for polygon in polygons_of(part.buffer(radius, quad_segs=_ARC_STEPS)):
+                for ring in (polygon.exterior, *polygon.interiors):
+                    points = _clean(shapely.get_coordinates(ring))
+                    if len(points) >= 4 and _is_smooth(points) and ground.outside_m(points) == 0.0:
+                        found.append(Lap(points, offset))
+    return found
+
+
+def entries(lap: Lap) -> list[tuple[int, bool]]:
+    """Return places to join a lap, best first: the starts of its longest straight pieces, in both directions."""
+    lengths = np.hypot(*np.diff(lap.points, axis=0).T)
+    longest = np.argsort(-lengths)[:6]
+    return [(int(k), is_forward) for k in longest for is_forward in (True, False)]
+
+
+def lap_from(lap: Lap, edge: int, *, is_forward: bool) -> Floats:
+    """Return the lap beginning and ending in the middle of one of its pieces, in one direction."""
+    ring = lap.points[:-1]
+    middle = (lap.points[edge] + lap.points[edge + 1]) / 2
+    order = np.roll(ring, -(edge + 1), axis=0)
+    points = np.vstack([middle, order, middle])
+    return points if is_forward else points[::-1].copy()
+
+
+def worked(all_laps: list[Lap], width_m: float) -> BaseGeometry:
+    """Return the ground the laps treat."""
+    if not all_laps:
+        return shapely.MultiPolygon()
+    rings = [shapely.LineString(lap.points) for lap in all_laps]
+    return shapely.union_all(shapely.buffer(rings, width_m / 2, quad_segs=_ARC_STEPS))
+
+
+def _is_smooth(points: Floats) -> bool:
+    """Say whether a closed lap can be driven without stopping, its closing corner included."""
+    directions = headings(np.vstack([points, points[1]]))
+    return bool((np.abs(np.angle(np.exp(1j * np.diff(directions)))) <= GENTLE_RAD).all())
+
+
+def _clean(points: Floats) -> Floats:
+    """Drop points that add nothing: closer than a millimetre, or on the line of their neighbours."""
+    line = shapely.simplify(shapely.LineString(points), 0.001)
+    kept = shapely.get_coordinates(line)
+    steps = np.hypot(*np.diff(kept, axis=0).T)
+    return np.asarray(kept[np.append(True, steps > 1e-3)], dtype=np.float64)

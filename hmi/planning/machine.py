@@ -1,0 +1,108 @@
+"""The machine a plan is made for: outline, motion limits, speeds, energy."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+
+from hmi.domain.robot import Factsheet
+from hmi.planning.errors import PlanRefused
+from hmi.planning.projection import Floats
+
+
+@dataclass(frozen=True, slots=True)
+class RobotProfile:
+    """What the planner needs to know of a robot. SI; the reference point ``base`` is what follows the path.
+
+    ``margin_m`` is kept between outline and border: RTK noise, tracking error and the sampling of curves.
+    Energy figures are per metre driven, per second awake and per second of tool work.
+    """
+
+    length_m: float = 2.0
+    width_m: float = 1.5
+    base_to_front_m: float = 1.0
+    turning_radius_m: float = 1.0
+    can_pivot: bool = True
+    row_speed_mps: float = 0.45
+    turn_speed_mps: float = 0.3
+    transit_speed_mps: float = 1.0
+    accel_mps2: float = 0.4
+    yaw_rate_radps: float = 0.6
+    margin_m: float = 0.1
+    battery_j: float = 10.4 * 3.6e6
+    drive_j_per_m: float = 1_100.0
+    idle_w: float = 180.0
+    tool_w: float = 450.0
+
+    def __post_init__(self) -> None:
+        """Refuse a machine that cannot be."""
+        for name in ("length_m", "width_m", "row_speed_mps", "turn_speed_mps", "transit_speed_mps", "accel_mps2"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value > 0):
+                raise PlanRefused("bad_machine", f"The machine's {name} is {value}; it must be positive.", name)
+        if not (math.isfinite(self.turning_radius_m) and 0 <= self.turning_radius_m <= 100):
+            raise PlanRefused("bad_machine", "The machine's turning radius must be 0 to 100 m.", "turning_radius_m")
+        if not 0 <= self.base_to_front_m <= self.length_m:
+            raise PlanRefused("bad_machine", "The machine's base lies outside its outline.", "base_to_front_m")
+
+    @classmethod
+    def from_factsheet(cls, sheet: Factsheet) -> RobotProfile:
+        """Take the outline and motion limits the robot declares; speeds never above its own limit."""
+        base = cls()
+        top = sheet.max_speed_mps
+        return replace(
+            base,
+            length_m=sheet.length_m,
+            width_m=sheet.width_m,
+            base_to_front_m=min(sheet.base_to_front_m, sheet.length_m),
+            turning_radius_m=max(sheet.turning_radius_m, 0.5 if sheet.can_pivot else 0.0),
+            can_pivot=sheet.can_pivot,
+            row_speed_mps=min(base.row_speed_mps, top),
+            turn_speed_mps=min(base.turn_speed_mps, top),
+            transit_speed_mps=min(base.transit_speed_mps, top),
+            accel_mps2=min(base.accel_mps2, sheet.max_accel_mps2),
+            yaw_rate_radps=min(base.yaw_rate_radps, sheet.max_yaw_rate_radps),
+        )
+
+    @property
+    def reach_m(self) -> float:
+        """Radius of the circle the outline sweeps when it turns on the spot."""
+        return math.hypot(self._overhang_m, self.width_m / 2)
+
+    @property
+    def border_m(self) -> float:
+        """Least distance of a path from a border it follows, corners rounded with the turning radius included.
+
+        In a corner the outer front edge swings out to ``hypot(r + width/2, overhang)`` from the turning centre.
+        """
+        r = self.turning_radius_m
+        return math.hypot(r + self.width_m / 2, self._overhang_m) - r + self.margin_m
+
+    @property
+    def _overhang_m(self) -> float:
+        return max(self.base_to_front_m, self.length_m - self.base_to_front_m)
+
+    def outlines(self, poses: Floats) -> Floats:
+        """Return (N, 5, 2) closed outlines of the machine at (N, 3) poses x, y, heading."""
+        rear = self.base_to_front_m - self.length_m
+        half = self.width_m / 2
+        corners = np.array(
+            [
+                [rear, -half],
+                [self.base_to_front_m, -half],
+                [self.base_to_front_m, half],
+                [rear, half],
+                [rear, -half],
+            ]
+        )
+        cos, sin = np.cos(poses[:, 2]), np.sin(poses[:, 2])
+        x = poses[:, 0, None] + cos[:, None] * corners[:, 0] - sin[:, None] * corners[:, 1]
+        y = poses[:, 1, None] + sin[:, None] * corners[:, 0] + cos[:, None] * corners[:, 1]
+        return np.stack([x, y], axis=-1)
+
+    def outline_polygons(self, poses: Floats) -> shapely.Geometry:
+        """Return an array of N polygons, see ``outlines``."""
+        return shapely.polygons(self.outlines(poses))

@@ -1,0 +1,111 @@
+"""What the planner answers: a path in pieces, and the numbers that go with it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from hmi.planning.projection import Floats
+
+GENTLE_RAD = math.radians(15)
+"""Largest change of heading inside a leg; a larger one is a corner, where a machine must pivot."""
+
+
+class LegKind(StrEnum):
+    """What a leg is for; the names of the wire contract."""
+
+    APPROACH = "approach"
+    ROW = "row"
+    TURN = "turn"
+    HEADLAND = "headland"
+    EXIT = "exit"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leg:
+    """One smooth piece of path. ``points`` is (N, 2) metres in the plan's plane, N >= 2.
+
+    ``row`` counts from 1 in driving order and is 0 off the rows. ``pivot``: stop before this leg and turn on
+    the spot to its first direction.
+    """
+
+    kind: LegKind
+    points: Floats
+    speed_mps: float
+    tool_on: bool = False
+    row: int = 0
+    pivot: bool = False
+
+    @property
+    def length_m(self) -> float:
+        """Length of the leg."""
+        return float(np.hypot(*np.diff(self.points, axis=0).T).sum())
+
+    @property
+    def first_heading_rad(self) -> float:
+        """Direction in which the leg begins."""
+        return _heading(self.points[0], self.points[1])
+
+    @property
+    def last_heading_rad(self) -> float:
+        """Direction in which the leg ends."""
+        return _heading(self.points[-2], self.points[-1])
+
+
+@dataclass(frozen=True, slots=True)
+class Figures:
+    """Numbers of a plan, SI. ``row_area_m2`` of ``inner_area_m2`` says how well the rows fill the inner field."""
+
+    length_m: float
+    working_length_m: float
+    duration_s: float
+    working_s: float
+    rows: int
+    turns: int
+    pivots: int
+    area_m2: float
+    covered_m2: float
+    overlap_m2: float
+    inner_m2: float
+    inner_covered_m2: float
+    energy_j: float
+    battery_share: float
+    angle_rad: float
+    headland_passes: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Plan:
+    """A complete path. ``notes`` are sentences about what the plan leaves out, for the planner to read."""
+
+    legs: tuple[Leg, ...]
+    figures: Figures
+    notes: tuple[str, ...] = ()
+
+
+def turn_between(before: Leg, after: Leg) -> float:
+    """Return the signed change of heading from the end of one leg to the start of the next."""
+    return math.remainder(after.first_heading_rad - before.last_heading_rad, 2 * math.pi)
+
+
+def headings(points: Floats) -> Floats:
+    """Return the heading of each of the N-1 pieces of an (N, 2) polyline."""
+    steps = np.diff(points, axis=0)
+    return np.arctan2(steps[:, 1], steps[:, 0])
+
+
+def poses_along(points: Floats, step_m: float) -> Floats:
+    """Return (M, 3) poses along a polyline, every vertex with both its headings, no further apart than ``step_m``."""
+    parts = []
+    for (x0, y0), (x1, y1), heading in zip(points[:-1], points[1:], headings(points), strict=True):
+        count = max(1, math.ceil(math.hypot(x1 - x0, y1 - y0) / step_m))
+        t = np.linspace(0.0, 1.0, count + 1)
+        parts.append(np.column_stack([x0 + t * (x1 - x0), y0 + t * (y1 - y0), np.full(count + 1, heading)]))
+    return np.vstack(parts)
+
+
+def _heading(a: Floats, b: Floats) -> float:
+    return math.atan2(b[1] - a[1], b[0] - a[0])

@@ -1,0 +1,160 @@
+"""Rows over the inner field: at which angle, where each begins and ends, and in which order.
+
+Work happens in a plane turned so that the rows run along x.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely import affinity
+from shapely.geometry import Polygon
+from shapely.geometry.base import BaseGeometry
+
+from hmi.planning.ground import polygons_of
+from hmi.planning.projection import Floats
+
+MIN_ROW_M = 1.0  # shorter rows cost a turn and treat nothing that the headland would not
+_SAMPLE_LINES = 60  # lines tried per angle in the search: enough to rank angles, independent of the width
+
+
+@dataclass(frozen=True, slots=True)
+class Swath:
+    """A straight row. ``line`` numbers the parallel it lies on; a hole splits a parallel into several rows."""
+
+    line: int
+    a: tuple[float, float]
+    b: tuple[float, float]
+
+
+def best_angle(inner: BaseGeometry, width_m: float) -> float:
+    """Return the row angle in [0, pi) with the fewest rows, and so the fewest turns; along an edge if equal."""
+    hull = shapely.get_coordinates(inner.convex_hull)
+    steps = np.diff(hull, axis=0)
+    edges = np.mod(np.arctan2(steps[:, 1], steps[:, 0]), math.pi)[np.hypot(steps[:, 0], steps[:, 1]) > width_m]
+    coarse = np.unique(np.round([*edges, *np.arange(0, math.pi, math.radians(10))], 6))
+    best = min(coarse, key=lambda angle: _turns(inner, float(angle), width_m))
+    fine = np.mod(best + np.radians(np.arange(-6, 7)), math.pi)
+    return float(min([best, *fine], key=lambda angle: _turns(inner, float(angle), width_m)))
+
+
+def lay_rows(inner: BaseGeometry, room: BaseGeometry, angle_rad: float, width_m: float) -> list[list[Swath]]:
+    """Return rows over ``inner`` in cells: within a cell, rows are neighbours and may be driven one after another.
+
+    Args:
+        inner: area that the rows must cover.
+        room: where row ends may reach to cover slanted edges; contains ``inner``.
+        angle_rad: direction of the rows.
+        width_m: distance of the rows.
+    """
+    turned = affinity.rotate(inner, -angle_rad, origin=(0, 0), use_radians=True)
+    turned_room = affinity.rotate(room, -angle_rad, origin=(0, 0), use_radians=True)
+    levels = _levels(turned, width_m)
+    spans = _spans(turned, levels)
+    sides = _spans(turned, np.append(levels - width_m / 2, levels[-1] + width_m / 2))
+    rooms = _spans(turned_room, levels)
+    grown = [
+        [row for span in spans[k] if (row := _grow(span, spans[k], [*sides[k], *sides[k + 1]], rooms[k], width_m))]
+        for k in range(len(levels))
+    ]
+    cos, sin = math.cos(angle_rad), math.sin(angle_rad)
+
+    def back(x: float, y: float) -> tuple[float, float]:
+        return x * cos - y * sin, x * sin + y * cos
+
+    return [[Swath(k, back(x0, levels[k]), back(x1, levels[k])) for k, (x0, x1) in cell] for cell in _cells(grown)]
+
+
+def _levels(turned: BaseGeometry, width_m: float) -> Floats:
+    """Return the y of each row, spread so that what does not divide evenly laps into both headlands."""
+    _, low, _, high = turned.bounds
+    count = max(1, math.ceil((high - low) / width_m - 1e-6))
+    first = (low + high) / 2 - (count - 1) * width_m / 2
+    return np.asarray(first + width_m * np.arange(count), dtype=np.float64)
+
+
+def _spans(turned: BaseGeometry, levels: Floats) -> list[list[tuple[float, float]]]:
+    """Return for each y the intervals of x inside the area, left to right."""
+    left, _, right, _ = turned.bounds
+    ends = np.empty((len(levels), 2, 2))
+    ends[:, 0, 0], ends[:, 1, 0] = left - 1, right + 1
+    ends[:, :, 1] = levels[:, None]
+    shapely.prepare(turned)
+    parts, owner = shapely.get_parts(shapely.intersection(shapely.linestrings(ends), turned), return_index=True)
+    spans: list[list[tuple[float, float]]] = [[] for _ in levels]
+    bounds = shapely.bounds(parts)
+    for k, (x0, _, x1, _) in zip(owner, bounds, strict=True):
+        if x1 - x0 > 1e-6:
+            spans[k].append((float(x0), float(x1)))
+    return [sorted(row) for row in spans]
+
+
+def _grow(
+    span: tuple[float, float],
+    siblings: list[tuple[float, float]],
+    sides: list[tuple[float, float]],
+    rooms: list[tuple[float, float]],
+    width_m: float,
+) -> tuple[float, float] | None:
+    """Lengthen a row until its full width covers a slanted edge, as far as there is room."""
+    x0, x1 = span
+    if x1 - x0 < MIN_ROW_M:
+        return None
+    touching = [s for s in sides if s[0] < x1 and s[1] > x0]
+    low = max(x0 - 1.5 * width_m, min([x0, *(s[0] for s in touching)]))
+    high = min(x1 + 1.5 * width_m, max([x1, *(s[1] for s in touching)]))
+    low = max([low, *((s[1] + x0) / 2 for s in siblings if s[1] < x0)])
+    high = min([high, *((s[0] + x1) / 2 for s in siblings if s[0] > x1)])
+    middle = (x0 + x1) / 2
+    for r0, r1 in rooms:
+        if r0 <= middle <= r1:
+            low, high = max(low, min(r0, x0)), min(high, max(r1, x1))
+            break
+    else:
+        return span
+    return low, high
+
+
+def _cells(rows: list[list[tuple[float, float]]]) -> list[list[tuple[int, tuple[float, float]]]]:
+    """Group rows into cells: a cell ends where a row splits, merges or has no neighbour."""
+    cells: list[list[tuple[int, tuple[float, float]]]] = []
+    open_cells: dict[int, int] = {}  # position in the previous line -> cell number
+    for k, line in enumerate(rows):
+        previous = rows[k - 1] if k else []
+        below = [[j for j, p in enumerate(previous) if _overlap(p, s)] for s in line]
+        above = [sum(_overlap(p, s) for s in line) for p in previous]
+        now: dict[int, int] = {}
+        for i, span in enumerate(line):
+            if len(below[i]) == 1 and above[below[i][0]] == 1:
+                number = open_cells[below[i][0]]
+            else:
+                cells.append([])
+                number = len(cells) - 1
+            cells[number].append((k, span))
+            now[i] = number
+        open_cells = now
+    return cells
+
+
+def _overlap(a: tuple[float, float], b: tuple[float, float]) -> bool:
+    return a[0] < b[1] and b[0] < a[1]
+
+
+def _turns(inner: BaseGeometry, angle_rad: float, width_m: float) -> float:
+    """Estimate how many rows, and so turns, an angle makes; the span across decides between equals."""
+    turned = affinity.rotate(inner, -angle_rad, origin=(0, 0), use_radians=True)
+    _, low, _, high = turned.bounds
+    step = max(width_m, (high - low) / _SAMPLE_LINES)
+    levels = _levels(turned, step)
+    rows = sum(len(line) for line in _spans(turned, levels))
+    share = (high - low) / (width_m * len(levels)) if step > width_m else 1.0
+    return float(rows * share + (high - low) * 1e-6)
+
+
+def strips(swaths: list[Swath], width_m: float) -> list[Polygon]:
+    """Return the ground each row treats."""
+    lines = shapely.linestrings([[s.a, s.b] for s in swaths])
+    return [p for g in shapely.buffer(lines, width_m / 2, cap_style="flat") for p in polygons_of(g)]
