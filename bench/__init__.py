@@ -1,0 +1,1 @@
+"""Every published number has its script here; each prints JSON lines with the naive way beside it."""

@@ -1,0 +1,43 @@
+"""``python -m bench [NAME]``: print all figures, or the one called NAME, as JSON lines."""
+
+from __future__ import annotations
+
+import importlib
+import json
+import sys
+
+MODULES: dict[str, tuple[str, ...]] = {
+    "bench.stop": ("stop_idle_p99_ms", "stop_loaded_p99_ms", "stop_storm_p99_ms"),
+    "bench.fanout": ("fanout_cpu_pct", "fanout_naive_ratio"),
+    "bench.ingest": ("ingest_4k_cpu_pct", "ingest_4k_lost"),
+    "bench.history": ("history_rows_per_s",),
+    "bench.map": ("map_update_ms_1000", "map_update_ms_5000"),
+    "bench.demo": (
+        "demo_ready_s",
+        "screen_delay_p50_ms",
+        "screen_delay_p99_ms",
+        "console_idle_cpu_pct",
+        "console_page_cpu_points",
+        "page_cold_kb",
+        "page_warm_kb",
+    ),
+}
+
+
+def main(arguments: list[str]) -> int:
+    """Run the modules that are asked for; exit code 1 for an unknown name."""
+    wanted = arguments[0] if arguments else None
+    chosen = [m for m, names in MODULES.items() if wanted is None or wanted in names]
+    if not chosen:
+        names = ", ".join(sorted(name for names in MODULES.values() for name in names))
+        print(f"Unknown figure {wanted!r}. Known: {names}", file=sys.stderr)
+        return 1
+    for module in chosen:
+        for figure in importlib.import_module(module).run():
+            if wanted is None or figure["name"] == wanted:
+                print(json.dumps(figure), flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,7 @@
+"""``headland user``: people who may sign in."""
+
+from __future__ import annotations
+
+import typer
+
+app = typer.Typer(no_args_is_help=True)

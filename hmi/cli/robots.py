@@ -1,0 +1,60 @@
+"""``headland robot``: the registry of robots that may be operated."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from hmi.cli.registry import opened_registry
+from hmi.clock import SystemClock
+from hmi.domain.ids import is_id
+from hmi.domain.robot import Family
+from hmi.keeper.errors import StartError
+from hmi.store.robots import RegisteredRobot
+
+app = typer.Typer(no_args_is_help=True)
+
+
+@app.command()
+def add(
+    robot_id: Annotated[str, typer.Argument(help="Id, as the robot uses it in its topics.")],
+    name: Annotated[str, typer.Option(help="What people call it.")],
+    family: Annotated[Family, typer.Option(help="Kind of machine.")] = Family.WEEDER,
+    http_url: Annotated[str | None, typer.Option(help="Address of its own HTTP, the second path of STOP.")] = None,
+    http_token: Annotated[str | None, typer.Option(help="Bearer token of its HTTP.")] = None,
+    decel: Annotated[float, typer.Option(min=0.1, max=50, help="Braking on STOP, m/s2.")] = 1.0,
+) -> None:
+    """Register a robot, so that it can be operated."""
+    if not is_id(robot_id):
+        raise StartError(f"{robot_id!r} is no robot id: lower-case letters, digits, - and _, at most 64.")
+    with opened_registry() as robots:
+        entry = RegisteredRobot(
+            id=robot_id,
+            farm_id=robots.farm_id,
+            name=name,
+            family=family,
+            added_by="command line",
+            added_at=SystemClock().utc(),
+            http_url=http_url,
+            http_token=http_token,
+            decel_mps2=decel,
+        )
+        robots.registry.add(entry)
+        typer.echo(f"{name} ({robot_id}) can be operated. Restart the console if it runs.")
+
+
+@app.command("list")
+def show() -> None:
+    """List registered robots; tokens are not shown."""
+    with opened_registry() as robots:
+        for robot in robots.registry.all():
+            typer.echo(f"{robot.id:20} {robot.family:8} {robot.name:24} {robot.http_url or 'no HTTP'}")
+
+
+@app.command()
+def remove(robot_id: str) -> None:
+    """Take a robot out of the registry; it is then shown but cannot be operated."""
+    with opened_registry() as robots:
+        robots.registry.remove(robot_id)
+        typer.echo(f"{robot_id} is removed. Restart the console if it runs.")

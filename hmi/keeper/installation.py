@@ -1,0 +1,106 @@
+"""The two installations: a demo with simulated robots, and real robots."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from hmi.keeper.broker import answers, demo_broker
+from hmi.keeper.data_folder import keep_secret, require_writable
+from hmi.keeper.errors import StartError
+from hmi.keeper.keeper import Keeper
+from hmi.keeper.part import PartSpec
+from hmi.keeper.ports import free_port, require_free
+from hmi.settings import Settings
+
+OnReady = Callable[[str], None]
+ANYWHERE = ("0.0.0.0", "::")  # noqa: S104 - compared with, not bound to
+
+
+def run_demo(on_ready: OnReady) -> None:
+    """Run broker, simulator, STOP gateway and console until told to end.
+
+    Raises:
+        StartError: a busy port, an unwritable data folder or a part that does not start.
+    """
+    from hmi.demo.fleet import write_demo_fleet
+
+    folder = Path(os.environ.get("HEADLAND_DATA", "data"))
+    data = require_writable(folder)
+    os.environ |= {
+        "HEADLAND_DEMO": "true",
+        "HEADLAND_DATA": str(data),
+        "HEADLAND_SECRET": keep_secret(data / "run" / "demo-secret"),
+        "HEADLAND_BROKER_URL": f"mqtt://127.0.0.1:{free_port()}",
+        "HEADLAND_STOP_PORT": str(free_port()),
+    }
+    settings = Settings()  # type: ignore[call-arg]  # every field comes from file or variables
+    require_free(settings.host, settings.port, "HEADLAND_PORT")
+    broker_port = int(settings.broker_url.rsplit(":", 1)[1])
+    simulator_port = free_port()
+    robots = write_demo_fleet(data, f"http://127.0.0.1:{simulator_port}")
+    simulator = PartSpec(
+        "simulator",
+        (sys.executable, "-m", "hmi", "simulate", "weeder", "--broker", settings.broker_url, "--robots", str(robots),
+         "--port", str(simulator_port), "--state", str(data / "simulator")),
+        is_ready=lambda: answers("127.0.0.1", simulator_port),
+        url=f"http://127.0.0.1:{simulator_port}",
+        dies_with_keeper=True,
+    )  # fmt: skip
+    groups = [[demo_broker(data, broker_port)], [_stop(settings), simulator, _console(settings)]]
+    Keeper(groups, data).run(lambda: on_ready(_url(settings)))
+
+
+def run_serve(on_ready: OnReady) -> None:
+    """Run STOP gateway and console for real robots until told to end.
+
+    Raises:
+        StartError: a busy port, an unwritable data folder or a part that does not start.
+    """
+    settings = Settings()  # type: ignore[call-arg]  # every field comes from file or variables
+    if settings.demo:
+        raise StartError("HEADLAND_DEMO is set: use `headland demo` for simulated robots, or unset it.")
+    data = require_writable(settings.data)
+    if settings.stop_port == 0:
+        raise StartError("Set HEADLAND_STOP_PORT: tablets keep the address of the STOP gateway.")
+    require_free(settings.host, settings.port, "HEADLAND_PORT")
+    require_free(settings.host, settings.stop_port, "HEADLAND_STOP_PORT")
+    os.environ["HEADLAND_DATA"] = str(data)
+    # STOP first: whatever else fails to start, it is there
+    Keeper([[_stop(settings)], [_console(settings)]], data).run(lambda: on_ready(_url(settings)))
+
+
+def _stop(settings: Settings) -> PartSpec:
+    return PartSpec(
+        "stop",
+        (sys.executable, "-m", "hmi.stop_gateway"),
+        is_ready=lambda: answers(_near(settings.host), settings.stop_port),
+        url=settings.stop_public_url or _address(settings, settings.stop_port),
+        dies_with_keeper=settings.demo,
+    )
+
+
+def _console(settings: Settings) -> PartSpec:
+    return PartSpec(
+        "console",
+        (sys.executable, "-m", "hmi", "console"),
+        is_ready=lambda: answers(_near(settings.host), settings.port),
+        url=_url(settings),
+        dies_with_keeper=settings.demo,
+    )
+
+
+def _url(settings: Settings) -> str:
+    return _address(settings, settings.port)
+
+
+def _address(settings: Settings, port: int) -> str:
+    host = _near(settings.host)
+    return f"{'https' if settings.is_tls else 'http'}://{f'[{host}]' if ':' in host else host}:{port}"
+
+
+def _near(host: str) -> str:
+    """Return an address of this machine under which ``host`` can be reached from here."""
+    return "127.0.0.1" if host in ANYWHERE else host

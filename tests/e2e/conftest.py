@@ -1,0 +1,51 @@
+"""One running demo for all browser tests, and people who use it on tablets."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext
+
+from tests.e2e.installation import Installation
+from tests.e2e.person import Person
+
+SIZES = {"landscape": (1280, 800), "portrait": (800, 1280), "desk": (1920, 1080)}
+
+
+@pytest.fixture(scope="session")
+def installation(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Installation]:
+    """A demo that runs for the whole session; ends with Ctrl+C."""
+    running = Installation.start(tmp_path_factory.mktemp("demo") / "data")
+    yield running
+    running.end()
+
+
+@pytest.fixture
+def calm(installation: Installation) -> Iterator[Installation]:
+    """The demo with healthy robots that stand still and are not stopped, before and after the test."""
+    installation.calm()
+    yield installation
+    installation.calm()
+
+
+@pytest.fixture
+def person(browser: Browser, calm: Installation) -> Iterator[Callable[..., Person]]:
+    """Give people with their own browsers: ``person("operator")``, ``person("viewer", size="portrait")``."""
+    contexts: list[BrowserContext] = []
+
+    def come(name: str, *, size: str = "landscape", sign_in: bool = True, **options: Any) -> Person:
+        width, height = SIZES[size]
+        context = browser.new_context(
+            viewport={"width": width, "height": height}, has_touch=size != "desk", base_url=calm.url, **options
+        )
+        contexts.append(context)
+        someone = Person(name, context, calm)
+        if sign_in:
+            someone.sign_in()
+        return someone
+
+    yield come
+    for context in contexts:
+        context.close()

@@ -1,0 +1,123 @@
+"""A person in front of a screen: finds things by their stable hooks, acts by touch, reads what is shown."""
+
+from __future__ import annotations
+
+import re
+import time
+from typing import Any
+
+from playwright.sync_api import BrowserContext, Locator, Page, expect
+
+from tests.e2e.installation import Installation
+
+SLAB_POINTS = ((0.5, 0.5), (0.03, 0.08), (0.97, 0.08), (0.03, 0.92), (0.97, 0.92))
+
+
+class Person:
+    """One browser and the hands on it."""
+
+    def __init__(self, name: str, context: BrowserContext, installation: Installation) -> None:
+        self.name = name
+        self.context = context
+        self.installation = installation
+        self.page: Page = context.new_page()
+
+    def sign_in(self) -> None:
+        """Sign in with name and password, which are the same in the demo."""
+        self.page.goto("/login")
+        if self.hook("login-name").count() == 0 or not self.hook("login-name").is_visible():
+            self.page.get_by_text("another name").click()
+        self.hook("login-name").fill(self.name)
+        self.hook("login-password").fill(self.name)
+        self.hook("login-submit").click()
+        expect(self.hook("stop")).to_have_attribute("data-state", re.compile("ready|standstill|sent"), timeout=15_000)
+
+    def open(self, path: str) -> None:
+        """Go to a screen by its address."""
+        self.page.goto(path)
+
+    def operate(self, robot: str) -> None:
+        """Open the Operate screen of a robot and wait until it shows live values."""
+        self.page.goto(f"/operate/{robot}")
+        expect(self.hook("value-speed")).to_have_attribute("data-value", re.compile(r"\d"), timeout=15_000)
+
+    def hook(self, name: str) -> Locator:
+        """Return the element with a ``data-testid``."""
+        return self.page.get_by_test_id(name)
+
+    def state(self, hook: str) -> str | None:
+        """Return what an element says it is."""
+        return self.hook(hook).get_attribute("data-state")
+
+    def value(self, hook: str) -> float:
+        """Return the SI value that an element shows."""
+        return float(self.hook(hook).get_attribute("data-value") or "nan")
+
+    def sees(self, hook: str, state: str, *, within_s: float = 10.0) -> None:
+        """Wait until an element is in one of the states of the pattern ``state``."""
+        expect(self.hook(hook)).to_have_attribute("data-state", re.compile(f"^({state})$"), timeout=within_s * 1000)
+
+    def press_stop(self) -> None:
+        """Put a finger on STOP."""
+        self.press("stop")
+
+    def press(self, hook: str) -> None:
+        """Press an element as a finger does, where it really is on the screen."""
+        box = self.box(hook)
+        self.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+        self.page.mouse.down()
+        self.page.mouse.up()
+
+    def slide(self, hook: str) -> None:
+        """Drag the thumb of a slide-to-confirm past its flag and let go."""
+        expect(self.hook(f"{hook}-thumb")).to_be_visible()
+        track, thumb = self.box(hook), self.box(f"{hook}-thumb")
+        y = thumb["y"] + thumb["height"] / 2
+        self.page.mouse.move(thumb["x"] + thumb["width"] / 2, y)
+        self.page.mouse.down()
+        self.page.mouse.move(track["x"] + track["width"] - 4, y, steps=12)
+        self.page.mouse.up()
+
+    def hold(self, hook: str) -> None:
+        """Put a finger on an element and leave it there; ``let_go`` lifts it."""
+        box = self.box(hook)
+        self.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+        self.page.mouse.down()
+
+    def let_go(self) -> None:
+        """Lift the finger."""
+        self.page.mouse.up()
+
+    def box(self, hook: str) -> Any:
+        """Return the place of a visible element."""
+        expect(self.hook(hook)).to_be_visible()
+        box = self.hook(hook).bounding_box()
+        assert box is not None
+        return box
+
+    def covers_of_stop(self) -> list[str]:
+        """Return what lies over STOP at five points; empty when nothing does."""
+        found: list[str] = self.page.evaluate(
+            """(points) => {
+                const slab = document.querySelector('[data-testid=stop]');
+                const box = slab.getBoundingClientRect();
+                return points.map(([u, v]) => document.elementFromPoint(box.x + u * box.width, box.y + v * box.height))
+                    .filter(e => !(e && (e === slab || slab.contains(e))))
+                    .map(e => e ? e.tagName + '.' + e.className : 'nothing');
+            }""",
+            [list(point) for point in SLAB_POINTS],
+        )
+        return found
+
+
+def wait_for(condition: Any, *, within_s: float, what: str) -> float:
+    """Poll ``condition`` until it holds; return the seconds it took.
+
+    For ground truth in the simulator, which no browser event announces.
+    """
+    started_s = time.monotonic()
+    while time.monotonic() - started_s < within_s:
+        if condition():
+            return time.monotonic() - started_s
+        time.sleep(0.02)
+    raise AssertionError(f"not within {within_s} s: {what}")
