@@ -7,12 +7,13 @@
 from __future__ import annotations
 
 import contextlib
+import socket
 import ssl
 import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any
+from typing import Any, cast
 from urllib.parse import urlsplit
 
 import paho.mqtt.client as paho
@@ -143,6 +144,15 @@ class MqttLink:
         self._client.disconnect()
         self._client.loop_stop()
         self._set(LinkState.DOWN, "stopped")
+
+    def drop(self) -> None:
+        """Vanish without a goodbye, as when the power goes: the broker will say our last will."""
+        sock = cast(socket.socket | None, self._client.socket())
+        if sock is not None:
+            with contextlib.suppress(OSError):  # it may have gone by itself in this moment
+                sock.shutdown(socket.SHUT_RDWR)
+        self._client.loop_stop()
+        self._set(LinkState.DOWN, "dropped")
 
     def publish(self, topic: str, payload: bytes, *, qos: int = 0, retain: bool = False) -> bool:
         """Send now or not at all; return whether it was handed to a live connection."""

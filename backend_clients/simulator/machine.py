@@ -1,0 +1,151 @@
+"""The body of a laser weeder: tracks, battery, laser, position sensor, and what stands before it.
+
+It knows nothing of missions or orders; ``world`` moves it, ``weeder`` commands it.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import dataclass, field
+
+from backend_clients.edge import messages_up as up
+from backend_clients.simulator.kinematics import SkidSteer, wrap_rad
+from backend_clients.simulator.tracking import Setpoint
+
+LENGTH_M, WIDTH_M, HEIGHT_M = 2.6, 1.7, 1.6
+BASE_TO_FRONT_M = 1.3
+TOOL_WIDTH_M = 1.5
+
+CAPACITY_J = 12e3 * 3600  # 12 kWh
+IDLE_W, LASER_W, DRIVE_W_PER_MPS = 180.0, 1500.0, 1600.0
+CHARGE_W = 3000.0
+NOISE_LIMIT_M = 0.015  # published RTK accuracy
+NOISE_TIME_S = 4.0  # RTK errors wander, they do not jump
+FLOAT_DRIFT_M = 0.35
+COLD_C, HOT_C, WARM_UP_S = 21.0, 58.0, 90.0
+WEEDS_PER_MIN = 110.0
+PROTECTIVE_FIELD_M = 4.0  # in front of the machine, over its width
+STANDSTILL_S = 0.5
+STOPPED = Setpoint(0.0, 0.0)
+
+
+@dataclass(slots=True)
+class Drift:
+    """A slowly wandering error, never outside its limit (first-order Gauss-Markov)."""
+
+    limit_m: float = NOISE_LIMIT_M
+    value_m: float = 0.0
+
+    def step(self, dt_s: float, rng: random.Random) -> None:
+        """Let the error wander for ``dt_s``."""
+        keep = math.exp(-dt_s / NOISE_TIME_S)
+        spread = self.limit_m / 2.2 * math.sqrt(1 - keep * keep)
+        moved = self.value_m * keep + rng.gauss(0.0, spread)
+        self.value_m = min(max(moved, -self.limit_m), self.limit_m)
+
+
+@dataclass(slots=True)
+class Machine:
+    """Truth about one machine; the fields from ``is_*`` on are switched by people and faults."""
+
+    rng: random.Random
+    base: SkidSteer = field(default_factory=SkidSteer)
+    soc: float = 0.92
+    laser_on: bool = False
+    laser_temperature_c: float = COLD_C
+    weeds_per_min: float | None = None
+    still_s: float = STANDSTILL_S
+    load_w: float = IDLE_W
+    person: tuple[float, float] | None = None
+    is_hardware_stop: bool = False
+    is_cover_open: bool = False
+    is_rtk_float: bool = False
+    is_charging: bool = False
+    ignores_brakes: bool = False
+    last_moving: Setpoint = STOPPED
+    error_x: Drift = field(default_factory=Drift)
+    error_y: Drift = field(default_factory=Drift)
+
+    def step(self, dt_s: float, wanted: Setpoint, *, is_braking: bool, laser_on: bool) -> None:
+        """Live for ``dt_s``. The hardware stop and the laser cover act here, below any software."""
+        if self.ignores_brakes and is_braking and not self.is_hardware_stop:
+            wanted, is_braking, laser_on = self.last_moving, False, self.laser_on
+        if self.is_hardware_stop or self.soc <= 0:
+            wanted, is_braking, laser_on = STOPPED, True, False
+        elif wanted.v_mps or wanted.yaw_rate_radps:
+            self.last_moving = wanted
+        self.laser_on = laser_on and not self.is_cover_open
+        self.base.step(dt_s, wanted.v_mps, wanted.yaw_rate_radps, is_braking=is_braking)
+        self.still_s = self.still_s + dt_s if self.base.is_still else 0.0
+        self._step_energy(dt_s)
+        self._step_laser(dt_s)
+        limit = FLOAT_DRIFT_M if self.is_rtk_float else NOISE_LIMIT_M
+        for error in (self.error_x, self.error_y):
+            error.limit_m = limit
+            error.step(dt_s, self.rng)
+
+    @property
+    def is_standing(self) -> bool:
+        """Standstill as the safety controller means it: no motion for 0.5 s and the tool off."""
+        return self.still_s >= STANDSTILL_S and not self.laser_on
+
+    def measured_pose(self) -> tuple[float, float, float]:
+        """Return x, y, theta as the position sensor says."""
+        return (
+            self.base.x_m + self.error_x.value_m,
+            self.base.y_m + self.error_y.value_m,
+            wrap_rad(self.base.theta_rad + self.error_y.value_m * 0.05),
+        )
+
+    def obstacle_m(self) -> float | None:
+        """Return the free distance to what stands in front, ``None`` if nothing is in its way."""
+        if self.person is None:
+            return None
+        dx, dy = self.person[0] - self.base.x_m, self.person[1] - self.base.y_m
+        cos, sin = math.cos(self.base.theta_rad), math.sin(self.base.theta_rad)
+        ahead, side = dx * cos + dy * sin, -dx * sin + dy * cos
+        if abs(side) > WIDTH_M / 2 + 0.5 or ahead < 0:
+            return None
+        return max(ahead - BASE_TO_FRONT_M, 0.0)
+
+    def is_way_blocked(self) -> bool:
+        """Whether something stands inside the protective field."""
+        free_m = self.obstacle_m()
+        return free_m is not None and free_m < PROTECTIVE_FIELD_M
+
+    def put_person_ahead(self, distance_m: float) -> None:
+        """Let a person stand ``distance_m`` before the machine's front."""
+        reach = BASE_TO_FRONT_M + distance_m
+        self.person = (
+            self.base.x_m + reach * math.cos(self.base.theta_rad),
+            self.base.y_m + reach * math.sin(self.base.theta_rad),
+        )
+
+    def gnss(self) -> up.Gnss:
+        """Return the quality of the fix."""
+        if self.is_rtk_float:
+            return up.Gnss(fix="float", accuracy_m=FLOAT_DRIFT_M, satellites=11, correction_age_s=14.0)
+        return up.Gnss(fix="fixed", accuracy_m=NOISE_LIMIT_M, satellites=19, correction_age_s=1.0)
+
+    def battery(self) -> up.Battery:
+        """Return charge and the time left at the present load."""
+        remaining = None if self.is_charging else self.soc * CAPACITY_J / max(self.load_w, IDLE_W)
+        return up.Battery(soc=round(self.soc, 4), remaining_s=remaining, charging=self.is_charging)
+
+    def _step_energy(self, dt_s: float) -> None:
+        now_w = IDLE_W + DRIVE_W_PER_MPS * (abs(self.base.speed_mps) + 0.5 * abs(self.base.yaw_rate_radps))
+        now_w += LASER_W if self.laser_on else 0.0
+        self.load_w += (now_w - self.load_w) * min(dt_s / 20.0, 1.0)
+        gained_w = CHARGE_W if self.is_charging else -now_w
+        self.soc = min(max(self.soc + gained_w * dt_s / CAPACITY_J, 0.0), 1.0)
+
+    def _step_laser(self, dt_s: float) -> None:
+        goal = HOT_C if self.laser_on else COLD_C
+        self.laser_temperature_c += (goal - self.laser_temperature_c) * min(dt_s / WARM_UP_S, 1.0)
+        if not self.laser_on:
+            self.weeds_per_min = None
+            return
+        before = self.weeds_per_min if self.weeds_per_min is not None else WEEDS_PER_MIN
+        wander = self.rng.gauss(0.0, 12.0 * math.sqrt(dt_s))
+        self.weeds_per_min = max(before + (WEEDS_PER_MIN - before) * min(dt_s / 10, 1.0) + wander, 5.0)

@@ -1,0 +1,163 @@
+"""One mission on the robot: its route, how far it is, and what has been treated."""
+
+from __future__ import annotations
+
+import math
+
+from msgspec.structs import replace
+
+from backend_clients.edge import messages_up as up
+from backend_clients.edge.codec import mission_hash
+from backend_clients.edge.messages_down import Mission, Segment
+from backend_clients.simulator.enu import EnuFrame, Point
+from backend_clients.simulator.journal import Journal
+from backend_clients.simulator.route import Leg, Route
+from backend_clients.simulator.state_folder import SavedProgress
+from backend_clients.simulator.tracking import Tracker
+
+HOME_SPEED_MPS = 1.0
+AT_HOME_M = 0.5
+MOVED_LIMIT_M = 0.2
+REJOIN_AHEAD_M = 30.0
+
+
+class MissionRun:
+    """Progress of a loaded mission; moves nothing by itself.
+
+    Args:
+        mission: the document as received.
+        frame: the robot's ENU frame.
+        home: where the robot goes when the mission names no home, in the robot's frame.
+
+    Raises:
+        RouteError: the path cannot be driven.
+    """
+
+    def __init__(self, mission: Mission, frame: EnuFrame, home: Point) -> None:
+        self.mission = mission
+        self.sha256 = mission_hash(mission)
+        self.home = frame.from_frame(mission.datum, [mission.home])[0] if mission.home else home
+        segments = [replace(s, points=frame.from_frame(mission.datum, s.points)) for s in mission.segments]
+        end = segments[-1].points[-1]
+        if mission.at_end == "return_home" and math.dist(end, self.home) > AT_HOME_M:
+            segments.append(Segment(kind="exit", points=[end, self.home], speed_mps=HOME_SPEED_MPS))
+        self.route = Route(segments)
+        self.tracker = Tracker(self.route)
+        self.status: up.OrderStatus = "loaded"
+        self.is_supervised = True
+        self.row = 0
+        self.treated_m = 0.0
+        self.driven_m = 0.0
+        self.pause_code = ""
+        self.pause_pose: Point | None = None
+        self._row_weeds = 0.0
+        self._row_treated_m = 0.0
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it is running or paused."""
+        return self.status in ("running", "paused")
+
+    @property
+    def leg(self) -> Leg:
+        """The segment the robot is on."""
+        return self.route.leg_at(self.tracker.s_m)
+
+    def begin(self, *, is_supervised: bool) -> None:
+        """Run from the first point."""
+        self.tracker = Tracker(self.route)
+        self.row, self.treated_m, self.driven_m = 0, 0.0, 0.0
+        self._row_weeds = self._row_treated_m = 0.0
+        self.run(is_supervised=is_supervised)
+
+    def run(self, *, is_supervised: bool) -> None:
+        """Run on from here."""
+        self.status, self.is_supervised = "running", is_supervised
+        self.pause_code, self.pause_pose = "", None
+        self.tracker.align()
+
+    def pause(self, code: str, pose: Point) -> None:
+        """Pause here; ``pose`` is where it will be compared with at resume."""
+        self.status, self.pause_code, self.pause_pose = "paused", code, pose
+
+    def moved_m(self, pose: Point) -> float:
+        """Return how far it stands from where it was paused."""
+        return math.dist(pose, self.pause_pose) if self.pause_pose is not None else 0.0
+
+    def rejoin(self, pose: Point) -> None:
+        """Go on from the nearest point of the path ahead."""
+        s = self.tracker.s_m
+        self.tracker.s_m = max(self.route.locate(pose[0], pose[1], s, s + REJOIN_AHEAD_M), s)
+
+    def advance(self, before_m: float, *, laser_on: bool, weeds: float, journal: Journal, mono_ms: int) -> None:
+        """Count what was driven and treated since ``before_m`` along the line."""
+        gained = max(self.tracker.s_m - before_m, 0.0)
+        self.driven_m += gained
+        if laser_on:
+            self.treated_m += gained
+            self._row_treated_m += gained
+            self._row_weeds += weeds
+        row = self.leg.row
+        if row != self.row and (row > 0 or self._row_treated_m > 0):
+            self._close_row(journal, mono_ms)
+        if row > 0:
+            self.row = row
+
+    def finish(self, journal: Journal, mono_ms: int) -> None:
+        """The last point is reached."""
+        self._close_row(journal, mono_ms)
+        self.status = "done"
+
+    def order_state(self) -> up.OrderState:
+        """Return progress as the console sees it."""
+        share = min(self.treated_m / self.route.tool_m, 1.0) if self.route.tool_m else 0.0
+        remaining = self.route.remaining_s(self.tracker.s_m) if self.status != "done" else 0.0
+        leg = self.leg
+        return up.OrderState(
+            mission_id=self.mission.mission_id,
+            revision=self.mission.revision,
+            sha256=self.sha256,
+            status=self.status,
+            row=self.row,
+            rows=self.route.rows,
+            segment=min(leg.index, len(self.mission.segments) - 1),
+            segment_s_m=round(max(self.tracker.s_m - leg.start_m, 0.0), 2),
+            area_m2=self.mission.area_m2,
+            area_done_m2=round(self.mission.area_m2 * share, 1),
+            distance_m=round(self.driven_m, 1),
+            remaining_s=round(remaining, 1),
+            is_supervised=self.is_supervised,
+        )
+
+    def save_into(self, saved: SavedProgress) -> None:
+        """Write what has to survive a reboot into ``saved``."""
+        saved.status, saved.sha256, saved.s_m = self.status, self.sha256, self.tracker.s_m
+        saved.row, saved.treated_m, saved.driven_m = self.row, self.treated_m, self.driven_m
+        saved.is_supervised, saved.pause_code, saved.pause_pose = self.is_supervised, self.pause_code, self.pause_pose
+
+    def restore(self, saved: SavedProgress) -> None:
+        """Take up the progress of an earlier boot; what ran is paused now."""
+        if saved.sha256 != self.sha256:
+            return
+        self.tracker = Tracker(self.route, min(saved.s_m, self.route.length_m))
+        self.row, self.treated_m, self.driven_m = saved.row, saved.treated_m, saved.driven_m
+        self.is_supervised = saved.is_supervised
+        if saved.status in ("running", "paused"):
+            code = saved.pause_code if saved.status == "paused" else "rebooted"
+            self.pause(code or "rebooted", saved.pause_pose or (saved.x_m, saved.y_m))
+        elif saved.status in ("done", "aborted", "failed"):
+            self.status = saved.status  # type: ignore[assignment]
+
+    def _close_row(self, journal: Journal, mono_ms: int) -> None:
+        if self.row > 0 and self._row_treated_m > 0:
+            journal.event(
+                mono_ms,
+                "treatment",
+                f"Row {self.row} treated",
+                f"{self._row_weeds:.0f} weeds on {self._row_treated_m:.0f} m",
+                row=self.row,
+                length_m=round(self._row_treated_m, 2),
+                weeds=round(self._row_weeds),
+                mission_id=self.mission.mission_id,
+            )
+        self._row_weeds = self._row_treated_m = 0.0

@@ -1,0 +1,310 @@
+"""Takes orders from the wire, judges them as a robot must, and answers every one."""
+
+from __future__ import annotations
+
+import math
+
+from msgspec.structs import replace
+
+from backend_clients.edge import messages_down as down
+from backend_clients.edge import messages_up as up
+from backend_clients.edge.codec import mission_hash
+from backend_clients.simulator.mission_run import AT_HOME_M, MOVED_LIMIT_M
+from backend_clients.simulator.reports import Reporter
+from backend_clients.simulator.route import RouteError
+from backend_clients.simulator.verdict import OK, Verdict, accepted, refused
+from backend_clients.simulator.weeder import BATTERY_VERY_LOW, DriveState, Weeder
+
+DRIVE_ACK_EVERY_S = 0.5  # refused setpoints come at 10 Hz; one answer in five is enough to explain
+MAX_START_DISTANCE_M = 500.0
+
+
+class OrderDesk:
+    """The only way into the robot's brain.
+
+    Args:
+        weeder: the brain.
+        reporter: stamps the answers.
+    """
+
+    def __init__(self, weeder: Weeder, reporter: Reporter) -> None:
+        self._weeder, self._reporter = weeder, reporter
+        self._drive_answered_s = -math.inf
+
+    def receive(self, order: down.Order, *, is_retained: bool = False) -> up.Ack | None:
+        """Judge and carry out one order; return the answer to send, if there is one."""
+        weeder = self._weeder
+        if not is_retained:
+            weeder.link_heard_s = weeder.clock.mono_s()
+        match order:
+            case down.Stop():
+                return self.stop(order)
+            case down.StopReset():
+                return self._ack("stop-reset", order.reset_id, self._reset(order, is_retained=is_retained))
+            case down.Command():
+                return self._ack("command", order.command_id, self._command(order, is_retained=is_retained))
+            case down.Drive():
+                return self._drive(order, is_retained=is_retained)
+            case down.OperatorHeartbeat():
+                self._pulse(order, is_retained=is_retained)
+            case down.Ping() if not is_retained:
+                self._reporter.ping(order.nonce)
+            case down.Mission():
+                return self._mission(order, is_retained=is_retained)
+        return None
+
+    def stop(self, order: down.Stop) -> up.Ack:
+        """Stop and latch; valid at any age, from anyone, also retained."""
+        weeder = self._weeder
+        verdict = weeder.latch.press(order.stop_id, order.by, order.device, weeder.clock.mono_s())
+        if verdict.code == "ok":
+            weeder.halt(order.stop_id)
+            weeder.note(
+                "safety",
+                "STOP",
+                order.reason,
+                stop_id=order.stop_id,
+                by=order.by,
+                device=order.device,
+                reason=order.reason,
+            )
+        return self._ack("stop", order.stop_id, verdict)
+
+    def _reset(self, order: down.StopReset, *, is_retained: bool) -> Verdict:
+        weeder, now = self._weeder, self._weeder.clock.mono_s()
+        known = weeder.guard.answer_of(order.reset_id)
+        if known is not None:
+            return known
+        if not weeder.guard.can_remember(now):
+            return refused("busy")
+        verdict = self._judge_leased(order, order.ttl_ms, is_retained=is_retained)
+        if verdict.is_accepted:
+            verdict = weeder.latch.judge_reset(
+                order.stop_ids,
+                is_standing=weeder.machine.is_standing,
+                is_hardware_stop=weeder.machine.is_hardware_stop,
+            )
+        if verdict.is_accepted:
+            verdict = weeder.latch.reset(order.stop_ids)
+            weeder.note("safety", "STOP reset", order.reason, by=order.by, stop_ids=list(order.stop_ids))
+            weeder.save_safety()
+        if verdict.code != "retained":
+            weeder.guard.remember(order.reset_id, verdict, now)
+        return verdict
+
+    def _command(self, order: down.Command, *, is_retained: bool) -> Verdict:
+        weeder, now = self._weeder, self._weeder.clock.mono_s()
+        known = weeder.guard.answer_of(order.command_id)
+        if known is not None:
+            return known  # a repeat: the same answer, no second effect
+        if not weeder.guard.can_remember(now):
+            return refused("busy")
+        if order.action in ("pause", "abort"):
+            verdict = weeder.guard.judge_fresh(now, order.challenge, order.ttl_ms / 1000, is_retained=is_retained)
+        else:
+            verdict = self._judge_leased(order, order.ttl_ms, is_retained=is_retained)
+            if verdict.is_accepted:
+                weeder.operator_heard_s = now
+        if verdict.is_accepted and weeder.faults.is_rejecting:
+            verdict = refused("simulated_reject")
+        if verdict.is_accepted:
+            verdict = self._carry_out(order)
+        if verdict.code != "retained":
+            weeder.guard.remember(order.command_id, verdict, now)
+        self._note_action(order, verdict)
+        return verdict
+
+    def _carry_out(self, order: down.Command) -> Verdict:
+        match order.action:
+            case "start":
+                return self._start(order)
+            case "resume":
+                return self._resume()
+            case "pause":
+                return self._pause()
+            case "abort":
+                return self._abort()
+            case "return_home":
+                return self._return_home()
+            case "drive_open":
+                return self._drive_open()
+            case "drive_close":
+                was_open = self._weeder.drive is not None
+                self._weeder.close_drive()
+                return OK if was_open else accepted("already_closed", "Driving by hand was not open.")
+
+    def _start(self, order: down.Command) -> Verdict:
+        weeder, run = self._weeder, self._weeder.run
+        verdict = self._may_move()
+        if not verdict.is_accepted:
+            return verdict
+        if run is None:
+            return refused("no_mission")
+        if order.mission_id != run.mission.mission_id or order.mission_sha256 not in (None, run.sha256):
+            return refused("wrong_mission")
+        if run.status == "running" or weeder.home_run is not None:
+            return refused("already_running")
+        if run.status == "paused" and run.moved_m(weeder.place) <= MOVED_LIMIT_M:
+            return refused("mission_paused")
+        s = run.tracker.s_m if run.status == "paused" else 0.0
+        if math.dist(weeder.place, run.route.point_at(s)) > MAX_START_DISTANCE_M:
+            return refused("mission_too_far")
+        verdict = self._may_work()
+        if verdict.is_accepted:
+            weeder.begin(is_supervised=order.is_supervised)
+        return verdict
+
+    def _resume(self) -> Verdict:
+        weeder, run = self._weeder, self._weeder.run
+        verdict = self._may_move()
+        if not verdict.is_accepted:
+            return verdict
+        if run is None or run.status != "paused" or weeder.home_run is not None:
+            return refused("not_paused")
+        moved_m = run.moved_m(weeder.place)
+        if moved_m > MOVED_LIMIT_M:
+            return refused(
+                "moved_while_paused",
+                f"It was moved {moved_m:.1f} m since the pause. Drive it back to where it stopped, or start: "
+                "it then goes to the nearest point of the path ahead and works on from there.",
+            )
+        verdict = self._may_work()
+        if verdict.is_accepted:
+            weeder.resume()
+        return verdict
+
+    def _pause(self) -> Verdict:
+        weeder = self._weeder
+        if weeder.is_auto:
+            weeder.pause("paused")
+            return OK
+        if weeder.drive is not None:
+            weeder.close_drive()
+            return OK
+        if weeder.run is not None and weeder.run.status == "paused":
+            return accepted("already_paused", "The mission is paused already.")
+        return refused("nothing_to_pause")
+
+    def _abort(self) -> Verdict:
+        weeder = self._weeder
+        if weeder.is_auto or (weeder.run is not None and weeder.run.is_open):
+            weeder.abort()
+            return OK
+        return refused("nothing_to_abort")
+
+    def _return_home(self) -> Verdict:
+        weeder = self._weeder
+        verdict = self._may_move()
+        if not verdict.is_accepted:
+            return verdict
+        if weeder.home_run is not None:
+            return accepted("already_running", "It is on its way home already.")
+        if math.dist(weeder.place, weeder.home) < AT_HOME_M:
+            return refused("already_home")
+        if math.dist(weeder.place, weeder.home) > 10 * MAX_START_DISTANCE_M:
+            return refused("mission_too_far", "Home is too far to drive there alone.")
+        weeder.go_home()
+        return OK
+
+    def _drive_open(self) -> Verdict:
+        weeder = self._weeder
+        if weeder.is_stopped:
+            return self._may_move()
+        if weeder.drive is not None:
+            return accepted("already_open", "Driving by hand is open already.")
+        weeder.open_drive()
+        return OK
+
+    def _may_move(self) -> Verdict:
+        weeder = self._weeder
+        if weeder.machine.is_hardware_stop:
+            return refused("hardware_stop")
+        if weeder.latch.is_set:
+            return refused("stop_latched")
+        return refused("manual_open") if weeder.drive is not None else OK
+
+    def _may_work(self) -> Verdict:
+        machine = self._weeder.machine
+        if machine.soc < BATTERY_VERY_LOW:
+            return refused("battery_low")
+        if machine.is_rtk_float:
+            return refused("gnss_not_fixed")
+        if machine.is_cover_open:
+            return refused("tool_interlock")
+        return refused("person_ahead") if machine.is_way_blocked() else OK
+
+    def _drive(self, order: down.Drive, *, is_retained: bool) -> up.Ack | None:
+        weeder, now = self._weeder, self._weeder.clock.mono_s()
+        verdict = weeder.guard.judge_leased(
+            now, order.challenge, 2.0, order.lease_token, order.lease_seq, is_retained=is_retained
+        )
+        if verdict.is_accepted and weeder.is_stopped:
+            verdict = self._may_move()
+        elif verdict.is_accepted and weeder.drive is None:
+            verdict = refused("not_in_manual")
+        if verdict.is_accepted:
+            weeder.drive = DriveState(order.v_mps, order.yaw_rate_radps, now)
+            weeder.last_drive = weeder.drive
+            return None
+        if now - self._drive_answered_s < DRIVE_ACK_EVERY_S:
+            return None
+        self._drive_answered_s = now
+        return self._ack("drive", str(order.lease_seq), verdict)
+
+    def _pulse(self, order: down.OperatorHeartbeat, *, is_retained: bool) -> None:
+        weeder, now = self._weeder, self._weeder.clock.mono_s()
+        verdict = weeder.guard.judge_pulse(
+            now, order.challenge, order.lease_token, order.lease_seq, is_retained=is_retained
+        )
+        if verdict.is_accepted:
+            weeder.operator_heard_s = now
+
+    def _mission(self, order: down.Mission, *, is_retained: bool) -> up.Ack:
+        sha256 = mission_hash(order)
+        verdict = self._judge_mission(order, sha256, is_retained=is_retained)
+        answer = self._ack("mission", order.mission_id, verdict)
+        return replace(answer, sha256=sha256) if verdict.is_accepted else answer
+
+    def _judge_mission(self, order: down.Mission, sha256: str, *, is_retained: bool) -> Verdict:
+        weeder, run = self._weeder, self._weeder.run
+        if is_retained:
+            return refused("retained")
+        if run is not None and run.sha256 == sha256:
+            return accepted("already_stored", "The robot has this mission already.")
+        if run is not None and run.is_open:
+            return refused("mission_active")
+        try:
+            weeder.load(order)
+        except RouteError as error:
+            return refused("bad_mission", f"The path of this mission cannot be driven: {error}.")
+        return OK
+
+    def _judge_leased(self, order: down.Command | down.StopReset, ttl_ms: int, *, is_retained: bool) -> Verdict:
+        return self._weeder.guard.judge_leased(
+            self._weeder.clock.mono_s(),
+            order.challenge,
+            ttl_ms / 1000,
+            order.lease_token,
+            order.lease_seq,
+            is_retained=is_retained,
+        )
+
+    def _note_action(self, order: down.Command, verdict: Verdict) -> None:
+        log = self._weeder.actions
+        if not verdict.is_accepted:
+            log.add(order.command_id, order.action, "failed", verdict.text)
+        elif order.action in ("start", "resume", "return_home"):
+            log.add(order.command_id, order.action, "running", verdict.text)
+        else:
+            log.add(order.command_id, order.action, "finished", verdict.text)
+
+    def _ack(self, kind: str, ref: str, verdict: Verdict) -> up.Ack:
+        return up.Ack(
+            **self._reporter.header(),
+            kind=kind,  # type: ignore[arg-type]
+            ref=ref,
+            outcome="accepted" if verdict.is_accepted else "rejected",
+            code=verdict.code,
+            text=verdict.text,
+            speed_mps=abs(self._weeder.machine.base.speed_mps),
+        )

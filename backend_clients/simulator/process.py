@@ -1,0 +1,164 @@
+"""The simulator process: world, broker sessions and robot HTTP on one event loop."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import signal
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+
+import structlog
+import uvicorn
+
+from backend_clients.edge import messages_up as up
+from backend_clients.simulator import tester_http
+from backend_clients.simulator.config import SimulatorConfig
+from backend_clients.simulator.edge_session import TICK_S, EdgeSession
+from backend_clients.simulator.http_server import RobotEndpoint, application
+from backend_clients.simulator.world import World
+from hmi.clock import Clock, SystemClock
+
+MAX_CATCH_UP_S = 0.25  # after a longer freeze the world does not jump to make up for it
+LINK_STOP_S = 0.6  # together with HTTP this keeps the promise of ending within one second
+OnReady = Callable[[int], None]
+
+log = structlog.get_logger(__name__)
+
+
+class Simulator:
+    """Owns the world, one session a robot, and the HTTP server; ``run`` ends when ``stop`` was called.
+
+    Args:
+        config: robots, addresses, seed.
+        clock: the system's unless a test brings its own.
+        on_ready: called once with the HTTP port when everything listens.
+    """
+
+    def __init__(self, config: SimulatorConfig, *, clock: Clock | None = None, on_ready: OnReady | None = None) -> None:
+        self._config, self._on_ready = config, on_ready
+        self._clock = clock or SystemClock()
+        self._stopping: asyncio.Event | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
+
+    def stop(self) -> None:
+        """Ask for the end; safe from any thread and from signal handlers."""
+        if self._loop is not None and self._stopping is not None and not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(self._stopping.set)
+
+    async def run(self) -> None:
+        """Simulate until asked to stop.
+
+        Raises:
+            OSError: the HTTP port is taken.
+        """
+        config = self._config
+        self._loop, self._stopping = asyncio.get_running_loop(), asyncio.Event()
+        listener = _listen(config.host, config.port)
+        world = World(config.weeders, self._clock, seed=config.seed, speed=config.speed, state_dir=config.state_dir)
+        sessions = {
+            robot_id: EdgeSession(robot, config.broker_url, self._loop) for robot_id, robot in world.robots.items()
+        }
+
+        def on_ack(robot_id: str, ack: up.Ack) -> None:
+            sessions[robot_id].answer(ack)
+
+        endpoint = RobotEndpoint(world, on_ack)
+        server = _Server(_server_config(endpoint, world))
+        serving = asyncio.create_task(server.serve(sockets=[listener]), name="simulator-http")
+        living = asyncio.create_task(self._live(world, list(sessions.values())), name="simulator-world")
+        stopping = asyncio.create_task(self._stopping.wait(), name="simulator-stop")
+        try:
+            if self._on_ready is not None:
+                self._on_ready(listener.getsockname()[1])
+            await asyncio.wait({serving, living, stopping}, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            endpoint.close()
+            stopping.cancel()
+            living.cancel()
+            server.should_exit = server.force_exit = True
+            _save(world)
+            _stop_links(list(sessions.values()))
+            results = await asyncio.gather(serving, living, return_exceptions=True)
+        for result in results:
+            if isinstance(result, Exception):
+                raise result
+
+    async def _live(self, world: World, sessions: list[EdgeSession]) -> None:
+        """Step the world and its sessions at 20 Hz."""
+        before = due = self._clock.mono_s()
+        while True:
+            now = self._clock.mono_s()
+            world.step(min(now - before, MAX_CATCH_UP_S))
+            before = now
+            for session in sessions:
+                session.tick()
+            due = max(due + TICK_S, self._clock.mono_s())
+            await asyncio.sleep(max(due - self._clock.mono_s(), 0.001))
+
+
+def run_simulator(config: SimulatorConfig, *, on_ready: OnReady | None = None) -> None:
+    """Run until SIGTERM or SIGINT; returns within a second of it.
+
+    Raises:
+        OSError: the HTTP port is taken, or the state folder cannot be written.
+    """
+    simulator = Simulator(config, on_ready=on_ready)
+
+    async def main() -> None:
+        loop = asyncio.get_running_loop()
+        for number in (signal.SIGTERM, signal.SIGINT):
+            loop.add_signal_handler(number, simulator.stop)
+        await simulator.run()
+
+    asyncio.run(main())
+
+
+class _Server(uvicorn.Server):
+    """uvicorn without its own signal handling; this process has one owner of signals."""
+
+    @contextlib.contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        yield
+
+
+def _server_config(endpoint: RobotEndpoint, world: World) -> uvicorn.Config:
+    return uvicorn.Config(
+        application(endpoint, tester_http.routes(world)),
+        log_config=None,
+        log_level="critical",  # it shouts about requests a silence fault holds at the end
+        access_log=False,
+        lifespan="off",
+        timeout_graceful_shutdown=0,
+        server_header=False,
+    )
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    listener = socket.socket(family, socket.SOCK_STREAM)
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listener.bind((host, port))
+    except OSError:
+        listener.close()
+        raise
+    return listener
+
+
+def _save(world: World) -> None:
+    for robot in world.robots.values():
+        if robot.boot is not None:
+            robot.boot.weeder.save()
+
+
+def _stop_links(sessions: list[EdgeSession]) -> None:
+    # paho may sit in a connect for seconds; daemon threads let the process end all the same
+    closers = [threading.Thread(target=session.close, daemon=True) for session in sessions]
+    for closer in closers:
+        closer.start()
+    until = time.monotonic() + LINK_STOP_S
+    for closer in closers:
+        closer.join(max(until - time.monotonic(), 0.0))

@@ -1,0 +1,172 @@
+"""Makes the robot's messages from its present state."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import TypedDict
+
+from backend_clients.edge import messages_up as up
+from backend_clients.simulator.datasheet import factsheet_fields, node_fields
+from backend_clients.simulator.holds import fault
+from backend_clients.simulator.journal import Happening
+from backend_clients.simulator.kinematics import stopping_distance_m
+from backend_clients.simulator.latch import PressRecord
+from backend_clients.simulator.watch import waiting_reason
+from backend_clients.simulator.weeder import Weeder
+
+MAX_PENDING_PINGS = 4
+MAX_PRESSES_SHOWN = 64
+
+
+class HeaderFields(TypedDict):
+    """Keyword arguments of ``messages_up.Header``."""
+
+    robot: str
+    boot: str
+    seq: int
+    mono_ms: int
+    wall_ms: int
+
+
+class Reporter:
+    """Numbers and stamps everything one boot of a robot says."""
+
+    def __init__(self, weeder: Weeder) -> None:
+        self._weeder = weeder
+        self._seq = 0
+        self._pings: deque[tuple[float, str]] = deque(maxlen=MAX_PENDING_PINGS)
+
+    def header(self, mono_ms: int | None = None) -> HeaderFields:
+        """Return the next header; ``mono_ms`` is given for what happened earlier."""
+        self._seq += 1
+        now_ms = self._weeder.mono_ms()
+        wall_s = self._weeder.clock.utc().timestamp() + self._weeder.faults.wall_offset_s
+        at_ms = now_ms if mono_ms is None else mono_ms
+        return {
+            "robot": self._weeder.config.id,
+            "boot": self._weeder.boot,
+            "seq": self._seq,
+            "mono_ms": at_ms,
+            "wall_ms": int(wall_s * 1000) - (now_ms - at_ms),
+        }
+
+    def ping(self, nonce: str) -> None:
+        """Note a nonce that the next heartbeat has to echo."""
+        self._pings.append((self._weeder.clock.mono_s(), nonce))
+
+    @property
+    def is_ping_waiting(self) -> bool:
+        """Whether more nonces wait than one heartbeat can echo."""
+        return len(self._pings) > 1
+
+    def presence(self) -> up.Presence:
+        """Return "I am here"."""
+        return up.Presence(**self.header(), online=True)
+
+    def goodbye(self, reason: str) -> up.Presence:
+        """Return what is said at shutdown, or by the broker when the robot vanishes."""
+        return up.Presence(**self.header(), online=False, reason="lost" if reason == "lost" else "shutdown")
+
+    def heartbeat(self) -> up.Heartbeat:
+        """Return a heartbeat with a fresh challenge and the oldest ping not yet echoed."""
+        now = self._weeder.clock.mono_s()
+        challenge = self._weeder.guard.issue(now)
+        if not self._pings:
+            return up.Heartbeat(**self.header(), challenge=challenge)
+        heard_s, nonce = self._pings.popleft()
+        held_ms = max((now - heard_s) * 1000, 0.0)
+        return up.Heartbeat(**self.header(), challenge=challenge, echo_nonce=nonce, echo_held_ms=round(held_ms, 3))
+
+    def telemetry(self) -> up.Telemetry:
+        """Return pose and fast values as the robot's own sensors see them."""
+        weeder, machine = self._weeder, self._weeder.machine
+        x_m, y_m, theta_rad = machine.measured_pose()
+        lat_deg, lon_deg = weeder.frame.to_wgs84(x_m, y_m)
+        cross, obstacle = weeder.cross_track_m, machine.obstacle_m()
+        return up.Telemetry(
+            **self.header(),
+            lat_deg=round(lat_deg, 9),
+            lon_deg=round(lon_deg, 9),
+            x_m=round(x_m, 4),
+            y_m=round(y_m, 4),
+            theta_rad=round(theta_rad, 5),
+            speed_mps=round(machine.base.speed_mps, 3),
+            yaw_rate_radps=round(machine.base.yaw_rate_radps, 4),
+            gnss=machine.gnss(),
+            battery=machine.battery(),
+            tool=self._tool(),
+            cross_track_m=None if cross is None else round(cross, 4),
+            obstacle_m=None if obstacle is None else round(obstacle, 2),
+        )
+
+    def state(self) -> up.State:
+        """Return mode, supervisor path, mission, faults and why it waits."""
+        weeder = self._weeder
+        run = weeder.run
+        is_following = weeder.is_auto and run is not None
+        return up.State(
+            **self.header(),
+            mode=weeder.mode,
+            path=list(weeder.watch.path),
+            path_since_ms=weeder.watch.since_ms,
+            lease_token=weeder.guard.active_lease,
+            set_speed_mps=run.leg.speed_mps if is_following and run is not None else None,
+            order=run.order_state() if run is not None else None,
+            actions=weeder.actions.list(),
+            faults=[fault(code) for code in weeder.watch.faults],
+            hold=waiting_reason(weeder),
+        )
+
+    def safety(self) -> up.Safety:
+        """Return what the safety controller knows."""
+        weeder, machine = self._weeder, self._weeder.machine
+        speed = abs(machine.base.speed_mps)
+        return up.Safety(
+            **self.header(),
+            hardware_stop=machine.is_hardware_stop,
+            latched=weeder.latch.is_set,
+            standstill=machine.is_standing,
+            speed_mps=round(speed, 3),
+            tool_off=not machine.laser_on,
+            presses=[self._press(press) for press in list(weeder.latch.presses)[-MAX_PRESSES_SHOWN:]],
+            stopping_distance_m=round(stopping_distance_m(speed), 3),
+        )
+
+    def factsheet(self) -> up.Factsheet:
+        """Return who the robot is and what it can do."""
+        return up.Factsheet(**self.header(), **factsheet_fields(self._weeder.config))
+
+    def nodes(self) -> list[up.Node]:
+        """Return the life cycle of each software node."""
+        return [up.Node(**self.header(), **fields) for fields in node_fields(self._weeder.machine)]
+
+    def event(self, happening: Happening) -> up.Event:
+        """Return the message of one event."""
+        return up.Event(
+            **self.header(happening.mono_ms),
+            event_id=happening.event_id,
+            kind=happening.kind,
+            name=happening.name,
+            text=happening.text,
+            data=happening.data,
+        )
+
+    def _tool(self) -> up.ToolState:
+        machine, weeder = self._weeder.machine, self._weeder
+        is_armed = weeder.run is not None and weeder.run.status == "running"
+        state = "fault" if machine.is_cover_open else "on" if machine.laser_on else "armed" if is_armed else "off"
+        return up.ToolState(
+            state=state,  # type: ignore[arg-type]
+            interlock_ok=not machine.is_cover_open,
+            rate_per_min=None if machine.weeds_per_min is None else round(machine.weeds_per_min, 1),
+            temperature_c=round(machine.laser_temperature_c, 1),
+        )
+
+    def _press(self, press: PressRecord) -> up.Press:
+        return up.Press(
+            stop_id=press.stop_id,
+            by=press.by[:80],
+            device=press.device[:80],
+            mono_ms=self._weeder.mono_ms_of(press.pressed_s),
+            is_reset=press.is_reset,
+        )

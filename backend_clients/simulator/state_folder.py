@@ -1,0 +1,110 @@
+"""What a robot keeps on disk: latch, lease, mission, progress; small files replaced as a whole."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import TypeVar
+
+import msgspec
+from msgspec import Struct
+
+from backend_clients.edge.messages_down import Mission
+from backend_clients.simulator.latch import LatchMemory
+
+T = TypeVar("T")
+
+
+class SavedSafety(Struct, kw_only=True):
+    """Latch and lease fence."""
+
+    latch: LatchMemory
+    lease_token: int = 0
+    revoked_token: int = 0
+
+
+class SavedProgress(Struct, kw_only=True):
+    """Where the machine stands and how far the mission is; poses are ENU metres and radians."""
+
+    x_m: float
+    y_m: float
+    theta_rad: float
+    soc: float
+    status: str = "none"
+    sha256: str = ""
+    s_m: float = 0.0
+    row: int = 0
+    treated_m: float = 0.0
+    driven_m: float = 0.0
+    is_supervised: bool = True
+    pause_code: str = ""
+    pause_pose: tuple[float, float] | None = None
+
+
+class StateFolder:
+    """Reads and writes one robot's folder; with ``path`` None it only remembers.
+
+    Files are replaced atomically. A file that cannot be read counts as missing, except that a broken
+    safety file latches: see ``load_safety``.
+    """
+
+    def __init__(self, path: Path | None) -> None:
+        self._path = path
+        self._kept: dict[str, bytes] = {}
+        if path is not None:
+            path.mkdir(parents=True, exist_ok=True)
+
+    def load_safety(self) -> SavedSafety | None:
+        """Return latch and lease; raises ``ValueError`` when the file is there but broken."""
+        raw = self._read("safety.json")
+        if raw is None:
+            return None
+        try:
+            return msgspec.json.decode(raw, type=SavedSafety)
+        except msgspec.DecodeError as error:
+            raise ValueError(f"safety.json: {error}") from error
+
+    def save_safety(self, saved: SavedSafety) -> None:
+        """Keep latch and lease."""
+        self._write("safety.json", msgspec.json.encode(saved))
+
+    def load_mission(self) -> Mission | None:
+        """Return the mission on the robot."""
+        return self._load("mission.json", Mission)
+
+    def save_mission(self, mission: Mission) -> None:
+        """Keep the mission."""
+        self._write("mission.json", msgspec.json.encode(mission))
+
+    def load_progress(self) -> SavedProgress | None:
+        """Return the newest progress."""
+        return self._load("progress.json", SavedProgress)
+
+    def save_progress(self, progress: SavedProgress) -> None:
+        """Keep the progress."""
+        self._write("progress.json", msgspec.json.encode(progress))
+
+    def _load(self, name: str, kind: type[T]) -> T | None:
+        raw = self._read(name)
+        if raw is None:
+            return None
+        try:
+            return msgspec.json.decode(raw, type=kind)
+        except msgspec.DecodeError:
+            return None
+
+    def _read(self, name: str) -> bytes | None:
+        if self._path is None:
+            return self._kept.get(name)
+        try:
+            return (self._path / name).read_bytes()
+        except FileNotFoundError:
+            return None
+
+    def _write(self, name: str, data: bytes) -> None:
+        if self._path is None:
+            self._kept[name] = data
+            return
+        fresh = self._path / f".{name}.new"
+        fresh.write_bytes(data)
+        os.replace(fresh, self._path / name)

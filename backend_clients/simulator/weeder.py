@@ -1,0 +1,436 @@
+"""The brain of a laser weeder: what it does in each control step, and what makes it wait.
+
+Orders come in through ``orders``; reports go out through ``reports``. Two times are used: the clock
+for everything that protects people (leases, dead-man, lost operator), and the machine's own time,
+which may be hastened while a mission runs, for everything that is work.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from backend_clients.edge import messages_up as up
+from backend_clients.edge.messages_down import Mission
+from backend_clients.simulator.action_log import ActionLog
+from backend_clients.simulator.config import WeederConfig
+from backend_clients.simulator.enu import EnuFrame, Point
+from backend_clients.simulator.faults import Faults
+from backend_clients.simulator.guard import Guard
+from backend_clients.simulator.journal import EventKind, Journal
+from backend_clients.simulator.latch import Latch, LatchMemory, PressRecord
+from backend_clients.simulator.machine import STOPPED, Machine
+from backend_clients.simulator.mission_run import HOME_SPEED_MPS, MissionRun
+from backend_clients.simulator.route import RouteError, straight
+from backend_clients.simulator.state_folder import SavedProgress, SavedSafety, StateFolder
+from backend_clients.simulator.tracking import Setpoint, Tracker
+from backend_clients.simulator.watch import Watch
+from hmi.clock import Clock
+
+DEADMAN_S = 0.5  # five missed setpoints at 10 Hz
+OPERATOR_LOST_S = 3.5  # operator pulses come at 1 Hz; same figure as common ground stations
+LINK_LOST_S = 10.0
+MANUAL_LOST_S = 10.0  # an open drive nobody uses is closed
+START_HORN_S = 3.0
+MANUAL_MAX_MPS = 1.0
+BATTERY_LOW, BATTERY_VERY_LOW = 0.2, 0.1
+LEAD_IN_M = 0.3  # nearer than this the tracker pulls it on the line while driving
+LEAD_SPEED_MPS = 0.8
+SAVE_EVERY_S = 1.0
+CHARGER_REACH_M = 2.0
+REASONS = {
+    "paused": "by an operator",
+    "operator_lost": "no page of its operator was open",
+    "link_lost": "the farm was not heard",
+    "battery_low": "the battery is low",
+    "after_stop": "STOP",
+    "manual": "for driving by hand",
+    "return_home": "to return home",
+}
+
+
+@dataclass(slots=True)
+class DriveState:
+    """Driving by hand: the newest setpoint and when it came, on the robot's clock."""
+
+    v_mps: float = 0.0
+    yaw_rate_radps: float = 0.0
+    heard_s: float = -math.inf
+
+
+class Weeder:
+    """One boot of the robot's software, commanding ``machine``.
+
+    Args:
+        config: identity and home.
+        machine: the body; it outlives a reboot.
+        clock: the robot's clocks.
+        store: what survives a reboot.
+        faults: faults switched on by a tester.
+        boot: id of this boot.
+        make_challenge: source of challenges.
+    """
+
+    def __init__(
+        self,
+        config: WeederConfig,
+        machine: Machine,
+        clock: Clock,
+        store: StateFolder,
+        faults: Faults,
+        boot: str,
+        make_challenge: Callable[[], str],
+    ) -> None:
+        self.config, self.machine, self.clock, self.faults, self.boot = config, machine, clock, faults, boot
+        self._store = store
+        self._boot_s = clock.mono_s()
+        self.frame = EnuFrame(config.datum_lat_deg, config.datum_lon_deg)
+        self.journal = Journal(boot)
+        self.actions = ActionLog()
+        self.drive: DriveState | None = None
+        self.last_drive: DriveState = DriveState()
+        self.run: MissionRun | None = None
+        self.home_run: Tracker | None = None
+        self._home_is_supervised = True
+        self._lead: Tracker | None = None
+        self._horn_left_s = 0.0
+        self.hold_code = ""
+        self.operator_heard_s = self.link_heard_s = self._saved_s = clock.mono_s()
+        self._is_laser_wanted = False
+        self._is_button_known = False
+        saved = self._load_safety()
+        self.latch = Latch(saved.latch)
+        self.guard = Guard(make_challenge, lease_token=saved.lease_token, revoked_token=saved.revoked_token)
+        self._load_progress()
+        self.watch = Watch(self)
+
+    # ---- time and place -------------------------------------------------------------------------------
+
+    def mono_ms(self) -> int:
+        """Return the robot's monotonic time since boot."""
+        return max(int((self.clock.mono_s() - self._boot_s) * 1000), 0)
+
+    def mono_ms_of(self, mono_s: float) -> int:
+        """Return a time of the clock as milliseconds since boot, never negative."""
+        return max(int((mono_s - self._boot_s) * 1000), 0)
+
+    @property
+    def place(self) -> Point:
+        """Where the machine truly stands."""
+        return self.machine.base.x_m, self.machine.base.y_m
+
+    # ---- what it is doing -----------------------------------------------------------------------------
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether a STOP or the button on the machine forbids all motion."""
+        return self.latch.is_set or self.machine.is_hardware_stop
+
+    @property
+    def is_auto(self) -> bool:
+        """Whether a mission or the way home is being driven now."""
+        return self.home_run is not None or (self.run is not None and self.run.status == "running")
+
+    @property
+    def mode(self) -> up.Mode:
+        """The operating mode as reported."""
+        if self.is_stopped:
+            return "stopped"
+        if self.machine.soc <= 0:
+            return "fault"
+        if self.drive is not None:
+            return "manual"
+        if self.is_auto:
+            return "auto"
+        return "paused" if self.run is not None and self.run.status == "paused" else "idle"
+
+    @property
+    def is_on_lead(self) -> bool:
+        """Whether it is on its way to the path of the mission."""
+        return self._lead is not None
+
+    @property
+    def cross_track_m(self) -> float | None:
+        """Distance from the line being followed, left positive; ``None`` while there is none."""
+        tracker = self._tracker()
+        return tracker.left_of_line_m if tracker is not None and self.is_auto else None
+
+    # ---- one step -------------------------------------------------------------------------------------
+
+    def check_people(self) -> None:
+        """Apply every rule that protects people; on the clock, never hastened."""
+        now = self.clock.mono_s()
+        if self.machine.is_hardware_stop != self._is_button_known:
+            self._button_changed()
+        if self.drive is not None and now - max(self.drive.heard_s, self.operator_heard_s) > MANUAL_LOST_S:
+            self.close_drive()
+        if not self.is_auto:
+            return
+        is_supervised = self.run.is_supervised if self.run is not None and self.home_run is None else True
+        if self.home_run is not None:
+            is_supervised = self._home_is_supervised
+        if is_supervised and now - self.operator_heard_s > OPERATOR_LOST_S:
+            self.pause("operator_lost")
+        elif not is_supervised and now - self.link_heard_s > LINK_LOST_S:
+            self.pause("link_lost")
+        elif self.machine.soc < BATTERY_VERY_LOW and self.home_run is None:
+            self.pause("battery_low")
+
+    def step(self, dt_s: float) -> None:
+        """Decide, and let the machine live, for ``dt_s`` of its own time."""
+        self._is_laser_wanted = False
+        self.hold_code = ""
+        before_m = self.run.tracker.s_m if self.run is not None else 0.0
+        wanted = self._decide(dt_s)
+        self.machine.is_charging = self._is_at_charger()
+        is_braking = wanted.v_mps == 0 and not wanted.is_pivoting
+        self.machine.step(dt_s, wanted, is_braking=is_braking, laser_on=self._is_laser_wanted)
+        if self.run is not None and self.run.status == "running" and self._lead is None:
+            self._count(before_m, dt_s)
+        self.watch.look()
+
+    def _decide(self, dt_s: float) -> Setpoint:
+        if self.is_stopped:
+            return STOPPED
+        if self.drive is not None:
+            return self._decide_manual(self.drive)
+        if not self.is_auto:
+            return STOPPED
+        reason = self._waiting_for()
+        if reason:
+            self._horn_left_s = START_HORN_S
+            self.hold_code = reason
+            return STOPPED
+        if self._horn_left_s > 0:
+            self._horn_left_s -= dt_s
+            self.hold_code = "start_horn"
+            return STOPPED
+        return self._follow(dt_s)
+
+    def _decide_manual(self, drive: DriveState) -> Setpoint:
+        if self.clock.mono_s() - drive.heard_s > DEADMAN_S:
+            return STOPPED
+        v = min(max(drive.v_mps, -MANUAL_MAX_MPS), MANUAL_MAX_MPS)
+        if v > 0 and self.machine.is_way_blocked():
+            self.hold_code = "person_ahead"
+            return STOPPED
+        return Setpoint(v, drive.yaw_rate_radps, is_pivoting=v == 0 and drive.yaw_rate_radps != 0)
+
+    def _waiting_for(self) -> str:
+        if self.machine.is_way_blocked():
+            return "person_ahead"
+        if self.home_run is not None:
+            return ""
+        if self.machine.is_rtk_float:
+            return "rtk_float"
+        return "tool_interlock" if self.machine.is_cover_open else ""
+
+    def _follow(self, dt_s: float) -> Setpoint:
+        tracker = self._tracker()
+        assert tracker is not None
+        wanted = tracker.steer(*self.machine.measured_pose(), dt_s)
+        if tracker.is_done:
+            self._arrived(tracker)
+            return STOPPED
+        if self.run is not None and tracker is self.run.tracker and not wanted.is_pivoting:
+            is_rolling = self.machine.base.speed_mps > 0.05
+            self._is_laser_wanted = is_rolling and self.run.leg.is_tool_wanted(tracker.s_m)
+        return wanted
+
+    def _tracker(self) -> Tracker | None:
+        if self.home_run is not None:
+            return self.home_run
+        return self._lead or (self.run.tracker if self.run is not None else None)
+
+    def _arrived(self, tracker: Tracker) -> None:
+        if tracker is self.home_run:
+            self.home_run = None
+            self.actions.close("finished")
+            self.note("mission", "Home reached")
+        elif tracker is self._lead and self.run is not None:
+            self._lead = None
+            self.run.tracker.align()
+        elif self.run is not None:
+            self.run.finish(self.journal, self.mono_ms())
+            self.actions.close("finished")
+            self.note("mission", "Mission done", self.run.mission.name)
+        self.save()
+
+    def _count(self, before_m: float, dt_s: float) -> None:
+        assert self.run is not None
+        weeds = (self.machine.weeds_per_min or 0.0) * dt_s / 60
+        self.run.advance(
+            before_m,
+            laser_on=self.machine.laser_on,
+            weeds=weeds,
+            journal=self.journal,
+            mono_ms=self.mono_ms(),
+        )
+
+    # ---- what orders and rules do ---------------------------------------------------------------------
+
+    def note(self, kind: EventKind, name: str, text: str = "", **data: Any) -> None:
+        """Write one event, with where and when it happened."""
+        lat_deg, lon_deg = self.frame.to_wgs84(*self.place)
+        place = {"lat_deg": round(lat_deg, 8), "lon_deg": round(lon_deg, 8)}
+        if self.run is not None and kind == "mission":
+            place["mission_id"] = self.run.mission.mission_id  # type: ignore[assignment]
+        self.journal.event(self.mono_ms(), kind, name, text, **{**data, **place})
+
+    def load(self, mission: Mission) -> None:
+        """Take a mission on board; moves nothing.
+
+        Raises:
+            RouteError: its path cannot be driven.
+        """
+        self.run = MissionRun(mission, self.frame, (self.config.x_m, self.config.y_m))
+        self._store.save_mission(mission)
+        self.note("mission", "Mission loaded", mission.name)
+        self.save()
+
+    def begin(self, *, is_supervised: bool) -> None:
+        """Start the loaded mission, or rejoin its path after it was moved; the horn sounds first."""
+        assert self.run is not None
+        if self.run.status == "paused":
+            self.run.rejoin(self.place)
+            self.run.run(is_supervised=is_supervised)
+        else:
+            self.run.begin(is_supervised=is_supervised)
+        self._lead = self._way_to(self.run.route.point_at(self.run.tracker.s_m))
+        self._set_off()
+        self.note("mission", "Mission started", self.run.mission.name)
+
+    def resume(self) -> None:
+        """Go on with the paused mission; the horn sounds first."""
+        assert self.run is not None
+        self.run.run(is_supervised=self.run.is_supervised)
+        if self._lead is None:
+            self._lead = self._way_to(self.run.route.point_at(self.run.tracker.s_m))
+        else:
+            self._lead.align()
+        self._set_off()
+        self.note("mission", "Mission resumed", self.run.mission.name)
+
+    def pause(self, code: str) -> None:
+        """Stop what is driven by itself and keep its progress; ``code`` is the reason shown."""
+        if self.home_run is not None:
+            self.home_run = None
+        if self.run is not None and self.run.status == "running":
+            self.run.pause(code, self.place)
+            self.note("mission", "Mission paused", REASONS.get(code, ""), reason=code)
+        self.actions.close("failed" if code != "paused" else "finished", REASONS.get(code, ""))
+        self.save()
+
+    def abort(self) -> None:
+        """End the mission for good; it stays loaded and can be started from its beginning."""
+        self.home_run = self._lead = None
+        if self.run is not None and self.run.is_open:
+            self.run.status = "aborted"
+            self.note("mission", "Mission aborted", self.run.mission.name)
+        self.actions.close("failed", "aborted")
+        self.save()
+
+    def go_home(self) -> None:
+        """Drive straight home with the laser off; a running mission is paused where it is."""
+        is_supervised = self.run.is_supervised if self.run is not None and self.run.is_open else True
+        self.pause("return_home")
+        self._home_is_supervised = is_supervised
+        self.home_run = Tracker(straight([self.place, self.home], HOME_SPEED_MPS))
+        self._set_off()
+        self.note("mission", "Returning home")
+
+    @property
+    def home(self) -> Point:
+        """Where home is, in the robot's frame."""
+        return self.run.home if self.run is not None else (self.config.x_m, self.config.y_m)
+
+    def open_drive(self) -> None:
+        """Let a person drive; what runs by itself is paused and the laser goes off."""
+        self.pause("manual")
+        self.drive = DriveState(heard_s=-math.inf)
+        self.operator_heard_s = self.clock.mono_s()
+        self.note("mission", "Driving by hand")
+
+    def close_drive(self) -> None:
+        """End driving by hand; the machine brakes."""
+        if self.drive is not None:
+            self.drive = None
+            self.note("mission", "Driving by hand ended")
+            self.save()
+
+    def halt(self, code: str) -> None:
+        """Brake now and end everything that could move it again: STOP and the button do this."""
+        self.drive = None
+        self.pause("after_stop")
+        self.guard.revoke()
+        self.save_safety()
+        self.journal.log(self.mono_ms(), f"halt {code}")
+
+    def save_safety(self) -> None:
+        """Write latch and lease fence to disk."""
+        saved = SavedSafety(
+            latch=self.latch.memory(),
+            lease_token=self.guard.lease_token,
+            revoked_token=self.guard.revoked_token,
+        )
+        self._store.save_safety(saved)
+
+    def save(self) -> None:
+        """Write place and progress to disk."""
+        base = self.machine.base
+        saved = SavedProgress(x_m=base.x_m, y_m=base.y_m, theta_rad=base.theta_rad, soc=self.machine.soc)
+        if self.run is not None:
+            self.run.save_into(saved)
+        self._store.save_progress(saved)
+        self._saved_s = self.clock.mono_s()
+
+    def save_sometimes(self) -> None:
+        """Write place and progress once a second while it moves."""
+        if not self.machine.base.is_still and self.clock.mono_s() - self._saved_s >= SAVE_EVERY_S:
+            self.save()
+
+    def _button_changed(self) -> None:
+        self._is_button_known = self.machine.is_hardware_stop
+        if self._is_button_known:
+            self.note("safety", "Button on the machine pressed")
+            self.halt("hardware_stop")
+        else:
+            self.note("safety", "Button on the machine released")
+
+    def _set_off(self) -> None:
+        now = self.clock.mono_s()
+        self._horn_left_s = START_HORN_S
+        self.operator_heard_s = max(self.operator_heard_s, now)
+        self.link_heard_s = max(self.link_heard_s, now)
+        self.save()
+
+    def _way_to(self, point: Point) -> Tracker | None:
+        if math.dist(self.place, point) <= LEAD_IN_M:
+            return None
+        return Tracker(straight([self.place, point], LEAD_SPEED_MPS))
+
+    def _is_at_charger(self) -> bool:
+        near = math.dist(self.place, (self.config.x_m, self.config.y_m)) < CHARGER_REACH_M
+        return near and self.machine.base.is_still and not self.is_auto and self.machine.soc < 1.0
+
+    def _load_safety(self) -> SavedSafety:
+        """Return what was saved; a file that cannot be read latches, for it may have held a STOP."""
+        try:
+            return self._store.load_safety() or SavedSafety(latch=LatchMemory())
+        except ValueError:
+            lost = PressRecord(stop_id=f"unreadable-{self.boot[:16]}", by="robot", device="disk", pressed_s=0.0)
+            return SavedSafety(latch=LatchMemory(presses=[lost]))
+
+    def _load_progress(self) -> None:
+        mission, saved = self._store.load_mission(), self._store.load_progress()
+        if mission is None:
+            return
+        try:
+            self.run = MissionRun(mission, self.frame, (self.config.x_m, self.config.y_m))
+        except RouteError as error:
+            self.journal.log(0, f"stored mission dropped: {error}")
+            return
+        if saved is not None:
+            self.run.restore(saved)

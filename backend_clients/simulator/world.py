@@ -1,0 +1,182 @@
+"""The simulated world: robots that live by ``step(dt)`` and can crash and boot again."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterable
+from pathlib import Path
+
+from backend_clients.edge import messages_down as down
+from backend_clients.edge import messages_up as up
+from backend_clients.simulator import faults as fault_kinds
+from backend_clients.simulator.config import WeederConfig
+from backend_clients.simulator.faults import Fault, Faults
+from backend_clients.simulator.journal import Happening
+from backend_clients.simulator.kinematics import SkidSteer
+from backend_clients.simulator.machine import STOPPED, Machine
+from backend_clients.simulator.orders import OrderDesk
+from backend_clients.simulator.reports import Reporter
+from backend_clients.simulator.state_folder import StateFolder
+from backend_clients.simulator.weeder import Weeder
+from hmi.clock import Clock
+
+MAX_STEP_S = 0.1  # control gets coarse above; hastened time is cut into steps of this
+
+
+class Boot:
+    """One run of the robot's software from power-up to crash."""
+
+    def __init__(self, weeder: Weeder) -> None:
+        self.weeder = weeder
+        self.reporter = Reporter(weeder)
+        self.desk = OrderDesk(weeder, self.reporter)
+
+
+class SimRobot:
+    """A machine and, while it is switched on, the software that commands it.
+
+    Args:
+        config: who it is.
+        clock: its clocks.
+        seed: makes noise and ids repeatable.
+        state_dir: its folder on disk, ``None`` to keep state in memory only.
+    """
+
+    def __init__(self, config: WeederConfig, clock: Clock, *, seed: int = 1, state_dir: Path | None = None) -> None:
+        self.config, self.clock = config, clock
+        self.faults = Faults()
+        self._rng = random.Random(f"{config.id}/{seed}/{clock.utc().isoformat() if state_dir else ''}")  # noqa: S311
+        self.store = StateFolder(state_dir)
+        self.machine = Machine(random.Random(f"noise/{config.id}/{seed}"), self._first_place(), soc=config.soc)  # noqa: S311
+        saved = self.store.load_progress()
+        if saved is not None:
+            self.machine.soc = saved.soc
+        self._boot_at_s: float | None = None
+        self.stopped_at_s: float | None = None
+        self.boot: Boot | None = self._power_up()
+
+    def receive(self, order: down.Order, *, is_retained: bool = False) -> up.Ack | None:
+        """Hand one order to the software; ``None`` too when it is switched off."""
+        return self.boot.desk.receive(order, is_retained=is_retained) if self.boot is not None else None
+
+    def step(self, dt_s: float, speed: float = 1.0) -> None:
+        """Live for ``dt_s`` of the clock; missions run ``speed`` times faster than that."""
+        if self.boot is None:
+            self.machine.step(dt_s, STOPPED, is_braking=True, laser_on=False)
+            if self._boot_at_s is not None and self.clock.mono_s() >= self._boot_at_s:
+                self.faults.clear("crash")
+                self._boot_at_s = None
+                self.boot = self._power_up()
+        else:
+            weeder = self.boot.weeder
+            weeder.check_people()
+            left_s = dt_s * speed if weeder.is_auto else dt_s
+            while left_s > 1e-9:
+                step_s = min(left_s, MAX_STEP_S)
+                weeder.step(step_s)
+                left_s -= step_s
+            weeder.save_sometimes()
+        self._note_standstill()
+
+    def take_events(self) -> list[Happening]:
+        """Return the events that happened since the last call."""
+        return self.boot.weeder.journal.take() if self.boot is not None else []
+
+    def set_fault(self, fault: Fault) -> None:
+        """Switch a fault on."""
+        self.faults.set(fault)
+        match fault:
+            case fault_kinds.RtkFloat():
+                self.machine.is_rtk_float = True
+            case fault_kinds.LowBattery():
+                self.machine.soc = fault.soc
+            case fault_kinds.ToolInterlock():
+                self.machine.is_cover_open = True
+            case fault_kinds.PersonAhead():
+                self.machine.put_person_ahead(fault.distance_m)
+            case fault_kinds.HardwareStop():
+                self.machine.is_hardware_stop = True
+            case fault_kinds.KeepsMoving():
+                self.machine.ignores_brakes = True
+            case fault_kinds.Crash():
+                self.crash(fault.reboot_after_s)
+
+    def clear_fault(self, name: str | None = None) -> None:
+        """Switch one fault, or all, off."""
+        for fault in self.faults.clear(name):
+            match fault:
+                case fault_kinds.RtkFloat():
+                    self.machine.is_rtk_float = False
+                case fault_kinds.LowBattery():
+                    self.machine.soc = max(self.machine.soc, 0.9)
+                case fault_kinds.ToolInterlock():
+                    self.machine.is_cover_open = False
+                case fault_kinds.PersonAhead():
+                    self.machine.person = None
+                case fault_kinds.HardwareStop():
+                    self.machine.is_hardware_stop = False
+                case fault_kinds.KeepsMoving():
+                    self.machine.ignores_brakes = False
+                case fault_kinds.Crash() if self.boot is None:
+                    self._boot_at_s = self.clock.mono_s()
+
+    def crash(self, reboot_after_s: float | None) -> None:
+        """Let the software die; the machine's brakes close by themselves."""
+        self.boot = None
+        self._boot_at_s = None if reboot_after_s is None else self.clock.mono_s() + reboot_after_s
+
+    def _power_up(self) -> Boot:
+        boot_id = f"{self._rng.getrandbits(64):016x}"
+        return Boot(
+            Weeder(
+                self.config,
+                self.machine,
+                self.clock,
+                self.store,
+                self.faults,
+                boot_id,
+                lambda: f"{self._rng.getrandbits(64):016x}",
+            )
+        )
+
+    def _first_place(self) -> SkidSteer:
+        saved = self.store.load_progress()
+        if saved is not None:
+            return SkidSteer(saved.x_m, saved.y_m, saved.theta_rad)
+        return SkidSteer(self.config.x_m, self.config.y_m, self.config.theta_rad)
+
+    def _note_standstill(self) -> None:
+        if not self.machine.base.is_still:
+            self.stopped_at_s = None
+        elif self.stopped_at_s is None:
+            self.stopped_at_s = self.clock.mono_s()
+
+
+class World:
+    """All robots of one process.
+
+    Args:
+        weeders: the robots.
+        clock: shared by all; only ``mono_s`` decides anything.
+        seed, speed, state_dir: see ``SimulatorConfig``.
+    """
+
+    def __init__(
+        self,
+        weeders: Iterable[WeederConfig],
+        clock: Clock,
+        *,
+        seed: int = 1,
+        speed: float = 1.0,
+        state_dir: Path | None = None,
+    ) -> None:
+        self.clock, self.speed = clock, speed
+        self.robots = {
+            config.id: SimRobot(config, clock, seed=seed, state_dir=state_dir / config.id if state_dir else None)
+            for config in weeders
+        }
+
+    def step(self, dt_s: float) -> None:
+        """Let every robot live for ``dt_s`` of the clock; the caller moves the clock."""
+        for robot in self.robots.values():
+            robot.step(dt_s, self.speed)
