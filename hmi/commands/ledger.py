@@ -21,6 +21,7 @@ ACK_LIMIT_S = 2.0  # the order's own time to live: after it the robot refuses it
 KEEP_S = 600.0  # far beyond any retry; a replay after that has a stale tick
 MIN_KEEP_S = 10.0  # a request repeated this late has a stale tick, so even under pressure nothing acts twice
 MAX_KEPT, MAX_REFUSALS = 10_000, 1_000  # bounds memory when somebody sends without end
+LOOK = "It may have done it: look at the machine."
 MAX_PENDING, MAX_PENDING_URGENT = 8, 32  # per robot; an honest screen has one. Pausing has room of its own.
 
 
@@ -115,16 +116,14 @@ class OrderLedger:
             return await asyncio.shield(known)
         try:
             self._make_room(ticket)
-            order = prepare()
-            if not self._sender.send(order):
-                raise OrderRefused(NOT_CONNECTED, "There is no connection to the robots. Nothing was sent.")
+            entry = self._send(ticket, prepare())
         except OrderRefused as refused:
             result = self.refuse(ticket, refused)
             self._refusals[ticket.ref] = (ticket.fingerprint, result)
             while len(self._refusals) > MAX_REFUSALS:
                 self._refusals.popitem(last=False)
             return result
-        entry = self._open(ticket)
+        self._report(ticket, entry.result)
         task = asyncio.create_task(self._follow(entry), name=f"order {ticket.what} {ticket.ref}")
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
@@ -154,6 +153,9 @@ class OrderLedger:
         for task in tuple(self._tasks):
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
+        for entry in [e for e in self._entries.values() if not e.final.done()]:
+            text = f"The console was stopped before {entry.robot_name} answered. {LOOK}"
+            self._settle(entry, _result(entry.ticket, Outcome.UNKNOWN, "console_stopped", text), is_late=False)
 
     def _known(self, ticket: Ticket) -> asyncio.Future[CommandResult] | None:
         entry, refusal = self._entries.get(ticket.ref), self._refusals.get(ticket.ref)
@@ -170,10 +172,10 @@ class OrderLedger:
             answered.set_result(self.refuse(ticket, reused))
         return answered
 
-    def _open(self, ticket: Ticket) -> _Entry:
+    def _send(self, ticket: Ticket, order: Order) -> _Entry:
         loop = asyncio.get_running_loop()
         robot = self._fleet.robot(ticket.robot_id)
-        entry = _Entry(
+        entry = self._entries[ticket.ref] = _Entry(
             ticket=ticket,
             sent_s=self._clock.mono_s(),
             robot_name=robot.name if robot is not None else ticket.robot_id,
@@ -182,37 +184,27 @@ class OrderLedger:
             answer=loop.create_future(),
             final=loop.create_future(),
         )
-        self._entries[ticket.ref] = entry
-        self._report(ticket, entry.result)
+        if not self._sender.send(order):
+            del self._entries[ticket.ref]
+            raise OrderRefused(NOT_CONNECTED, "There is no connection to the robots. Nothing was sent.")
         return entry
 
     async def _follow(self, entry: _Entry) -> None:
-        is_cut_short = True
-        try:
-            await asyncio.wait({entry.answer}, timeout=self._ack_limit_s)
-            is_cut_short = False
-        finally:  # also when cancelled: an order under way never vanishes from the record
-            if entry.answer.done():
-                result = self._from_ack(entry, entry.answer.result())
-            else:
-                result = self._silence(entry, is_cut_short=is_cut_short)
-            self._settle(entry, result, is_late=False)
+        await asyncio.wait({entry.answer}, timeout=self._ack_limit_s)
+        result = self._from_ack(entry, entry.answer.result()) if entry.answer.done() else self._silence(entry)
+        self._settle(entry, result, is_late=False)
 
     def _from_ack(self, entry: _Entry, ack: Acknowledgement) -> CommandResult:
         outcome = Outcome.ACCEPTED if ack.is_accepted else Outcome.REJECTED
         ms = round((self._clock.mono_s() - entry.sent_s) * 1000)
         return replace(_result(entry.ticket, outcome, ack.code, ack.text), ms=ms)
 
-    def _silence(self, entry: _Entry, *, is_cut_short: bool) -> CommandResult:
-        look = "It may have done it: look at the machine."
-        if is_cut_short:
-            text = f"The console was stopped before {entry.robot_name} answered. {look}"
-            return _result(entry.ticket, Outcome.UNKNOWN, "console_stopped", text)
+    def _silence(self, entry: _Entry) -> CommandResult:
         robot = self._fleet.robot(entry.ticket.robot_id)
         if robot is None or not robot.link.is_broker_up or robot.link.boot != entry.boot:
-            text = f"The link to {entry.robot_name} broke before it answered. {look}"
+            text = f"The link to {entry.robot_name} broke before it answered. {LOOK}"
             return _result(entry.ticket, Outcome.UNKNOWN, "link_lost", text)
-        text = f"{entry.robot_name} did not answer within {self._ack_limit_s:g} s. {look}"
+        text = f"{entry.robot_name} did not answer within {self._ack_limit_s:g} s. {LOOK}"
         return _result(entry.ticket, Outcome.TIMED_OUT, "timed_out", text)
 
     def _settle(self, entry: _Entry, result: CommandResult, *, is_late: bool) -> None:

@@ -1,0 +1,1 @@
+"""Commands, leases, driving and resets against a robot that keeps the rules."""
