@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import logging
 import secrets
+from collections import deque
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import timedelta
 
 from hmi.clock import Clock
 from hmi.security.cookie import cookies_in, new_cookie, session_id_of
+from hmi.security.errors import NotSignedIn
 from hmi.security.session_info import SessionInfo
 from hmi.store.database import Database
 from hmi.store.errors import DatabaseUnavailable
@@ -24,6 +26,7 @@ logger = logging.getLogger(__name__)
 
 Ended = Callable[[SessionInfo, str], None]
 MAX_PER_PERSON = 20  # the oldest ends; a script that signs in again and again must not fill the memory
+_REMEMBERED = 1000  # ended ones that an answer of the database under way may still call open
 SIGNED_OUT = "You signed out."
 EXPIRED = "Your sign-in has expired. Sign in again."
 RIGHTS_CHANGED = "Your account was changed. Sign in again."
@@ -51,6 +54,7 @@ class Sessions:
         self._lifetime_s = lifetime_s
         self._open: dict[str, _Live] = {}
         self._unwritten_ends: set[str] = set()
+        self._gone: deque[str] = deque(maxlen=_REMEMBERED)
         self._listeners: list[Ended] = []
 
     @property
@@ -60,10 +64,25 @@ class Sessions:
 
     async def load(self) -> None:
         """Take up the sessions that were open before a restart."""
+        await self.reconcile()
+
+    async def reconcile(self) -> None:
+        """Agree with the database: take up what another console opened, end what it or the command line ended.
+
+        To be called every few seconds; cheap.
+
+        Raises:
+            DatabaseUnavailable: nothing changed.
+        """
+        await self._write_ends()
+        here = set(self._open)
         now = self._clock.utc()
-        for stored in await self._database.run(self._records.open, self._farm_id, now):
-            left_s = min((stored.expires_at - now).total_seconds(), self._lifetime_s)
-            self._open[stored.id] = _Live(_info(stored), self._clock.mono_s() + left_s)
+        stored = {one.id: one for one in await self._database.run(self._records.open, self._farm_id, now)}
+        self._close([key for key in here if key not in stored or self._differs(stored[key])], RIGHTS_CHANGED)
+        for one in stored.values():
+            if one.id not in self._open and one.id not in self._gone:
+                left_s = min((one.expires_at - now).total_seconds(), self._lifetime_s)
+                self._open[one.id] = _Live(_info(one), self._clock.mono_s() + left_s)
 
     def lookup(self, cookie: str | None) -> SessionInfo | None:
         """Return who sent this cookie, or ``None`` if it opens nothing (any more)."""
@@ -125,8 +144,13 @@ class Sessions:
         await self._end([session_id], text)
 
     async def end_all_of(self, user_id: str, text: str = RIGHTS_CHANGED) -> None:
-        """End every session of a person: after a new password or role, or when the person may no longer sign in."""
-        await self._end([key for key, live in self._open.items() if live.info.user_id == user_id], text)
+        """End every session of a person, other consoles' too: after a new password or role.
+
+        Raises:
+            DatabaseUnavailable: ended here, but they may come back after a restart.
+        """
+        self._close([key for key, live in self._open.items() if live.info.user_id == user_id], text)
+        await self._database.run(self._records.end_all_of, user_id, self._clock.utc())
 
     async def end_all_on(self, device_id: str, text: str = "This tablet was taken out.") -> None:
         """End every session on a device that was revoked."""
@@ -139,11 +163,27 @@ class Sessions:
         self._close(expired, EXPIRED)
         return len(expired)
 
-    async def tidy(self, keep_s: float = 30 * 86_400) -> None:
-        """Write ends that the database could not take before, and forget old rows; to be called now and then."""
-        await self._write_ends()
+    async def move(self, session_id: str, device_id: str, device_name: str) -> SessionInfo:
+        """Let a session go on as one on an enrolled device; return it.
+
+        Raises:
+            NotSignedIn: it ended meanwhile.
+        """
+        await self._database.run(self._records.move, session_id, device_id)
+        live = self._open.get(session_id)
+        if live is None:
+            raise NotSignedIn
+        live.info = replace(live.info, device_id=device_id, device_name=device_name)
+        return live.info
+
+    async def forget_old(self, keep_s: float = 30 * 86_400) -> None:
+        """Delete rows of sessions that expired long ago; once a day. Sign-ins stay in the audit."""
         limit = self._clock.utc() - timedelta(seconds=keep_s)
         await self._database.run(self._records.forget_before, self._farm_id, limit)
+
+    def _differs(self, stored: StoredSession) -> bool:
+        live = self._open.get(stored.id)
+        return live is not None and (live.info.role, live.info.user_name) != (stored.role, stored.user_name)
 
     def _oldest_of(self, user_id: str) -> list[_Live]:
         mine = sorted(
@@ -168,6 +208,7 @@ class Sessions:
             self._unwritten_ends.difference_update(ids)
 
     def _close(self, session_ids: list[str], text: str) -> None:
+        self._gone.extend(session_ids)
         ended = [live.info for key in session_ids if (live := self._open.pop(key, None)) is not None]
         for info in ended:
             for listener in tuple(self._listeners):

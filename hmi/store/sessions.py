@@ -66,6 +66,17 @@ class SessionRecords:
         with self._database.write() as session:
             session.execute(query.values(ended_at=now))
 
+    def end_all_of(self, user_id: str, now: datetime) -> None:
+        """Mark every session of a person as ended, also those that another console opened."""
+        query = update(SessionRow).where(SessionRow.user_id == user_id, SessionRow.ended_at.is_(None))
+        with self._database.write() as session:
+            session.execute(query.values(ended_at=now))
+
+    def move(self, session_id: str, device_id: str) -> None:
+        """Note that a session now runs on an enrolled device."""
+        with self._database.write() as session:
+            session.execute(update(SessionRow).where(SessionRow.id == session_id).values(device_id=device_id))
+
     def forget_before(self, farm_id: str, limit: datetime) -> int:
         """Delete sessions that expired before ``limit``; return how many. Sign-ins stay in the audit."""
         query = delete(SessionRow).where(SessionRow.farm_id == farm_id, SessionRow.expires_at < limit)
