@@ -1,0 +1,86 @@
+// Names and warnings over the map, drawn with the page's own font on a 2D canvas: no glyph server, same in both engines.
+
+const MOST_LABELS = 80; // more cannot be read
+const HALO = 0.28; // of the type size
+
+/** The layer of texts; `draw` is called after each frame of the engine. */
+export class LabelLayer {
+  constructor(host) {
+    this.canvas = document.createElement('canvas');
+    this.canvas.className = 'hl-map-labels';
+    this.canvas.setAttribute('aria-hidden', 'true');
+    host.append(this.canvas);
+    this.context = this.canvas.getContext('2d');
+  }
+
+  /**
+   * Draw labels by falling priority; one that would cover another is left out unless `isFixed`.
+   *
+   * label: {mx, my, lines: [{text, size, weight}], dx, dy, align, priority, isFixed, pill: {fill, ink} | null, icon}
+   */
+  draw(camera, labels, palette) {
+    const ratio = window.devicePixelRatio || 1;
+    const { canvas, context } = this;
+    const [width, height] = [Math.round(camera.width * ratio), Math.round(camera.height * ratio)];
+    if (canvas.width !== width || canvas.height !== height) {
+      canvas.width = width;
+      canvas.height = height;
+    }
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.clearRect(0, 0, camera.width, camera.height);
+    context.lineJoin = 'round';
+    context.textBaseline = 'alphabetic';
+    const taken = [];
+    const order = [...labels].sort((a, b) => b.priority - a.priority);
+    for (const label of order) {
+      if (taken.length >= MOST_LABELS) break;
+      const [x, y] = camera.project(label.mx, label.my);
+      if (x < -200 || y < -100 || x > camera.width + 200 || y > camera.height + 100) continue;
+      this.#one(label, x + (label.dx ?? 0), y + (label.dy ?? 0), palette, taken);
+    }
+    this.drawn = taken.length;
+  }
+
+  #one(label, x, y, palette, taken) {
+    const { context } = this;
+    const lines = label.lines.map((line) => ({ ...line, px: line.size * palette.scale }));
+    const font = (line) => `${line.weight ?? 600} ${line.px}px ${palette.font}`;
+    let wide = 0;
+    let high = 0;
+    for (const line of lines) {
+      context.font = font(line);
+      line.wide = context.measureText(line.text).width;
+      wide = Math.max(wide, line.wide);
+      high += line.px * 1.25;
+    }
+    const left = label.align === 'left' ? x : label.align === 'right' ? x - wide : x - wide / 2;
+    const box = [left - 4, y - high / 2 - 2, left + wide + 4, y + high / 2 + 2];
+    const overlaps = (o) => box[0] < o[2] && o[0] < box[2] && box[1] < o[3] && o[1] < box[3];
+    if (!label.isFixed && taken.some(overlaps)) return;
+    taken.push(box);
+    if (label.pill) {
+      context.fillStyle = label.pill.fill;
+      context.beginPath();
+      context.roundRect(box[0] - 2, box[1], box[2] - box[0] + 4, box[3] - box[1], 3);
+      context.fill();
+    }
+    let top = y - high / 2;
+    for (const line of lines) {
+      const baseline = top + line.px * 0.98;
+      top += line.px * 1.25;
+      const at = label.align === 'left' ? left : label.align === 'right' ? left + wide - line.wide : left + (wide - line.wide) / 2;
+      context.font = font(line);
+      if (!label.pill) {
+        context.strokeStyle = palette.halo;
+        context.lineWidth = Math.max(3, line.px * HALO * 1.1);
+        context.strokeText(line.text, at, baseline);
+      }
+      context.fillStyle = label.pill ? label.pill.ink : palette.label;
+      context.fillText(line.text, at, baseline);
+    }
+  }
+
+  destroy() {
+    this.canvas.remove();
+  }
+}

@@ -1,0 +1,63 @@
+// The robots of the map as a list for assistive technology and for tests: the map itself is a picture.
+
+const EACH_TIME = 250; // entries brought up to date per update; the rest follow in turn
+const COMPASS = ['north', 'north-east', 'east', 'south-east', 'south', 'south-west', 'west', 'north-west'];
+
+export class RobotList {
+  constructor(host) {
+    this.root = document.createElement('ul');
+    this.root.className = 'hl-map-list';
+    this.root.setAttribute('aria-label', 'Robots on the map');
+    host.append(this.root);
+    this.entries = new Map();
+    this.next = 0;
+  }
+
+  /** Bring entries up to date; `ageOf(robot)` ms. */
+  update(robots, ageOf) {
+    for (const [id, entry] of this.entries) {
+      if (robots.has(id) && robots.get(id).pose) continue;
+      entry.remove();
+      this.entries.delete(id);
+    }
+    const placed = [...robots.values()].filter((robot) => robot.pose);
+    for (let i = 0; i < Math.min(EACH_TIME, placed.length); i += 1) {
+      this.next = (this.next + 1) % placed.length;
+      this.#entry(placed[placed.length <= EACH_TIME ? i : this.next], ageOf);
+    }
+  }
+
+  #entry(robot, ageOf) {
+    let entry = this.entries.get(robot.id);
+    if (!entry) {
+      entry = document.createElement('li');
+      entry.dataset.testid = `map-robot-${robot.id}`;
+      this.root.append(entry);
+      this.entries.set(robot.id, entry);
+    }
+    const { dataset } = entry;
+    const { pose } = robot;
+    const age = ageOf(robot);
+    dataset.lat = pose.lat;
+    dataset.lon = pose.lon;
+    dataset.headingDeg = pose.headingDeg ?? '';
+    dataset.ageMs = Number.isFinite(age) ? Math.round(age) : '';
+    dataset.state = robot.stop ?? (robot.isStale ? 'stale' : 'fresh');
+    const text = describe(robot);
+    if (entry.textContent !== text) entry.textContent = text;
+  }
+
+  destroy() {
+    this.root.remove();
+  }
+}
+
+function describe(robot) {
+  const parts = [robot.name];
+  if (robot.stop === 'not-confirmed') parts.push('stop not confirmed');
+  else if (robot.stop === 'stopped') parts.push('stopped');
+  else if (robot.text) parts.push(robot.text);
+  if (robot.isStale) parts.push('position is old');
+  else if (robot.pose.headingDeg !== null) parts.push(`heading ${COMPASS[Math.round(robot.pose.headingDeg / 45) & 7]}`);
+  return parts.join(', ');
+}
