@@ -23,7 +23,7 @@ from hmi.domain.command import Acknowledgement
 from hmi.domain.event import RobotEvent
 from hmi.domain.robot import SafetyState, Stamp
 from hmi.ingest import translate
-from hmi.ingest.mailbox import CADENCE_S, Letter, Mailbox
+from hmi.ingest.mailbox import CADENCE_S, FIFO_LIMIT, Letter, Mailbox
 from hmi.ingest.pinger import Pinger
 from hmi.ingest.robot_clock import Refusal, RobotClock
 from hmi.ingest.tally import Tally
@@ -109,10 +109,12 @@ class EdgeCoordinator:
         make_link: see ``mqtt_link``.
         store: filled by this.
         clock: the console's clocks.
+        fifo_limit: how many discrete messages may wait between two drains.
     """
 
-    def __init__(self, make_link: MakeLink, store: FleetStore, clock: Clock) -> None:
+    def __init__(self, make_link: MakeLink, store: FleetStore, clock: Clock, *, fifo_limit: int = FIFO_LIMIT) -> None:
         self._make_link, self._store, self._clock = make_link, store, clock
+        self._fifo_limit = fifo_limit
         self._clocks: dict[str, RobotClock] = {}
         self._tasks: list[asyncio.Task[None]] = []
         self._drained_s = float("-inf")
@@ -139,7 +141,7 @@ class EdgeCoordinator:
     async def start(self) -> None:
         """Connect in the background; the running loop becomes the home of everything here."""
         loop = asyncio.get_running_loop()
-        self._mailbox = Mailbox(loop, self._mail_has_come, self._clock.mono_s)
+        self._mailbox = Mailbox(loop, self._mail_has_come, self._clock.mono_s, fifo_limit=self._fifo_limit)
 
         def on_link(state: LinkState, text: str) -> None:
             with contextlib.suppress(RuntimeError):  # the loop has ended
@@ -304,9 +306,13 @@ class EdgeCoordinator:
             self._link.start()
 
     async def _ping(self) -> None:
-        assert self._pinger is not None
         while True:
             await asyncio.sleep(PING_SLOT_S)
+            self.ping_due()
+
+    def ping_due(self) -> None:
+        """Ping the robots whose second is over; called every 50 ms."""
+        if self._pinger is not None:
             self._pinger.ping_due(self._store.registered_ids())
 
     def _tell(self, listeners: Sequence[Callable[..., None]], *values: object) -> None:
