@@ -1,0 +1,261 @@
+"""The lane over a real websocket: who may open it, what it carries, how it ends."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import socket
+from collections.abc import AsyncIterator, Iterable
+from contextlib import asynccontextmanager
+from typing import Any
+
+import pytest
+import uvicorn
+from starlette.applications import Starlette
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+from hmi.clock import SystemClock
+from hmi.domain.freshness import TickRing
+from hmi.live.frames import Drive, Here
+from hmi.live.hub import LiveHub
+from hmi.live.lane import lane_route, same_origin_or
+from hmi.security.session_info import SessionInfo
+from hmi.store.fleet import FleetStore
+from tests.hmi.ingest.wire import Entry
+from tests.hmi.live.rig import session
+
+ID = "weeder-01"
+
+
+class Gate:
+    """Sessions that tests open and close."""
+
+    def __init__(self) -> None:
+        self.open = {"secret": session()}
+
+    def of_headers(self, headers: Iterable[tuple[bytes, bytes]]) -> SessionInfo | None:
+        """Look for the one cookie."""
+        cookies = [value.decode() for name, value in headers if name == b"cookie"]
+        return next((s for c, s in self.open.items() if f"headland_session={c}" in cookies), None)
+
+    def get(self, session_id: str) -> SessionInfo | None:
+        """Look by id."""
+        return next((s for s in self.open.values() if s.session_id == session_id), None)
+
+
+class Site:
+    """A console reduced to its lane."""
+
+    def __init__(self) -> None:
+        clock = SystemClock()
+        self.store = FleetStore(clock.mono_s)
+        self.store.set_registry([Entry(ID)])
+        self.ticks = TickRing("boot1", clock.mono_s)
+        self.hub = LiveHub(self.store, self.ticks, clock)
+        self.gate = Gate()
+        self.heard: list[tuple[str, Here | Drive]] = []
+        self.fails = False
+        self.port = 0
+        route = lane_route(self.hub, self.gate, same_origin_or(["https://farm.example"]), self._hear, clock)
+        self.app = Starlette(routes=[route])
+
+    def _hear(self, who: SessionInfo, frame: Here | Drive) -> None:
+        if self.fails:
+            raise RuntimeError("a fault of the handler")
+        self.heard.append((who.user_id, frame))
+
+    def open(self, *, cookie: str | None = "secret", origin: str | None = "") -> connect:
+        """Return a connection to be opened; ``origin`` empty means the console's own."""
+        headers = {"Cookie": f"headland_session={cookie}"} if cookie else {}
+        own = f"http://127.0.0.1:{self.port}"
+        return connect(
+            f"ws://127.0.0.1:{self.port}/live",
+            additional_headers=headers,
+            origin=own if origin == "" else origin,  # type: ignore[arg-type]
+            compression=None,
+        )
+
+
+@asynccontextmanager
+async def running() -> AsyncIterator[Site]:
+    site = Site()
+    config = uvicorn.Config(site.app, log_level="error", ws="websockets-sansio", ws_per_message_deflate=False)
+    server = uvicorn.Server(config)
+    sock = socket.socket()
+    sock.bind(("127.0.0.1", 0))
+    site.port = sock.getsockname()[1]
+    started = asyncio.Event()
+    startup = server.startup
+
+    async def tell_startup(sockets: list[socket.socket] | None = None) -> None:
+        await startup(sockets)
+        started.set()
+
+    server.startup = tell_startup  # type: ignore[method-assign]
+    task = asyncio.create_task(server.serve(sockets=[sock]))
+    await started.wait()
+    await site.hub.start()
+    try:
+        yield site
+    finally:
+        await site.hub.stop()
+        server.should_exit = True
+        await task
+        sock.close()
+
+
+async def frame(ws: ClientConnection, kind: str) -> dict[str, Any]:
+    """Return the next frame of a kind."""
+    async with asyncio.timeout(5):
+        while True:
+            found: dict[str, Any] = json.loads(await ws.recv())
+            if found["k"] == kind:
+                return found
+
+
+async def test_hello_comes_first_then_ticks_that_the_console_accepts() -> None:
+    async with running() as site, site.open() as ws:
+        hello = json.loads(await ws.recv())
+        assert hello == {
+            "k": "hello",
+            "boot": "boot1",
+            "user": {"id": "martha", "name": "Martha", "role": "operator"},
+            "device": {"id": "tablet-3", "name": "Tablet 3"},
+        }
+        tick = await frame(ws, "tick")
+        assert site.ticks.is_fresh(tick["id"])
+
+
+async def test_a_subscription_brings_a_snapshot_and_changes_bring_deltas() -> None:
+    async with running() as site, site.open() as ws:
+        await ws.send('{"k":"sub","topics":["robot/weeder-01"]}')
+        snap = await frame(ws, "snap")
+        assert snap["d"]["robot/weeder-01"]["id"]["name"] == "Weeder 01"
+        site.store.put_heartbeat(ID, boot="boot-aaaa", challenge="challenge", heard_s=SystemClock().mono_s())
+        site.store.announce()
+        delta = await frame(ws, "delta")
+        assert delta["d"]["robot/weeder-01"]["link"]["is_online"] is True
+
+
+async def test_here_and_drive_reach_the_handler_with_their_session() -> None:
+    async with running() as site, site.open() as ws:
+        await ws.send('{"k":"here","robot":"weeder-01","tick":"boot1-1"}')
+        await ws.send('{"k":"drive","robot":"weeder-01","v":0.2,"w":-0.1,"tick":"boot1-2"}')
+        await ws.send('{"k":"ping","n":1}')
+        await frame(ws, "pong")
+        assert site.heard == [
+            ("martha", Here(ID, "boot1-1")),
+            ("martha", Drive(ID, 0.2, -0.1, "boot1-2")),
+        ]
+
+
+async def test_a_handler_that_fails_does_not_end_the_lane() -> None:
+    async with running() as site, site.open() as ws:
+        site.fails = True
+        await ws.send('{"k":"here","robot":"weeder-01","tick":"boot1-1"}')
+        await ws.send('{"k":"ping","n":7}')
+        assert (await frame(ws, "pong"))["n"] == 7
+
+
+@pytest.mark.parametrize("origin", [None, "null", "http://evil.example", "http://127.0.0.1:1"])
+async def test_a_foreign_or_missing_origin_is_refused(origin: str | None) -> None:
+    async with running() as site:
+        with pytest.raises(InvalidStatus):
+            async with site.open(origin=origin):
+                pass
+        assert site.hub.lanes == 0
+
+
+async def test_an_origin_from_the_settings_is_allowed() -> None:
+    async with running() as site, site.open(origin="https://farm.example") as ws:
+        assert json.loads(await ws.recv())["k"] == "hello"
+
+
+@pytest.mark.parametrize("cookie", [None, "wrong"])
+async def test_without_a_session_the_lane_says_bye(cookie: str | None) -> None:
+    async with running() as site, site.open(cookie=cookie) as ws:
+        assert (await frame(ws, "bye"))["code"] == "signed_out"
+        with pytest.raises(ConnectionClosed):
+            await ws.recv()
+        assert ws.close_code == 4401
+
+
+async def test_signing_out_closes_every_page_of_the_session() -> None:
+    async with running() as site, site.open() as one, site.open() as two:
+        await frame(one, "tick")
+        await frame(two, "tick")
+        site.hub.end_session("session-martha", "signed_out", "You signed out.")
+        for ws in (one, two):
+            assert (await frame(ws, "bye"))["text"] == "You signed out."
+            await ws.wait_closed()
+            assert ws.close_code == 4401
+
+
+async def test_a_frame_after_the_session_ended_moves_nothing() -> None:
+    async with running() as site, site.open() as ws:
+        await frame(ws, "tick")
+        site.gate.open.clear()
+        await ws.send('{"k":"drive","robot":"weeder-01","v":0.2,"w":0,"tick":"boot1-2"}')
+        assert (await frame(ws, "bye"))["code"] == "signed_out"
+        assert site.heard == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "{",
+        "[]",
+        '{"k":"move"}',
+        '{"k":"drive","robot":"weeder-01","v":99,"w":0,"tick":"t"}',
+        '{"k":"drive","robot":"weeder-01","v":NaN,"w":0,"tick":"t"}',
+        '{"k":"drive","robot":"../x","v":0,"w":0,"tick":"t"}',
+        '{"k":"here","robot":"weeder-01"}',
+        '{"k":"ping","n":1,"x":2}',
+        '{"k":"sub","topics":"fleet"}',
+        "x" * 9000,
+    ],
+)
+async def test_what_is_no_frame_closes_the_lane(text: str) -> None:
+    async with running() as site, site.open() as ws:
+        await ws.send(text)
+        await ws.wait_closed()
+        assert ws.close_code == 4400
+        assert site.heard == []
+
+
+async def test_a_flood_of_frames_is_cut_down_and_the_lane_lives_on() -> None:
+    async with running() as site, site.open() as ws:
+        for _ in range(1000):
+            await ws.send('{"k":"drive","robot":"weeder-01","v":0.2,"w":0,"tick":"boot1-2"}')
+        await frame(ws, "tick")
+        await frame(ws, "tick")
+        assert len(site.heard) < 400
+
+
+async def test_a_browser_that_left_is_forgotten() -> None:
+    async with running() as site, site.open() as stays:
+        async with site.open() as leaves:
+            await frame(leaves, "tick")
+            assert site.hub.lanes == 2
+        async with asyncio.timeout(5):
+            while site.hub.lanes > 1:
+                await frame(stays, "tick")
+
+
+async def test_a_browser_that_reads_nothing_gets_a_snapshot_not_a_backlog() -> None:
+    async with running() as site, site.open() as ws:
+        await ws.send('{"k":"sub","topics":["robot/weeder-01"]}')
+        await frame(ws, "snap")
+        # It tells that what it shows is old: everything since lies in buffers between us.
+        await ws.send(json.dumps({"k": "ping", "n": 1, "m": SystemClock().mono_s() * 1000 - 9000}))
+        await frame(ws, "pong")
+        for number in range(20):
+            site.hub.set_group(ID, "lease", {"since_s": number})
+        await ws.send(json.dumps({"k": "ping", "n": 2, "m": SystemClock().mono_s() * 1000}))
+        kinds = []
+        async with asyncio.timeout(5):
+            while "snap" not in kinds:
+                kinds.append((found := json.loads(await ws.recv()))["k"])
+        assert "delta" not in kinds
+        assert found["d"]["robot/weeder-01"]["lease"] == {"since_s": 19}

@@ -1,0 +1,316 @@
+import assert from 'node:assert/strict';
+import test from 'node:test';
+import { World } from './browser.mjs';
+
+const R = 'robot/weeder-01';
+
+test('the link is ok while ticks come and judged every 100 ms without any', () => {
+  const w = new World();
+  assert.equal(w.headland.link(), 'server-lost');
+  w.connect();
+  assert.equal(w.headland.link(), 'ok');
+  w.run(2000);
+  assert.equal(w.headland.link(), 'ok');
+  w.advance(900);
+  assert.equal(w.headland.link(), 'ok');
+  w.advance(200);
+  assert.equal(w.headland.link(), 'stale');
+  w.advance(2500);
+  assert.equal(w.headland.link(), 'server-lost');
+  w.tick();
+  assert.equal(w.headland.link(), 'ok');
+  assert.deepEqual(w.events.filter(([n]) => n === 'headland:link').map(([, d]) => d.state), ['ok', 'stale', 'server-lost', 'ok']);
+});
+
+test('a burst of held ticks does not look fresh', () => {
+  const w = new World();
+  w.connect();
+  w.run(3000);
+  w.advance(8000);
+  w.socket.readyState = 1;
+  for (let late = 8000; late >= 5000; late -= 100) w.tick(late);
+  assert.equal(w.headland.link(), 'server-lost');
+  assert.equal(w.headland.tick(), null);
+  assert.ok(w.headland.age(w.m - 5000) >= 4.9);
+  w.tick();
+  assert.equal(w.headland.link(), 'ok');
+  assert.equal(w.headland.tick(), `boot1-${w.ticks}`);
+});
+
+test('every value ages by itself with the limits of its period', () => {
+  const w = new World();
+  w.connect();
+  const t = w.m;
+  const seen = [];
+  for (const ms of [0, 999, 1000, 2000, 3500]) { const age = w.m - t; w.advance(ms - age); seen.push(w.headland.freshness(t)); }
+  assert.deepEqual(seen, ['fresh', 'fresh', 'late', 'stale', 'lost']);
+  assert.equal(w.headland.freshness(w.m - 1499, 1000), 'fresh');
+  assert.equal(w.headland.freshness(w.m - 1500, 1000), 'late');
+  assert.equal(w.headland.freshness(w.m - 3000, 1000), 'stale');
+  assert.equal(w.headland.freshness(w.m - 60000, 1000), 'stale');
+  assert.equal(w.headland.freshness(null), 'missing');
+  assert.equal(w.headland.freshness(undefined, 100), 'missing');
+});
+
+test('clock drift of the console is followed within a minute or two', () => {
+  const w = new World();
+  w.connect();
+  for (let i = 0; i < 1800; i++) { w.offset -= 0.05; w.run(100); } // 500 ppm for three minutes
+  assert.ok(w.headland.age(w.m) < 0.05, String(w.headland.age(w.m)));
+  assert.equal(w.headland.link(), 'ok');
+});
+
+test('ages are worded as an operator reads them', () => {
+  const { headland } = new World();
+  const words = [0.2, 9.94, 9.96, 12.4, 59.4, 59.6, 134, 3599.4, 3600, 4080, 36000].map(headland.ageText);
+  assert.deepEqual(words, ['0.2 s', '9.9 s', '10 s', '12 s', '59 s', '1:00', '2:14', '59:59', '1 h 00', '1 h 08', '10 h 00']);
+  assert.equal(headland.ageText(null), '––');
+});
+
+test('a snapshot replaces and a delta merges whole groups', () => {
+  const w = new World();
+  const heard = [];
+  w.headland.on(R, (state, topic, changed) => heard.push(changed && Array.from(changed)));
+  w.headland.sub([R]);
+  w.connect();
+  w.socket.say({ k: 'snap', rev: 5, d: { [R]: { pose: { lat: 1, lon: 2 }, why: null } } });
+  w.socket.say({ k: 'delta', rev: 6, d: { [R]: { pose: { lat: 3 } } } });
+  assert.equal(JSON.stringify(w.headland.state(R)), '{"pose":{"lat":3},"why":null}');
+  assert.deepEqual(heard, [null, ['pose']]);
+  assert.deepEqual(w.sent('sub'), [{ k: 'sub', topics: [R] }]);
+});
+
+test('an old or repeated delta is not applied', () => {
+  const w = new World();
+  w.connect();
+  w.socket.say({ k: 'snap', rev: 5, d: { [R]: { pose: 1 } } });
+  w.socket.say({ k: 'delta', rev: 6, d: { [R]: { pose: 2 } } });
+  w.socket.say({ k: 'delta', rev: 6, d: { [R]: { pose: 9 } } });
+  w.socket.say({ k: 'delta', rev: 4, d: { [R]: { pose: 9 } } });
+  w.socket.say({ k: 'snap', rev: 3, d: { [R]: { pose: 9 } } });
+  assert.equal(w.headland.state(R).pose, 2);
+});
+
+test('fleet deltas merge by robot and null removes one', () => {
+  const w = new World();
+  w.connect();
+  w.socket.say({ k: 'snap', rev: 1, d: { fleet: { robots: { a: { lat: 1 }, b: { lat: 2 } } } } });
+  w.socket.say({ k: 'delta', rev: 2, d: { fleet: { robots: { a: null, c: { lat: 3 } } } } });
+  assert.deepEqual(Object.keys(w.headland.state('fleet').robots), ['b', 'c']);
+});
+
+test('binary places are read with their age', () => {
+  const w = new World();
+  w.connect();
+  w.socket.say({ k: 'snap', rev: 1, d: { poses: { numbers: { 'weeder-01': 0, 'weeder-02': 1 } } } });
+  const buffer = new ArrayBuffer(36), view = new DataView(buffer);
+  for (const [i, c] of [...'HLP1'].entries()) view.setUint8(i, c.charCodeAt(0));
+  view.setUint32(4, 2, true); view.setFloat64(8, w.m, true); view.setUint32(16, 1, true);
+  view.setUint32(20, 1, true); view.setInt32(24, -335000000, true); view.setInt32(28, 50000000, true);
+  view.setUint16(32, 9000, true); view.setUint16(34, 25, true);
+  w.socket.say(buffer);
+  assert.deepEqual({ ...w.headland.state('poses').robots['weeder-02'] }, { lat: -33.5, lon: 5, heading_deg: 90, t: w.m - 250 });
+});
+
+test('it reconnects with a growing pause, subscribes again and takes a fresh snapshot', () => {
+  const w = new World();
+  w.headland.sub([R]);
+  w.connect();
+  w.socket.say({ k: 'snap', rev: 900, d: { [R]: { pose: 1 } } });
+  w.socket.fail();
+  w.advance(400);
+  assert.equal(w.sockets.length, 2);
+  w.socket.fail();
+  w.advance(300);
+  assert.equal(w.sockets.length, 2);
+  w.advance(400);
+  assert.equal(w.sockets.length, 3);
+  w.offset = 70; // another run of the console: its clock starts anew
+  w.connect('boot2');
+  w.socket.say({ k: 'snap', rev: 1, d: { [R]: { pose: 2 } } });
+  assert.equal(w.headland.state(R).pose, 2);
+  assert.equal(w.headland.age(w.m), 0);
+  assert.equal(w.sent('sub').length, 2);
+});
+
+test('a socket that hangs without a word is given up', () => {
+  const w = new World();
+  w.connect();
+  w.run(1000);
+  w.advance(8000);
+  assert.equal(w.sockets.length, 2);
+});
+
+test('a handshake that hangs is given up', () => {
+  const w = new World();
+  w.advance(5000);
+  assert.ok(w.sockets.length >= 2);
+});
+
+test('nothing sent while the socket is not open is sent later', () => {
+  const w = new World();
+  assert.equal(w.headland.send({ k: 'drive', robot: 'weeder-01', v: 1, w: 0, tick: 'x' }), false);
+  w.connect();
+  w.run(500);
+  assert.equal(w.headland.send({ k: 'drive', robot: 'weeder-01', v: 0.2, w: 0, tick: w.headland.tick() }), true);
+  w.socket.readyState = 2;
+  assert.equal(w.headland.send({ k: 'drive', robot: 'weeder-01', v: 0.3, w: 0, tick: 'x' }), false);
+  w.socket.fail();
+  w.advance(500);
+  w.connect();
+  w.run(1000);
+  assert.deepEqual(w.sent('drive').map((f) => f.v), [0.2]);
+});
+
+test('nothing is sent into a socket that is jammed', () => {
+  const w = new World();
+  w.connect();
+  w.run(200);
+  w.socket.bufferedAmount = 100000;
+  assert.equal(w.headland.send({ k: 'drive', robot: 'weeder-01', v: 1, w: 0, tick: 'x' }), false);
+});
+
+test('while the page holds control it says so once a second, and stops at once when it does not', () => {
+  const w = new World();
+  w.connect();
+  w.headland.setControl('weeder-01');
+  w.run(5000);
+  const during = w.sent('here').length;
+  assert.ok(during >= 5 && during <= 7, String(during));
+  assert.ok(w.sent('here').every((f) => f.robot === 'weeder-01' && f.tick.startsWith('boot1-')));
+  w.headland.setControl(null);
+  w.run(3000);
+  assert.equal(w.sent('here').length, during);
+});
+
+test('no here is made without a fresh tick, so that nobody else can make one', () => {
+  const w = new World();
+  w.connect();
+  w.headland.setControl('weeder-01');
+  w.run(1000);
+  const before = w.sent('here').length;
+  w.advance(6000);
+  assert.ok(w.sent('here').length - before <= 2);
+});
+
+test('the round trip is measured once a second and tells how far behind we are', () => {
+  const w = new World();
+  w.connect();
+  w.run(1100);
+  const ping = w.sent('ping').at(-1);
+  assert.ok(Math.abs(ping.m - w.m) <= 200);
+  w.advance(40);
+  w.socket.say({ k: 'pong', n: ping.n, m: w.m });
+  assert.ok(w.headland.rtt() >= 40 && w.headland.rtt() <= 140, String(w.headland.rtt()));
+  w.socket.fail();
+  assert.equal(w.headland.rtt(), null);
+});
+
+test('a command carries a fresh tick, a fresh id and the CSRF header', async () => {
+  const w = new World();
+  w.connect();
+  const answer = await w.headland.command('weeder-01', 'start', { mission_id: 'm-1' });
+  assert.equal(answer.outcome, 'accepted');
+  const request = w.requests[0];
+  assert.equal(request.url, '/api/v1/robots/weeder-01/commands');
+  assert.equal(request.method, 'POST');
+  assert.equal(request.headers['X-Headland-CSRF'], 'csrf-1');
+  const body = JSON.parse(request.body);
+  assert.equal(body.tick, 'boot1-1');
+  assert.match(body.command_id, /^[0-9a-f]{32}$/);
+  assert.equal(body.mission_id, 'm-1');
+});
+
+test('a command while the server is lost is refused at once and never sent', async () => {
+  const w = new World();
+  w.connect();
+  w.run(500);
+  w.advance(4000);
+  const answer = await w.headland.command('weeder-01', 'start');
+  assert.equal(answer.outcome, 'rejected');
+  assert.equal(answer.code, 'server_lost');
+  w.tick();
+  w.run(2000);
+  assert.equal(w.requests.length, 0);
+});
+
+test('a command without an answer in 3 s is unknown', async () => {
+  const w = new World();
+  w.connect();
+  w.respond = (_url, { signal }) => new Promise((_, reject) => signal.addEventListener('abort', () => reject(new Error('aborted'))));
+  const pending = w.headland.command('weeder-01', 'pause');
+  w.run(2900);
+  assert.equal(w.requests[0].signal.aborted, false);
+  w.run(200);
+  const answer = await pending;
+  assert.equal(answer.outcome, 'unknown');
+  assert.equal(answer.code, 'no_answer');
+});
+
+test('a refusal of the server is a rejection with its words', async () => {
+  const w = new World();
+  w.connect();
+  w.respond = async () => ({ ok: false, status: 403, json: async () => ({ code: 'forbidden', text: 'Driving needs the operator role.' }) });
+  const answer = await w.headland.command('weeder-01', 'start');
+  assert.equal(answer.outcome, 'rejected');
+  assert.equal(answer.text, 'Driving needs the operator role.');
+});
+
+test('a server error leaves the outcome unknown', async () => {
+  const w = new World();
+  w.connect();
+  w.respond = async () => ({ ok: false, status: 502, json: async () => { throw new Error('no json'); } });
+  assert.equal((await w.headland.command('weeder-01', 'start')).outcome, 'unknown');
+});
+
+test('bye ends the lane for good and is told to the page', () => {
+  const w = new World();
+  w.connect();
+  w.socket.say({ k: 'bye', code: 'signed_out', text: 'You signed out.' });
+  w.socket.fail(4401);
+  w.advance(20000);
+  assert.equal(w.sockets.length, 1);
+  assert.equal(w.headland.link(), 'server-lost');
+  assert.deepEqual(w.events.filter(([n]) => n === 'headland:bye').map(([, d]) => d.code), ['signed_out']);
+});
+
+test('presses made while the page socket is down are dropped, everything else passes', () => {
+  const w = new World();
+  const emitted = [];
+  w.window.socket = { connected: false, sendBuffer: [], emit: (...args) => emitted.push(args[0]), on: () => {} };
+  w.advance(200);
+  w.window.socket.emit('event', {});
+  w.window.socket.emit('handshake', {});
+  w.window.socket.connected = true;
+  w.window.socket.emit('event', {});
+  assert.deepEqual(emitted, ['handshake', 'event']);
+});
+
+test('presses that were buffered when the page socket fell are thrown away', () => {
+  const w = new World();
+  let fall;
+  w.window.socket = { connected: true, emit: () => {}, on: (name, fn) => { if (name === 'disconnect') fall = fn; },
+    sendBuffer: [{ data: ['event', {}] }, { data: ['handshake', {}] }] };
+  w.advance(200);
+  fall();
+  assert.deepEqual(w.window.socket.sendBuffer.map((p) => p.data[0]), ['handshake']);
+});
+
+test('a listener that fails harms no other', () => {
+  const w = new World();
+  w.window.console = { error: () => {} };
+  const heard = [];
+  w.headland.on('event', () => { throw new Error('no'); });
+  w.headland.on('event', (d) => heard.push(d.kind));
+  w.connect();
+  w.socket.say({ k: 'event', d: { kind: 'lease' } });
+  assert.deepEqual(heard, ['lease']);
+});
+
+test('what is no JSON is ignored', () => {
+  const w = new World();
+  w.connect();
+  w.socket.onmessage({ data: '{' });
+  w.socket.onmessage({ data: new ArrayBuffer(3) });
+  assert.equal(w.headland.link(), 'ok');
+});
