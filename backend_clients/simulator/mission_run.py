@@ -19,6 +19,7 @@ HOME_SPEED_MPS = 1.0
 AT_HOME_M = 0.5
 MOVED_LIMIT_M = 0.2
 REJOIN_AHEAD_M = 30.0
+ROLL_OUT_M = 2.0  # more than braking takes from full speed
 
 
 class MissionRun:
@@ -76,9 +77,22 @@ class MissionRun:
         self.pause_code, self.pause_pose = "", None
         self.tracker.align()
 
-    def pause(self, code: str, pose: Point) -> None:
-        """Pause here; ``pose`` is where it will be compared with at resume."""
-        self.status, self.pause_code, self.pause_pose = "paused", code, pose
+    def pause(self, code: str) -> None:
+        """Pause; where it comes to rest is noted by ``rest``."""
+        self.status, self.pause_code, self.pause_pose = "paused", code, None
+
+    @property
+    def is_coming_to_rest(self) -> bool:
+        """Whether it is paused but its resting place is not yet known."""
+        return self.status == "paused" and self.pause_pose is None
+
+    def rest(self, pose: Point) -> None:
+        """Note where it stands; a resume far from here is refused."""
+        self.pause_pose = pose
+        s = self.tracker.s_m
+        rolled_to = self.route.locate(*pose, s, min(s + ROLL_OUT_M, self.route.next_pivot(s + 1e-6)))
+        if math.dist(pose, self.route.point_at(rolled_to)) < MOVED_LIMIT_M:
+            self.tracker.s_m = rolled_to
 
     def moved_m(self, pose: Point) -> float:
         """Return how far it stands from where it was paused."""
@@ -91,17 +105,16 @@ class MissionRun:
 
     def advance(self, before_m: float, *, laser_on: bool, weeds: float, journal: Journal, mono_ms: int) -> None:
         """Count what was driven and treated since ``before_m`` along the line."""
+        row = self.leg.row
+        if row != self.row:
+            self._close_row(journal, mono_ms)
+            self.row = row or self.row
         gained = max(self.tracker.s_m - before_m, 0.0)
         self.driven_m += gained
         if laser_on:
             self.treated_m += gained
             self._row_treated_m += gained
             self._row_weeds += weeds
-        row = self.leg.row
-        if row != self.row and (row > 0 or self._row_treated_m > 0):
-            self._close_row(journal, mono_ms)
-        if row > 0:
-            self.row = row
 
     def finish(self, journal: Journal, mono_ms: int) -> None:
         """The last point is reached."""
@@ -143,8 +156,8 @@ class MissionRun:
         self.row, self.treated_m, self.driven_m = saved.row, saved.treated_m, saved.driven_m
         self.is_supervised = saved.is_supervised
         if saved.status in ("running", "paused"):
-            code = saved.pause_code if saved.status == "paused" else "rebooted"
-            self.pause(code or "rebooted", saved.pause_pose or (saved.x_m, saved.y_m))
+            self.pause((saved.pause_code if saved.status == "paused" else "") or "rebooted")
+            self.pause_pose = saved.pause_pose
         elif saved.status in ("done", "aborted", "failed"):
             self.status = saved.status  # type: ignore[assignment]
 

@@ -189,7 +189,16 @@ class Weeder:
         self.machine.step(dt_s, wanted, is_braking=is_braking, laser_on=self._is_laser_wanted)
         if self.run is not None and self.run.status == "running" and self._lead is None:
             self._count(before_m, dt_s)
+        self._note_rest()
         self.watch.look()
+
+    def _note_rest(self) -> None:
+        if self.run is None or not self.run.is_coming_to_rest:
+            return
+        is_driven = self.drive is not None and (self.drive.v_mps != 0 or self.drive.yaw_rate_radps != 0)
+        if self.machine.base.is_still or is_driven:
+            self.run.rest(self.place)
+            self.save()
 
     def _decide(self, dt_s: float) -> Setpoint:
         if self.is_stopped:
@@ -318,7 +327,7 @@ class Weeder:
         if self.home_run is not None:
             self.home_run = None
         if self.run is not None and self.run.status == "running":
-            self.run.pause(code, self.place)
+            self.run.pause(code)
             self.note("mission", "Mission paused", REASONS.get(code, ""), reason=code)
         self.actions.close("failed" if code != "paused" else "finished", REASONS.get(code, ""))
         self.save()
