@@ -12,12 +12,13 @@ from enum import StrEnum
 from hmi.clock import Clock
 from hmi.commands.gate import Gate
 from hmi.commands.lease_words import lease_event, lease_text
-from hmi.commands.ports import AuditEntry, AuditSink, LaneEvent
+from hmi.commands.ports import AuditSink, LaneEvent
 from hmi.commands.refusal import REASON_MISSING, OrderRefused
 from hmi.domain.lease import Holder, Lease, LeaseAnswer, LeaseBook, LeaseCode
 from hmi.domain.robot import Robot
 from hmi.domain.role import Permission
 from hmi.security.session_info import SessionInfo
+from hmi.store.audit_chain import AuditEntry
 
 LeaseEnded = Callable[[Lease], None]
 MAX_KNOWN_PRESSES = 256  # a robot lists at most 64 presses; older ids cannot come back unreset

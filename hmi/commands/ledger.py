@@ -12,10 +12,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from hmi.clock import Clock
-from hmi.commands.ports import AuditEntry, AuditSink, FleetReader, LaneEvent
+from hmi.commands.ports import AuditSink, FleetReader, LaneEvent
 from hmi.commands.refusal import BUSY, ID_REUSED, NOT_CONNECTED, OrderRefused
 from hmi.domain.command import Acknowledgement, Order, OrderSender, Outcome
 from hmi.security.session_info import SessionInfo
+from hmi.store.audit_chain import AuditEntry
 
 ACK_LIMIT_S = 2.0  # the order's own time to live: after it the robot refuses it as late
 KEEP_S = 600.0  # far beyond any retry; a replay after that has a stale tick

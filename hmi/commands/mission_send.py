@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from hmi.commands.gate import Gate
-from hmi.commands.ports import AuditEntry, AuditSink, LaneEvent, MissionSource, StoredMission
+from hmi.commands.ports import AuditSink, LaneEvent, MissionSource, StoredMission
 from hmi.commands.refusal import BUSY, HASH_MISMATCH, UNKNOWN_MISSION, OrderRefused
 from hmi.domain.command import OrderFailed, OrderSender, Outcome
 from hmi.domain.robot import Robot
 from hmi.domain.role import Permission
 from hmi.security.session_info import SessionInfo
+from hmi.store.audit_chain import AuditEntry
 
 
 @dataclass(frozen=True, slots=True)

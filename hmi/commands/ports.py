@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 from hmi.domain.robot import Robot
+from hmi.store.audit_chain import AuditLine
 
 
 class TickJudge(Protocol):
@@ -29,25 +30,10 @@ class FleetReader(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True)
-class AuditEntry:
-    """One line of the audit, before it is numbered, stamped and hashed."""
-
-    farm_id: str
-    actor: str
-    device: str
-    kind: str
-    outcome: str
-    robot_id: str | None = None
-    ref: str = ""
-    text: str = ""
-    data: Mapping[str, Any] | None = None
-
-
 class AuditSink(Protocol):
     """Takes audit lines without ever making the caller wait."""
 
-    def append(self, entry: AuditEntry) -> None:
+    def append(self, entry: AuditLine) -> None:
         """Queue one line; never blocks, never raises."""
         ...
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from hmi.commands.gate import Gate
-from hmi.commands.ports import AuditEntry, AuditSink
+from hmi.commands.ports import AuditSink
 from hmi.domain.role import Permission
 from hmi.security.session_info import SessionInfo
+from hmi.store.audit_chain import AuditEntry
 
 
 class SeenService:

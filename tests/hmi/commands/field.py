@@ -10,7 +10,7 @@ from typing import Any
 
 from hmi.clock import FakeClock
 from hmi.commands.desk import CommandDesk, CommandPorts
-from hmi.commands.ports import AuditEntry, StoredMission
+from hmi.commands.ports import StoredMission
 from hmi.domain.command import (
     Acknowledgement,
     CommandOrder,
@@ -38,6 +38,7 @@ from hmi.domain.robot import Order as MissionOrder
 from hmi.domain.role import Role
 from hmi.security.authorization import Authorizer
 from hmi.security.session_info import SessionInfo
+from hmi.store.audit_chain import AuditEntry
 
 FARM = "farm"
 CHALLENGE_LIFE_S = 2.0

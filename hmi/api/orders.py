@@ -1,0 +1,115 @@
+"""Commands, control, stop resets and missions to a robot: what a screen does, for programs."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Path
+from pydantic import Field
+
+from hmi.api.access import SignedIn
+from hmi.api.body import Body, Id, Reason, Ref, Tick
+from hmi.api.errors import REFUSAL_STATUS, ApiError
+from hmi.commands.desk import CommandDesk
+from hmi.commands.lease_service import LeaseOp
+from hmi.commands.lease_words import asked_of, owner_of
+from hmi.commands.ledger import CommandResult
+from hmi.commands.reset import ResetRequest
+from hmi.commands.service import CommandRequest
+from hmi.domain.command import Action
+
+RobotId = Annotated[str, Path(max_length=64)]
+
+
+class CommandBody(Body):
+    """An instant action."""
+
+    command_id: Ref
+    action: Literal["start", "resume", "pause", "abort", "return_home", "drive_open", "drive_close"]
+    tick: Tick
+    mission_id: Id | None = None
+
+
+class LeaseBody(Body):
+    """An operation on control; ``session`` names the asker for grant and keep."""
+
+    op: Literal["request", "release", "grant", "keep", "take"]
+    tick: Tick = ""
+    reason: Reason = ""
+    session: Annotated[str, Field(max_length=64)] | None = None
+
+
+class ResetBody(Body):
+    """Which presses to reset, and why."""
+
+    reset_id: Ref
+    stop_ids: Annotated[list[Ref], Field(min_length=1, max_length=64)]
+    reason: Reason
+    tick: Tick
+
+
+class SeenBody(Body):
+    """Which press the person looked at."""
+
+    stop_id: Ref
+
+
+class MissionBody(Body):
+    """Which stored mission to send."""
+
+    mission_id: Id
+
+
+def order_routes(desk: CommandDesk) -> APIRouter:
+    """Return the routes that send orders."""
+    router = APIRouter(prefix="/robots/{robot_id}", tags=["orders"])
+
+    @router.post("/commands", summary="Command a robot")
+    async def command(robot_id: RobotId, body: CommandBody, session: SignedIn) -> dict[str, Any]:
+        request = CommandRequest(robot_id, Action(body.action), body.command_id, body.tick, body.mission_id)
+        result = await desk.commands.submit(session, request)
+        return {"command_id": body.command_id, **_outcome(result)}
+
+    @router.post("/lease", summary="Ask for, give, keep, take or give back control")
+    async def lease(robot_id: RobotId, body: LeaseBody, session: SignedIn) -> dict[str, Any]:
+        result = desk.leases.operate(
+            session, robot_id, LeaseOp(body.op), tick_id=body.tick, reason=body.reason, to_session=body.session
+        )
+        _raise_if_forbidden(result.code, result.text)
+        return {
+            "granted": result.is_granted,
+            "code": result.code,
+            "text": result.text,
+            "owner": owner_of(result.lease),
+            "asked": asked_of(result.lease),
+        }
+
+    @router.post("/stop-reset", summary="Reset a STOP; moves nothing")
+    async def stop_reset(robot_id: RobotId, body: ResetBody, session: SignedIn) -> dict[str, Any]:
+        request = ResetRequest(robot_id, body.reset_id, tuple(body.stop_ids), body.reason, body.tick)
+        result = await desk.resets.reset(session, request)
+        return {"reset_id": body.reset_id, **_outcome(result)}
+
+    @router.post("/seen", status_code=204, summary="I see it standing still")
+    async def seen(robot_id: RobotId, body: SeenBody, session: SignedIn) -> None:
+        desk.seen.note(session, robot_id, body.stop_id)
+
+    @router.post("/mission", summary="Send a stored mission; moves nothing")
+    async def mission(robot_id: RobotId, body: MissionBody, session: SignedIn) -> dict[str, Any]:
+        sent = await desk.missions.send(session, robot_id, body.mission_id)
+        _raise_if_forbidden(sent.code, sent.text)
+        return {"outcome": sent.outcome.value, "code": sent.code, "text": sent.text, "sha256": sent.sha256}
+
+    return router
+
+
+def _outcome(result: CommandResult) -> dict[str, Any]:
+    if result.ms is None:  # a robot's own words come with a time, and are never an error of the request
+        _raise_if_forbidden(result.code, result.text)
+    return {"outcome": result.outcome.value, "code": result.code, "text": result.text, "ms": result.ms}
+
+
+def _raise_if_forbidden(code: str, text: str) -> None:
+    status = REFUSAL_STATUS.get(code)
+    if status is not None:
+        raise ApiError(status, code, text)

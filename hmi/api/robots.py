@@ -1,0 +1,215 @@
+"""The registry and the newest values of robots."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal, Protocol
+from urllib.parse import urlsplit
+
+from fastapi import APIRouter
+from pydantic import AfterValidator, Field
+
+from hmi.api.access import RobotManager, Watcher
+from hmi.api.body import Body, Id, Name, Secret
+from hmi.api.errors import not_found
+from hmi.api.orders import RobotId
+from hmi.clock import Clock
+from hmi.commands.lease_service import LeaseService
+from hmi.commands.lease_words import asked_of, owner_of
+from hmi.commands.ports import AuditSink
+from hmi.domain.robot import Family, Robot
+from hmi.presenters import fleet as fleet_rows
+from hmi.presenters.operate import Context, MissionTitle, present
+from hmi.security.session_info import SessionInfo
+from hmi.store.audit_chain import AuditEntry
+from hmi.store.database import Database
+from hmi.store.robots import RegisteredRobot, Robots
+
+
+def _http_address(text: str) -> str:
+    parts = urlsplit(text)
+    if parts.scheme not in ("http", "https") or not parts.hostname or parts.username or parts.query or parts.fragment:
+        raise ValueError("use http://host:port/path, without user, query or fragment")
+    return text.rstrip("/")
+
+
+Address = Annotated[str, Field(max_length=300), AfterValidator(_http_address)]
+Limit = Annotated[float, Field(gt=0, le=60)]
+Phone = Annotated[str, Field(max_length=40, pattern=r"^[0-9+ ()/.-]*\z")]
+
+
+class RobotChange(Body):
+    """What can be changed of a registered robot; what is left out stays as it is."""
+
+    name: Name | None = None
+    family: Literal["weeder", "planter", "uav", "other"] | None = None
+    http_url: Address | None = None
+    http_token: Annotated[Secret, Field(max_length=200)] | None = None
+    contact_name: Name | None = None
+    contact_phone: Phone | None = None
+    ack_limit_s: Limit | None = None
+    standstill_limit_s: Limit | None = None
+    decel_mps2: Annotated[float, Field(gt=0, le=100)] | None = None
+    keep_out_m: Annotated[float, Field(gt=0, le=1000)] | None = None
+    is_unattended_allowed: bool | None = None
+
+
+class NewRobot(RobotChange):
+    """A robot to be accepted; its address and token are typed here, never taken from the wire."""
+
+    id: Id
+    name: Name
+    family: Literal["weeder", "planter", "uav", "other"] = "other"
+
+
+class FleetView(Protocol):
+    """The newest known state of every robot."""
+
+    def robot(self, robot_id: str) -> Robot | None:
+        """Return all that is known of one."""
+        ...
+
+    def robots(self) -> list[Robot]:
+        """Return every robot, registered or only heard."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class RobotRoutes:
+    """What the routes of robots need.
+
+    Args:
+        on_registry: called on the loop after each change, e.g. to bring the fleet store up to date.
+        title_of: mission id to its name and field.
+    """
+
+    fleet: FleetView
+    registry: Robots
+    database: Database
+    leases: LeaseService
+    audit: AuditSink
+    clock: Clock
+    on_registry: Callable[[], None]
+    title_of: Callable[[str], MissionTitle | None] = lambda _mission_id: None
+
+
+def robot_routes(parts: RobotRoutes) -> APIRouter:
+    """Return the routes of robots."""
+    router = APIRouter(prefix="/robots", tags=["robots"])
+
+    @router.get("", summary="Robots of the farm with their newest values")
+    async def robots(session: Watcher) -> dict[str, Any]:
+        known = [r for r in parts.fleet.robots() if r.is_registered and r.farm_id == session.farm_id]
+        return {"now_ms": _now_ms(parts), "robots": [{"id": r.id, **fleet_rows.entry(r)} for r in known]}
+
+    @router.get("/new", summary="Robots heard but not registered")
+    async def new(session: Watcher) -> dict[str, Any]:
+        strangers = [r for r in parts.fleet.robots() if not r.is_registered]
+        rows = [{"id": r.id, "model": _model(r), **fleet_rows.entry(r)} for r in strangers]
+        return {"now_ms": _now_ms(parts), "robots": rows}
+
+    @router.post("", status_code=201, summary="Accept a robot")
+    async def accept(body: NewRobot, session: RobotManager) -> dict[str, Any]:
+        given = {k: v for k, v in body.model_dump().items() if v is not None and k != "family"}
+        robot = RegisteredRobot(
+            farm_id=session.farm_id,
+            added_by=session.user_id,
+            added_at=parts.clock.utc(),
+            family=Family(body.family),
+            **given,
+        )
+        stored = await _changing(parts, session, "accepted", robot.id, lambda: parts.registry.add(robot))
+        return _registered(stored)
+
+    @router.get("/{robot_id}", summary="One robot: all groups of its live topic, and its registry entry")
+    async def one(robot_id: RobotId, session: Watcher) -> dict[str, Any]:
+        robot = parts.fleet.robot(robot_id)
+        if robot is None or robot.farm_id != session.farm_id:
+            raise not_found(f"There is no robot {robot_id}.")
+        entry = parts.registry.get(robot_id)
+        contact = (entry.contact_name or "", entry.contact_phone or "") if entry is not None else ("", "")
+        lease = parts.leases.of(robot_id)
+        return {
+            "now_ms": _now_ms(parts),
+            **present(robot, Context(*contact, parts.title_of)),
+            "lease": {"owner": owner_of(lease), "asked": asked_of(lease)},
+            "registry": _registered(entry) if entry is not None else None,
+        }
+
+    @router.patch("/{robot_id}", summary="Change a robot's registry entry")
+    async def change(robot_id: RobotId, body: RobotChange, session: RobotManager) -> dict[str, Any]:
+        before = parts.registry.get(robot_id)
+        if before is None:
+            raise not_found(f"There is no robot {robot_id}.")
+        given = {k: getattr(body, k) for k in body.model_fields_set}
+        if given.get("family") is not None:
+            given["family"] = Family(given["family"])
+        optional = ("http_url", "http_token", "contact_name", "contact_phone")  # null takes these away
+        changes = {k: v for k, v in given.items() if v is not None or k in optional}
+        after = replace(before, **changes)
+        stored = await _changing(parts, session, "changed", robot_id, lambda: parts.registry.change(after), changes)
+        return _registered(stored)
+
+    @router.delete("/{robot_id}", status_code=204, summary="Take a robot out of the registry; its records stay")
+    async def remove(robot_id: RobotId, session: RobotManager) -> None:
+        await _changing(parts, session, "removed", robot_id, lambda: parts.registry.remove(robot_id))
+        parts.leases.robot_removed(robot_id)
+
+    return router
+
+
+async def _changing(
+    parts: RobotRoutes,
+    session: SessionInfo,
+    outcome: str,
+    robot_id: str,
+    work: Callable[[], Any],
+    data: dict[str, Any] | None = None,
+) -> Any:
+    """Change the registry in a thread, tell the fleet store, write the audit; also when STOP could not be told."""
+    try:
+        return await parts.database.run(work)
+    finally:
+        parts.on_registry()
+        told = {k: "***" if k == "http_token" else v for k, v in (data or {}).items()}
+        parts.audit.append(
+            AuditEntry(
+                session.farm_id,
+                session.user_name,
+                session.device_name,
+                "robot",
+                outcome,
+                robot_id,
+                robot_id,
+                f"{robot_id} {outcome}",
+                told,
+            )
+        )
+
+
+def _registered(robot: RegisteredRobot) -> dict[str, Any]:
+    return {
+        "id": robot.id,
+        "name": robot.name,
+        "family": robot.family.value,
+        "http_url": robot.http_url,
+        "has_http_token": bool(robot.http_token),
+        "contact_name": robot.contact_name,
+        "contact_phone": robot.contact_phone,
+        "ack_limit_s": robot.ack_limit_s,
+        "standstill_limit_s": robot.standstill_limit_s,
+        "decel_mps2": robot.decel_mps2,
+        "keep_out_m": robot.keep_out_m,
+        "is_unattended_allowed": robot.is_unattended_allowed,
+        "added_by": robot.added_by,
+        "added_utc": robot.added_at.isoformat(timespec="milliseconds"),
+    }
+
+
+def _model(robot: Robot) -> str:
+    return robot.factsheet.model if robot.factsheet is not None else ""
+
+
+def _now_ms(parts: RobotRoutes) -> float:
+    return round(parts.clock.mono_s() * 1000, 1)
