@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from nicegui import ui
 
+from components.icon import icon
 from components.live_element import LiveElement
 from hmi.domain.role import Permission
 from hmi.pages import notice
@@ -26,12 +27,9 @@ def build(services: PageServices, session: SessionInfo) -> None:
         return
     with LiveElement("hl-screen", classes="h-screen h-admin", data_screen="admin", data_title="Admin"):
         with ui.element("div").classes("h-tabs h-seg").props('role="group" aria-label="Section"'):
-            for name, label, icon in SECTIONS:
-                tab = ui.element("button").props(f"type=button data-tab={name} data-testid=admin-tab-{name}")
-                with tab:
-                    ui.html(
-                        f'<i class="h-i m" aria-hidden="true">{icon}</i>{label}', sanitize=False, tag="span"
-                    ).classes("h-row")
+            for name, label, sign in SECTIONS:
+                with ui.element("button").props(f"type=button data-tab={name} data-testid=admin-tab-{name}"):
+                    ui.html(f"{icon(sign, 'm')}{label}", sanitize=False, tag="span").classes("h-row")
         LiveElement("hl-admin", classes="h-scroll")
         LiveElement(
             "hl-dock-hint",

@@ -20,7 +20,7 @@ STYLES = ("tokens", "base", "frame", "panel", "control", "screens")
 """Cascade order: tokens first, screens last."""
 
 SCRIPTS = (
-    "core", "glyphs", "words", "units", "port", "sheet", "preferences",
+    "core", "glyphs", "words", "preferences", "units", "port", "stops", "sheet",
     "banner", "top_bar", "menus", "telemetry_tile", "mission_card", "state_path", "why",
     "slide_to_confirm", "lease", "hold_to_drive", "stop_card", "action_dock",
     "sign_in", "fleet_list", "records", "admin_forms", "screen", "keys",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from nicegui import ui
 
+from components.icon import icon as glyph
 from components.live_element import LiveElement
 
 
@@ -13,7 +14,7 @@ def build(screen: str, icon: str, head: str, text: str, href: str = "", action: 
         LiveElement("hl-screen", classes="h-screen", data_screen=screen, data_title=head),
         ui.element("div").classes("h-notice h-card").props("data-testid=notice"),
     ):
-        ui.html(f'<i class="h-i l" aria-hidden="true">{icon}</i>', sanitize=False)
+        ui.html(glyph(icon, "l"), sanitize=False)
         ui.label(head).classes("h-t22 h-b")
         ui.label(text).classes("h-t16 h-2")
         if href:

@@ -6,13 +6,15 @@ from nicegui import ui
 
 from components.action_dock import ActionDock
 from components.hold_to_drive import HoldToDrive
+from components.icon import icon
 from components.live_element import LiveElement
+from components.live_map import LiveMap
 from components.mission_card import MissionCard
 from components.state_path import StatePath
 from components.telemetry_tile import TelemetryTile
 from hmi.domain.ids import is_id
 from hmi.domain.role import Permission
-from hmi.pages import live_map, notice
+from hmi.pages import notice
 from hmi.pages.services import PageServices
 from hmi.security.session_info import SessionInfo
 
@@ -40,9 +42,8 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
         "hl-screen", classes="h-screen h-operate", data_screen="operate", data_robot=robot_id, data_title=robot.name
     ):
         with ui.element("section").classes("h-map").props('aria-label="Map"'):
-            live_map.place(robot_id)
-            with ui.element("div").classes("h-view h-seg").props('role="group" aria-label="View"'):
-                ui.html('<i class="h-i m" aria-hidden="true">map</i>Map', sanitize=False, tag="span").classes("on")
+            LiveMap(robot_id).classes("h-mapfill")
+            _overlay()
             HoldToDrive()
             LiveElement("hl-connecting", classes="h-connecting", data_name=robot.name)
         with ui.element("aside").classes("h-side").props('aria-label="Values"'):
@@ -50,11 +51,19 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
             ActionDock()
 
 
+def _overlay() -> None:
+    """Over the map: the view that is shown (there is one), who has control, and why the robot does not move."""
+    with ui.element("div").classes("h-overlay"):
+        with ui.element("div").classes("h-bar1"):
+            with ui.element("div").classes("h-seg").props('role="group" aria-label="View"'):
+                ui.html(f"{icon('map', 'm')}Map", sanitize=False, tag="span").classes("on").props("aria-current=true")
+            LiveElement("hl-lease", hidden="")
+        LiveElement("hl-why", classes="h-card h-why", hook="robot-why", hidden="")
+
+
 def _panel() -> None:
-    LiveElement("hl-stop-card", classes="h-stopslot", hook="stop-card", hidden="")
-    LiveElement("hl-lease", classes="h-card h-lease", hidden="")
+    LiveElement("hl-stop-card", hook="stop-card", hidden="")
     MissionCard()
-    LiveElement("hl-why", classes="h-card h-why", hook="robot-why", hidden="")
     StatePath()
     with ui.element("div").classes("h-tiles"):
         for key, label in TILES:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from nicegui import ui
 
+from components.icon import icon
 from hmi.domain.role import Permission, Role, may
 from hmi.security.session_info import SessionInfo
 
@@ -40,5 +41,5 @@ def build(session: SessionInfo) -> None:
         for place in destinations(session.role):
             link = ui.element("a").classes("h-nav").props(f"href={place.path} data-nav={place.name}")
             with link.props(f"data-testid=nav-{place.name}"):
-                ui.html(f'<i class="h-i" aria-hidden="true">{place.icon}</i>', sanitize=False)
+                ui.html(icon(place.icon), sanitize=False)
                 ui.label(place.label)

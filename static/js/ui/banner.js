@@ -1,0 +1,113 @@
+// The banner over every screen: STOP first, then the server, then the robot's link.
+(() => {
+  "use strict";
+  const { el, icon, text, attr, LiveElement, define, words } = HL;
+  const STALE_MS = 2000;
+  const LOST_MS = 3500;
+
+  // ok | stale | robot-lost | server-lost, as test-hooks name them
+  function linkState() {
+    const server = HL.port.server();
+    if (server.silentMs > LOST_MS) return "server-lost";
+    const link = HL.view.robot ? HL.port.robot(HL.view.robot).link : null;
+    const silentMs = link ? HL.port.age(link.t) : 0;
+    if (link && silentMs > LOST_MS) return "robot-lost";
+    return Math.max(server.silentMs, silentMs) > STALE_MS ? "stale" : "ok";
+  }
+
+  const MESSAGES = {
+    "server-lost": () => ({
+      look: "p2",
+      sign: "cloud_off",
+      head: `This tablet lost the server for ${words.since(HL.port.server().silentMs)}`,
+      line: "Supervised missions pause by themselves; unattended ones go on. STOP has its own path.",
+      note: "Reconnecting",
+    }),
+    "robot-lost": () => ({
+      look: "p2",
+      sign: "signal_disconnected",
+      head: `No link to ${HL.view.name()} for ${words.since(HL.port.age(HL.port.robot(HL.view.robot).link.t))}`,
+      line: `All values are old. ${selfPause()} Look before you walk up to it.`,
+      note: HL.port.robot(HL.view.robot).link.broker === "down" ? "Broker is down" : "Listening",
+    }),
+  };
+
+  function selfPause() {
+    const { body, mission } = HL.port.robot(HL.view.robot);
+    const figure = mission?.is_supervised === false ? body?.link_lost_s : body?.operator_lost_s;
+    return figure ? `It pauses by itself after ${figure} s (figure from its factsheet); not verified.` : "What it does by itself is not known.";
+  }
+
+  // what STOP says about this robot, or about any on screens of all robots
+  function stopMessage() {
+    const stop = HL.stops.worst(HL.view.robot);
+    if (!stop) return null;
+    const name = HL.stops.name(stop);
+    if (stop.state === "not-confirmed") {
+      const reach = HL.port.robot(stop.robot).body?.keep_out_m ?? 15;
+      return {
+        look: "p1 big",
+        sign: "pan_tool",
+        head: "Use the red button on the machine",
+        line: `Stop not confirmed. ${name} may still be moving. Keep everyone ${Math.round(reach)} m away.`,
+        time: words.clock(HL.stops.ageMs(stop) / 1000),
+        under: "since STOP",
+      };
+    }
+    if (stop.state !== "standstill") return null;
+    const at = HL.stops.standstillAt(stop);
+    return {
+      look: "p3",
+      sign: "front_hand",
+      head: `${HL.view.robot ? "Stopped" : `${name} stopped`}. Standstill confirmed${at ? ` ${words.wallSeconds(at)}` : ""}`,
+      line: `Pressed by ${[stop.by || "somebody", stop.device].filter(Boolean).join(" on ")}. The robot stays stopped until someone resets it.`,
+      time: words.clock(HL.stops.ageMs(stop) / 1000),
+    };
+  }
+
+  class Bar {
+    constructor() {
+      this.sign = icon("info", "f l");
+      this.head = el("div", { class: "head" });
+      this.line = el("div", { class: "text" });
+      this.note = el("span", { class: "h-t14 h-b h-nw wide" });
+      this.time = el("div", { class: "time" });
+      this.under = el("small");
+      this.figure = el("span");
+      this.time.append(this.figure, this.under);
+      this.node = el("div", { class: "h-banner", hidden: true }, this.sign, el("div", {}, this.head, this.line), el("span", { class: "h-sp" }), this.note, this.time);
+    }
+    paint(message) {
+      attr(this.node, "hidden", !message);
+      if (!message) return;
+      attr(this.node, "class", `h-banner ${message.look}`);
+      text(this.sign, message.sign);
+      text(this.head, message.head);
+      text(this.line, message.line);
+      text(this.note, message.note || "");
+      text(this.figure, message.time || "");
+      text(this.under, message.under || "");
+      attr(this.time, "hidden", !message.time);
+    }
+  }
+
+  class LinkBanner extends LiveElement {
+    build() {
+      this.stop = new Bar();
+      this.link = new Bar();
+      attr(this.stop.node, "data-testid", "stop-banner");
+      this.append(this.stop.node, this.link.node);
+    }
+    paint() {
+      const state = linkState();
+      const stop = stopMessage();
+      attr(this, "data-state", state);
+      attr(this.stop.node, "data-state", stop ? (stop.look.startsWith("p1") ? "not-confirmed" : "standstill") : "none");
+      this.stop.paint(stop);
+      this.link.paint(MESSAGES[state]?.() ?? null);
+    }
+  }
+
+  define("hl-link-banner", LinkBanner);
+  Object.assign(HL, { linkState, LOST_MS, STALE_MS });
+})();

@@ -1,0 +1,132 @@
+// The one place where screens meet the live lane, REST and STOP. Everything else asks here.
+(() => {
+  "use strict";
+  const lane = window.headland;
+  const { config } = HL;
+  const CONNECTING_MS = 5000; // a page that has never heard the server says "connecting" this long, then "lost"
+  const HERE_MS = 1000;
+  const bornAt = performance.now();
+  const EMPTY = Object.freeze({});
+  let topics = "";
+
+  const ms = (seconds) => (seconds === null || seconds === undefined ? Infinity : seconds * 1000);
+  const robot = (id) => (id && lane.state(`robot/${id}`)) || EMPTY;
+  const fleet = () => lane.state("fleet")?.robots || EMPTY;
+  const age = (t) => ms(lane.age(t));
+
+  // how long the console has been silent; without a person there is no lane and nothing to miss
+  function server() {
+    if (!config.user) return { silentMs: 0, isKnown: false };
+    const isKnown = lane.hello() !== null;
+    if (!isKnown) {
+      const waited = performance.now() - bornAt;
+      return { silentMs: waited < CONNECTING_MS ? 0 : waited, isKnown };
+    }
+    const silent = Number.isFinite(lane.tickAge()) ? lane.tickAge() : lane.linkFor();
+    return { silentMs: (lane.link() === "ok" ? silent : Math.max(silent, lane.linkFor())) * 1000, isKnown };
+  }
+
+  // browser to console to robot and back, as a person who steers feels it; null while unknown
+  function delayMs(id) {
+    const mine = lane.rtt();
+    if (mine === null) return null;
+    if (!id) return mine;
+    const theirs = robot(id).link?.rtt_ms;
+    return theirs === null || theirs === undefined ? null : mine + theirs;
+  }
+
+  // control that this browser holds is kept alive by every page it has open, whatever screen is shown
+  const held = new Set(HL.keep?.read(`headland.held.${config.session}`, []));
+
+  function noteLease(id, owner) {
+    const isMine = Boolean(config.session) && owner?.session === config.session;
+    if (held.has(id) === isMine) return;
+    if (isMine) held.add(id);
+    else held.delete(id);
+    HL.keep.write(`headland.held.${config.session}`, [...held]);
+    watch();
+    if (isMine) here();
+  }
+
+  function here() {
+    const tick = lane.tick();
+    if (tick !== null) for (const id of held) lane.send({ k: "here", robot: id, tick });
+  }
+
+  function watch() {
+    if (!config.user) return;
+    const wanted = ["fleet", ...new Set([HL.view?.robot, ...held].filter(Boolean).map((id) => `robot/${id}`))];
+    if (wanted.join() === topics) return;
+    topics = wanted.join();
+    lane.sub(wanted);
+    for (const topic of wanted) listenTo(topic);
+  }
+
+  const heard = new Set();
+  function listenTo(topic) {
+    if (heard.has(topic)) return;
+    heard.add(topic);
+    lane.on(topic, (state) => {
+      if (topic.startsWith("robot/") && "lease" in state) noteLease(topic.slice(6), state.lease?.owner);
+      HL.repaint();
+    });
+  }
+
+  // REST orders with the newest tick: without a fresh one nothing is sent, and nothing waits
+  async function order(path, body) {
+    const tick = lane.tick();
+    if (tick === null) return { outcome: "rejected", ok: false, text: "Not sent: the link to the server is lost." };
+    const answer = await lane.api("POST", path, { ...body, tick }, 3000);
+    answer.outcome ??= answer.status >= 400 && answer.status < 500 ? "rejected" : "unknown";
+    answer.text ||= answer.outcome === "unknown" ? "No answer. It may have taken effect; look at the robot." : "";
+    return answer;
+  }
+
+  const of = (id) => `/robots/${encodeURIComponent(id)}`;
+
+  async function command(id, action, extra) {
+    const answer = await lane.command(id, action, extra);
+    answer.text ||= answer.outcome === "unknown" ? "No answer. It may have taken effect; look at the robot." : "";
+    return answer;
+  }
+
+  async function lease(id, op, extra) {
+    const answer = await order(`${of(id)}/lease`, { op, ...extra });
+    if (answer.ok && "owner" in answer) noteLease(id, answer.owner);
+    return answer;
+  }
+
+  const reset = (id, stopIds, reason) => order(`${of(id)}/stop-reset`, { reset_id: lane.uuid(), stop_ids: stopIds, reason });
+  const seen = (id, stopId) => lane.api("POST", `${of(id)}/seen`, { stop_id: stopId });
+  const sendMission = (id, missionId) => lane.api("POST", `${of(id)}/mission`, { mission_id: missionId }, 15000);
+  const api = (method, path, body, limitMs) => lane.api(method, path, body, limitMs);
+
+  function drive(id, v, w) {
+    const tick = lane.tick();
+    return tick !== null && lane.send({ k: "drive", robot: id, v, w, tick });
+  }
+
+  const EVENTS = {
+    lease(event) {
+      noteLease(event.robot, event.owner);
+      if (event.robot === HL.view.robot && event.by !== config.user?.name && event.text) HL.toast(event.text, "key");
+    },
+    drive(event) {
+      if (event.op === "ended" && HL.drive.robot === event.robot) HL.drive.ended(event.text);
+    },
+    command(event) {
+      if (event.is_late && event.session === config.session) HL.toast(`Late answer: ${HL.outcomeWords(event.outcome)}. ${event.text}`, "schedule");
+    },
+  };
+  lane.on("event", (event) => {
+    if (event) EVENTS[event.kind]?.(event);
+    HL.repaint();
+  });
+  lane.on("link", HL.repaint);
+  lane.on("tick", () => {}); // ages repaint on their own clock
+  window.addEventListener("headland:bye", () => config.user && location.reload());
+  window.addEventListener("headland:dropped", () => HL.toast("Not sent: no connection. Try again when it is back.", "cloud_off"));
+  setInterval(here, HERE_MS);
+
+  HL.port = { robot, fleet, age, server, delayMs, watch, command, lease, reset, seen, sendMission, drive, api, tickInfo: () => lane.state("tick") };
+})();

@@ -1,0 +1,33 @@
+// Tables of records from REST: loading, empty, error with a way to try again.
+(() => {
+  "use strict";
+  const { el, icon } = HL;
+
+  function table(columns, rows) {
+    return el("div", { class: "h-tablewrap" }, el("table", { class: "h-table" },
+      el("thead", {}, el("tr", {}, ...columns.map((name) => el("th", { scope: "col" }, name)))),
+      el("tbody", {}, ...rows.map(({ hook, cells }) => el("tr", { "data-testid": hook }, ...cells.map((cell) => el("td", {}, cell)))))));
+  }
+
+  const skeleton = () => el("div", { class: "h-card h-skeleton", "aria-label": "Loading" }, ...["100%", "82%", "92%"].map((width) => { const bar = el("i"); bar.style.width = width; return bar; }));
+
+  function failure(what, answer, again) {
+    return el("div", { class: "h-card h-notice", role: "alert" }, icon("cloud_off", "l"), el("b", { class: "h-t18 h-b" }, `${what} did not load`), el("span", { class: "h-2" }, answer.text || "Server did not answer. STOP still works."), el("button", { type: "button", class: "h-btn", onclick: again }, icon("refresh", "m"), "Try again"));
+  }
+
+  const empty = (head, line) => el("div", { class: "h-card h-notice" }, el("b", { class: "h-t18 h-b" }, head), el("span", { class: "h-2" }, line));
+
+  // fills `place` with what GET path answers; `draw(answer)` makes the nodes
+  async function load(place, what, path, draw) {
+    place.replaceChildren(skeleton());
+    const answer = await HL.port.api("GET", path);
+    if (!place.isConnected) return;
+    if (!answer.ok) place.replaceChildren(failure(what, answer, () => load(place, what, path, draw)));
+    else place.replaceChildren(...[draw(answer)].flat());
+  }
+
+  const list = (answer, key) => (Array.isArray(answer.data) ? answer.data : answer[key] ?? []);
+  const when = (utc) => (utc ? new Date(utc).toLocaleString("en-GB", { dateStyle: "short", timeStyle: "medium" }) : "–");
+
+  HL.records = { table, load, empty, list, when };
+})();

@@ -1,0 +1,88 @@
+// The screen that is shown: it announces itself, so that frame, lane and STOP follow without a reload.
+(() => {
+  "use strict";
+  const { el, icon, robotGlyph, text, attr, LiveElement, define } = HL;
+  const LAST_KEY = "headland.robot";
+
+  function show(screen) {
+    Object.assign(HL.view, { screen: screen.dataset.screen, robot: screen.dataset.robot || null, title: screen.dataset.title || "" });
+    document.querySelector(".h-app")?.setAttribute("data-screen", HL.view.screen);
+    document.title = `${HL.view.title} · Headland`;
+    for (const link of document.querySelectorAll("[data-nav]")) attr(link, "aria-current", link.dataset.nav === HL.view.screen ? "page" : null);
+    if (HL.view.robot) HL.keep.write(LAST_KEY, HL.view.robot);
+    HL.port.watch();
+    HL.emit("headland:scope", { robot: HL.view.robot, name: HL.view.robot ? HL.view.name() : "" });
+    HL.repaint();
+  }
+
+  class Screen extends HTMLElement {
+    connectedCallback() {
+      show(this);
+    }
+  }
+
+  // opens the robot shown last; when there is none, offers those there are
+  class PickRobot extends LiveElement {
+    build() {
+      this.list = el("div", { class: "h-pick" });
+      this.append(this.list);
+      const known = (this.dataset.known || "").split(" ").filter(Boolean);
+      const last = HL.keep.read(LAST_KEY, "");
+      const target = known.includes(last) ? last : known.length === 1 ? known[0] : "";
+      if (target) setTimeout(() => this.isConnected && go(`/operate/${target}`, true), 0);
+    }
+    paint() {
+      const robots = Object.entries(HL.port.fleet()).sort((a, b) => a[1].name.localeCompare(b[1].name));
+      const key = robots.map(([id, robot]) => `${id}:${robot.name}:${robot.text}`).join("|") + HL.port.server().isKnown;
+      if (key === this.drawn) return;
+      this.drawn = key;
+      this.list.replaceChildren(
+        ...robots.map(([id, robot]) => el("a", { class: "h-card", href: `/operate/${id}`, "data-testid": `robot-option-${id}` }, robotGlyph(robot.family, 40), el("span", {}, el("b", { class: "h-t18 h-b" }, robot.name), el("br"), el("span", { class: "h-2 h-t14" }, robot.is_registered ? robot.text : "New, not accepted yet")))),
+        robots.length ? "" : el("div", { class: "h-notice h-card" }, icon("smart_toy", "l"), el("b", { class: "h-t22 h-b" }, HL.port.server().isKnown ? "No robot yet" : "Loading robots"), el("span", { class: "h-2 h-t16" }, HL.port.server().isKnown ? "Robots that are heard appear here by themselves." : "The list comes with the first answer of the server.")),
+      );
+    }
+  }
+
+  // moves inside the shell, as a link of it would
+  function go(path, isReplacing) {
+    const link = el("a", { href: path });
+    link.style.display = "none";
+    document.body.append(link);
+    if (isReplacing) HL.isReplacing = true;
+    link.click();
+    link.remove();
+  }
+
+  // until the first values are there; after five seconds it says what is wrong
+  class Connecting extends LiveElement {
+    build() {
+      this.head = el("b", { class: "h-t18 h-b" });
+      this.line = el("span", { class: "h-2 h-t14" });
+      this.append(el("div", { class: "h-card h-row" }, icon("hourglass_top"), el("span", { class: "h-col" }, this.head, this.line)));
+      this.from = performance.now();
+    }
+    paint() {
+      const { mode, link } = HL.port.robot(HL.view.robot);
+      attr(this, "hidden", Boolean(mode));
+      if (mode) return;
+      const isLate = performance.now() - this.from > 5000;
+      text(this.head, isLate ? `${this.dataset.name} does not answer` : `Connecting to ${this.dataset.name}`);
+      text(this.line, isLate ? (link?.t ? `Last heard ${HL.words.age(HL.port.age(link.t))} ago.` : "It was not heard since the server started. Look at its power and radio.") : "Waiting for its first values");
+    }
+  }
+
+  class DockHint extends LiveElement {
+    build() {
+      this.append(el("span", { class: "h-hint" }, ...(this.dataset.text || "").split("|").flatMap((line, i) => (i ? [el("br"), line] : [line]))));
+    }
+  }
+
+  HL.view = {
+    screen: "", robot: null, title: "",
+    name: () => HL.port.robot(HL.view.robot).id?.name || HL.port.fleet()[HL.view.robot]?.name || HL.view.title || HL.view.robot || "",
+  };
+  define("hl-pick-robot", PickRobot);
+  define("hl-connecting", Connecting);
+  define("hl-dock-hint", DockHint);
+  Object.assign(HL, { go, startScreens: () => define("hl-screen", Screen) });
+})();
