@@ -1,0 +1,134 @@
+// What may be claimed about each STOP press, decided in this browser. Pure: no DOM, no socket; the caller gives the time.
+// A press is never better than the newest evidence and never waits for a server to be called "not confirmed".
+(() => {
+  "use strict";
+  const parts = (window.headlandStopParts = window.headlandStopParts || {});
+  const ACK_LIMIT_MS = 1000; // safety rules; a robot's own limit may only be shorter
+  const STANDSTILL_LIMIT_MS = 3000;
+  const SAME_PRESS_MS = 2000; // nobody can have reset a press this young, so a second tap may share its id
+  const EVIDENCE_MS = 5000; // a confirmation by HTTP alone counts this long, then it is asked for again
+  const ANY = "*"; // "all", before this browser knows which robots there are
+  const WORST = ["not-confirmed", "sent", "acknowledged", "standstill"];
+
+  const makeId = () =>
+    Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
+  const within = (limit, most) => (Number.isFinite(limit) && limit > 0 ? Math.min(limit, most) : most);
+
+  class Presses {
+    constructor() {
+      this.entries = new Map(); // "stop id/robot" -> entry
+      this.own = new Map(); // stop id -> press made here
+    }
+
+    // Note a press made here and now. `robots` is a list of ids or "all", `known` the robots this browser knows.
+    // `isHopeless`: no way out is known, so it says at once what a person has to do.
+    press(robots, known, now, { by = "", device = "", isHopeless = false, cards = {}, id = "", agoMs = 0 } = {}) {
+      const ids = robots === "all" ? (known.length ? known : [ANY]) : robots;
+      const scope = robots === "all" ? "all" : [...robots].sort().join();
+      const last = [...this.own.values()].find((p) => p.scope === scope && now - p.at < SAME_PRESS_MS && !p.isCovered);
+      if (last && !id) return last;
+      for (const older of this.own.values()) {
+        if (robots === "all" || (older.robots !== "all" && older.robots.every((r) => ids.includes(r)))) older.isCovered = true;
+      }
+      const press = { id: id || makeId(), robots, scope, at: now - agoMs, tried: 0, isCovered: false };
+      this.own.set(press.id, press);
+      const pressed_utc = new Date(Date.now() - agoMs).toISOString();
+      for (const robot of ids) {
+        const step = { stop_id: press.id, robot, name: cards[robot]?.name || robot, state: "sent", by, device, pressed_utc, count: 0, paths: {} };
+        this.entries.set(`${press.id}/${robot}`, { step, by: {}, at: press.at, heardAt: now, isMine: true, isFailed: isHopeless, isContradicted: false });
+      }
+      return press;
+    }
+
+    // Take a step that came from `source` ("gateway" or "console").
+    take(step, source, now) {
+      if (!step || typeof step.stop_id !== "string" || typeof step.robot !== "string") return;
+      const key = `${step.stop_id}/${step.robot}`;
+      const own = this.own.get(step.stop_id);
+      this.entries.delete(`${step.stop_id}/${ANY}`);
+      if (step.state === "reset") {
+        this.entries.delete(key);
+        if (own && ![...this.entries.values()].some((e) => e.step.stop_id === own.id)) this.own.delete(own.id);
+        return;
+      }
+      const entry = this.entries.get(key) || { by: {}, at: own ? own.at : now - (step.age_ms || 0), isMine: Boolean(own), isFailed: false, isContradicted: false };
+      const before = entry.by[source];
+      if (before && before.age_ms > step.age_ms) return; // overtaken on another connection
+      if (source === "gateway" && step.state === "standstill") entry.isContradicted = false;
+      if (source === "gateway" && before?.state === "standstill" && step.state !== "standstill") entry.isContradicted = true;
+      entry.by[source] = step;
+      entry.heardAt = now;
+      entry.step = this.best(entry);
+      this.entries.set(key, entry);
+    }
+
+    // The gateway told all presses it holds: others are over, except what was pressed here and is not confirmed.
+    reconcile(since) {
+      for (const [key, entry] of this.entries) {
+        if (entry.heardAt >= since || (entry.isMine && this.claim(entry) !== "standstill")) continue;
+        this.entries.delete(key);
+        if (entry.isMine) this.own.delete(entry.step.stop_id);
+      }
+    }
+
+    best({ by: { gateway, console: second }, isContradicted }) {
+      if (!gateway || !second) return gateway || second;
+      if (gateway.state === "standstill" || isContradicted) return gateway;
+      if (second.state === "standstill") return second;
+      return gateway.ack_ms === null && second.ack_ms !== null ? second : gateway;
+    }
+
+    claim(entry) {
+      return entry.isContradicted ? "not-confirmed" : entry.step.state;
+    }
+
+    // Return what may be claimed about one press at one robot now.
+    stateOf(entry, now, card = {}) {
+      const claim = this.claim(entry);
+      if (claim === "standstill") {
+        entry.isFailed = false; // a late confirmation still counts
+        return claim;
+      }
+      const age = now - entry.at;
+      const isLate =
+        claim === "not-confirmed" ||
+        (claim === "sent" && age >= within(card.ack_limit_ms, ACK_LIMIT_MS)) ||
+        age >= within(card.standstill_limit_ms, STANDSTILL_LIMIT_MS);
+      if (isLate) entry.isFailed = true; // stays so until standstill is confirmed
+      return entry.isFailed ? "not-confirmed" : claim;
+    }
+
+    // Return the presses at `robot`, each with its state, worst first, newest first among equals.
+    at(robot, now, card) {
+      const found = [];
+      for (const entry of this.entries.values()) {
+        if (entry.step.robot === robot) found.push({ ...entry.step, state: this.stateOf(entry, now, card), at: entry.at, heard_at: entry.heardAt, is_mine: entry.isMine });
+      }
+      return found.sort((a, b) => WORST.indexOf(a.state) - WORST.indexOf(b.state) || b.at - a.at);
+    }
+
+    robots() {
+      return new Set([...this.entries.values()].map((entry) => entry.step.robot));
+    }
+
+    // Whether a confirmation can still be stood for although the gateway's heartbeat is gone.
+    hasEvidence(robot, now) {
+      return [...this.entries.values()].some((e) => e.step.robot === robot && now - e.heardAt < EVIDENCE_MS);
+    }
+
+    // Return the presses made here that somebody has still to be told about, or asked about.
+    open(now, isGatewayFresh) {
+      return [...this.own.values()].filter((press) => {
+        if (press.isCovered) return false;
+        const mine = [...this.entries.values()].filter((e) => e.step.stop_id === press.id);
+        return mine.some((e) => this.claim(e) !== "standstill") || (mine.length && !isGatewayFresh);
+      });
+    }
+
+    isConfirmed(press) {
+      return [...this.entries.values()].every((e) => e.step.stop_id !== press.id || this.claim(e) === "standstill");
+    }
+  }
+
+  Object.assign(parts, { Presses, WORST, ANY });
+})();
