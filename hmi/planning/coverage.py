@@ -28,6 +28,7 @@ from hmi.planning.swaths import Swath
 MIN_WIDTH_M, MAX_WIDTH_M = 0.05, 50.0
 MAX_POINTS = 100_000  # corners of the field as given
 MAX_ROWS = 9_000  # the wire contract takes 20,000 segments: a row and a turn each
+_GAP_M = 0.04
 _LONG_WAY_M = 10.0  # ways longer than this are driven at transit speed
 
 
@@ -147,13 +148,10 @@ class _Course:
 
     def _lap(self, lap: Lap) -> bool:
         here = self._pose()
-        starts = headlands.entries(lap)
-        begin = [headlands.lap_from(lap, edge, is_forward=forward) for edge, forward in starts]
         # nearest first, but a start that needs no turning back beats one a machine's length nearer
-        begin.sort(key=lambda p: _entry_cost(here, p))
-        for points in begin:
+        for points in sorted(headlands.beginnings(lap), key=lambda p: _entry_cost(here, p)):
             pose = (float(points[0][0]), float(points[0][1]), float(headings(points)[0]))
-            if self._go(pose, self.job.machine.turn_speed_mps):
+            if self.linker.can_leave(pose) and self._go(pose, self.job.machine.turn_speed_mps):
                 self.legs.append(Leg(LegKind.HEADLAND, points, self.job.machine.row_speed_mps, tool_on=True))
                 return True
         return False
@@ -187,7 +185,10 @@ class _Course:
         assert self.job.home is not None
         ground = self.ground
         if self.job.roads is not None:
-            ground = Ground(shapely.union_all([ground.allowed, self.job.roads]), self.job.machine, ground.crop)
+            together = shapely.union_all([ground.allowed, self.job.roads])
+            # neighbouring features drawn by hand leave hairline gaps; closing them costs less than the margin
+            closed = together.buffer(_GAP_M, join_style="mitre").buffer(-_GAP_M, join_style="mitre")
+            ground = Ground(closed, self.job.machine, ground.crop)
         linker = Linker(ground)
         first = self.legs[0]
         start: Pose = (float(first.points[0][0]), float(first.points[0][1]), first.first_heading_rad)

@@ -14,6 +14,7 @@ import numpy as np
 import shapely
 from shapely.geometry import LineString, MultiPolygon, Point, Polygon
 from shapely.geometry.base import BaseGeometry
+from shapely.geometry.polygon import orient
 
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import poses_along
@@ -147,13 +148,12 @@ class Ground:
 def _bends(area: Polygon, *, outward: bool = False) -> list[tuple[float, float]]:
     """Return the corners of a polygon around which a way inside it (or outside, ``outward``) may bend."""
     corners: list[tuple[float, float]] = []
-    for ring in (area.exterior, *area.interiors):
+    oriented = orient(area)  # ground on the left of every ring, so that a left turn is a convex corner
+    for ring in (oriented.exterior, *oriented.interiors):
         points = shapely.get_coordinates(ring)[:-1]
-        is_left = bool(ring.is_ccw) == (ring is area.exterior)
         before, after = points - np.roll(points, 1, axis=0), np.roll(points, -1, axis=0) - points
         cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-        is_convex = cross > 0 if is_left else cross < 0
-        corners += [tuple(p) for p in points[is_convex if outward else ~is_convex]]
+        corners += [(float(x), float(y)) for x, y in points[cross > 0 if outward else cross < 0]]
     return corners
 
 

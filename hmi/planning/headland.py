@@ -15,6 +15,8 @@ from hmi.planning.plan import GENTLE_RAD, headings
 from hmi.planning.projection import Floats
 
 _ARC_STEPS = 12  # per quarter circle: 7.5 degrees a piece
+_MOST_PLACES = 12  # of a lap where joining it is tried
+_LONG_M = 25.0  # pieces longer than this are joined near their ends too
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,13 +54,13 @@ def divide(machine: RobotProfile, width_m: float, passes: int | None) -> Headlan
 
 
 def _turn_depth(machine: RobotProfile, width_m: float) -> float:
-    """Return how far beyond the row ends a turn into the next row reaches.
+    """Return how far beyond the row ends a turn into the next row reaches, the border slanting by some 25 degrees.
 
     A half circle where the rows are two radii apart; nearer than that, a bulb, which a machine that can turn on
     the spot does without.
     """
     if width_m >= 2 * machine.turning_radius_m:
-        return 1.2 * machine.turning_radius_m
+        return machine.turning_radius_m + 0.5 * width_m
     return 0.0 if machine.can_pivot else 3.2 * machine.turning_radius_m
 
 
@@ -78,19 +80,19 @@ def laps(ground: Ground, headland: Headland) -> list[Lap]:
     return found
 
 
-def entries(lap: Lap) -> list[tuple[int, bool]]:
-    """Return places to join a lap, best first: the starts of its longest straight pieces, in both directions."""
+def beginnings(lap: Lap) -> list[Floats]:
+    """Return the lap from every place where it is straight enough to swing onto it, in both directions."""
     lengths = np.hypot(*np.diff(lap.points, axis=0).T)
-    longest = np.argsort(-lengths)[:6]
-    return [(int(k), is_forward) for k in longest for is_forward in (True, False)]
+    straight = np.flatnonzero(lengths >= 0.4 * lengths.max())[:_MOST_PLACES]
+    places = [(int(k), f) for k in straight for f in ((0.12, 0.5, 0.88) if lengths[k] > _LONG_M else (0.5,))]
+    return [_from(lap, edge, share, is_forward=d) for edge, share in places for d in (True, False)]
 
 
-def lap_from(lap: Lap, edge: int, *, is_forward: bool) -> Floats:
-    """Return the lap beginning and ending in the middle of one of its pieces, in one direction."""
+def _from(lap: Lap, edge: int, share: float, *, is_forward: bool) -> Floats:
+    """Return the lap beginning and ending part way along one of its pieces."""
     ring = lap.points[:-1]
-    middle = (lap.points[edge] + lap.points[edge + 1]) / 2
-    order = np.roll(ring, -(edge + 1), axis=0)
-    points = np.vstack([middle, order, middle])
+    place = lap.points[edge] + share * (lap.points[edge + 1] - lap.points[edge])
+    points = np.vstack([place, np.roll(ring, -(edge + 1), axis=0), place])
     return points if is_forward else points[::-1].copy()
 
 

@@ -51,6 +51,10 @@ class Linker:
                 return [rounded]
         return self._cornered(way) if self.machine.can_pivot else None
 
+    def can_leave(self, pose: Pose) -> bool:
+        """Say whether a lap that ends here can be left again."""
+        return self.ground.can_turn_at(pose[:2]) or bool(self._swings(pose, is_joining=False))
+
     def _dubins(self, start: Pose, end: Pose, *, is_crop_free: bool = True) -> Floats | None:
         for path in dubins.candidates(start, end, self._radius):
             points = _distinct(path.sample(2.0)[:, :2])

@@ -12,6 +12,8 @@ from hmi.domain.robot import Factsheet
 from hmi.planning.errors import PlanRefused
 from hmi.planning.projection import Floats
 
+PIVOTING_RADIUS_M = 1.0  # arcs planned for a machine that could also turn on the spot
+
 
 @dataclass(frozen=True, slots=True)
 class RobotProfile:
@@ -21,10 +23,10 @@ class RobotProfile:
     Energy figures are per metre driven, per second awake and per second of tool work.
     """
 
-    length_m: float = 2.0
-    width_m: float = 1.5
-    base_to_front_m: float = 1.0
-    turning_radius_m: float = 1.0
+    length_m: float = 2.6
+    width_m: float = 1.7
+    base_to_front_m: float = 1.3
+    turning_radius_m: float = PIVOTING_RADIUS_M
     can_pivot: bool = True
     row_speed_mps: float = 0.45
     turn_speed_mps: float = 0.3
@@ -32,10 +34,10 @@ class RobotProfile:
     accel_mps2: float = 0.4
     yaw_rate_radps: float = 0.6
     margin_m: float = 0.1
-    battery_j: float = 10.4 * 3.6e6
-    drive_j_per_m: float = 1_100.0
+    battery_j: float = 12 * 3.6e6
+    drive_j_per_m: float = 1_600.0
     idle_w: float = 180.0
-    tool_w: float = 450.0
+    tool_w: float = 1_500.0
 
     def __post_init__(self) -> None:
         """Refuse a machine that cannot be."""
@@ -58,7 +60,8 @@ class RobotProfile:
             length_m=sheet.length_m,
             width_m=sheet.width_m,
             base_to_front_m=min(sheet.base_to_front_m, sheet.length_m),
-            turning_radius_m=max(sheet.turning_radius_m, 0.5 if sheet.can_pivot else 0.0),
+            # tracks that turn on the spot still tear up less soil on an arc
+            turning_radius_m=max(sheet.turning_radius_m, PIVOTING_RADIUS_M if sheet.can_pivot else 0.0),
             can_pivot=sheet.can_pivot,
             row_speed_mps=min(base.row_speed_mps, top),
             turn_speed_mps=min(base.turn_speed_mps, top),

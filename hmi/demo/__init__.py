@@ -1,0 +1,1 @@
+"""The demo farm: two real sites, three simulated robots, missions ready to send and a short history."""

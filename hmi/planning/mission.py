@@ -1,0 +1,232 @@
+"""From a field on the map to a mission a robot can take: projection, plan, wire document, numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+import numpy as np
+import shapely
+from shapely.geometry import Polygon, shape
+from shapely.geometry.base import BaseGeometry
+
+from hmi.domain.ids import is_id
+from hmi.domain.mission_document import Document, canonical, mission_sha256
+from hmi.planning.coverage import Job, plan_coverage
+from hmi.planning.errors import PlanRefused
+from hmi.planning.machine import RobotProfile
+from hmi.planning.plan import Leg, Plan
+from hmi.planning.projection import LocalFrame
+
+Geometry = Mapping[str, Any]
+"""A GeoJSON geometry, longitude and latitude in degrees."""
+
+MAX_SEGMENTS = 20_000  # of the edge contract
+MAX_EXTENT_M = 20_000.0  # a plane at the datum is true over this distance; no field is larger
+MAX_POINTS_IN = 200_000
+ROAD_WIDTH_M = 4.0
+YARD_RADIUS_M = 4.0  # ground around home where a robot can turn
+
+
+@dataclass(frozen=True, slots=True)
+class Surroundings:
+    """The map around a field: where the machine may not be, and the ground it may use on its way.
+
+    Args:
+        obstacles: polygons, or points and lines with a width.
+        ways: roads (lines with a width), yards and other fields it may cross.
+    """
+
+    obstacles: tuple[tuple[Geometry, float], ...] = ()
+    ways: tuple[tuple[Geometry, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class MissionRequest:
+    """What to plan.
+
+    Args:
+        mission_id, name, robot_id, field_name: as they shall stand in the document.
+        parcel: the field, a GeoJSON polygon.
+        width_m: distance of the rows.
+        machine: the robot.
+        datum_lat_deg, datum_lon_deg: origin of the plane; best the robot's own.
+        angle_rad: row direction, ENU; ``None`` searches the best.
+        headland_passes: laps around the field; ``None`` takes as many as turning needs.
+        home: longitude and latitude of where the robot stands.
+        returns_home: drive back at the end.
+    """
+
+    mission_id: str
+    name: str
+    robot_id: str
+    field_name: str
+    parcel: Geometry
+    width_m: float
+    datum_lat_deg: float
+    datum_lon_deg: float
+    machine: RobotProfile = field(default_factory=RobotProfile)
+    angle_rad: float | None = None
+    headland_passes: int | None = None
+    home: tuple[float, float] | None = None
+    returns_home: bool = False
+    surroundings: Surroundings = field(default_factory=Surroundings)
+    revision: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedMission:
+    """A mission ready to store: wire document, its hash, and the numbers of the plan (SI)."""
+
+    document: Document
+    sha256: str
+    statistics: dict[str, Any]
+
+
+def plan_mission(request: MissionRequest) -> PlannedMission:
+    """Plan a mission over a field of the map.
+
+    Raises:
+        PlanRefused: the input is unusable or the field cannot be worked like this; says why.
+    """
+    _check_names(request)
+    frame = _frame(request)
+    job = _job(request, frame)
+    plan = plan_coverage(job)
+    document = canonical(_document(request, job, plan))
+    return PlannedMission(document, mission_sha256(document), _statistics(plan))
+
+
+def _job(request: MissionRequest, frame: LocalFrame) -> Job:
+    parcel = _polygon(request.parcel, frame)
+    obstacles = [_area(geometry, width, frame) for geometry, width in request.surroundings.obstacles]
+    near = [area for area in obstacles if area.intersects(parcel)]
+    home = None
+    ways = [_area(geometry, width, frame) for geometry, width in request.surroundings.ways]
+    if request.home is not None:
+        x, y = frame.to_local([request.home])[0]
+        home = (round(float(x), 3), round(float(y), 3))
+        ways.append(shapely.Point(home).buffer(YARD_RADIUS_M))
+    roads = shapely.union_all(ways).difference(shapely.union_all(obstacles)) if ways else None
+    return Job(
+        parcel=parcel,
+        width_m=request.width_m,
+        machine=request.machine,
+        obstacles=tuple(polygon for area in near for polygon in _parts(area)),
+        angle_rad=request.angle_rad,
+        headland_passes=request.headland_passes,
+        home=home,
+        roads=roads,
+        returns_home=request.returns_home,
+    )
+
+
+def _document(request: MissionRequest, job: Job, plan: Plan) -> Document:
+    segments = [_segment(leg) for leg in plan.legs]
+    if len(segments) > MAX_SEGMENTS:
+        text = f"The plan has {len(segments)} pieces; a robot takes {MAX_SEGMENTS}. Choose a larger row distance."
+        raise PlanRefused("too_many_rows", text, "width_m")
+    is_home_at_end = bool(plan.legs) and plan.legs[-1].kind.value == "exit"
+    return {
+        "robot": request.robot_id,
+        "mission_id": request.mission_id,
+        "revision": request.revision,
+        "name": request.name,
+        "field_name": request.field_name,
+        "datum": {"lat_deg": request.datum_lat_deg, "lon_deg": request.datum_lon_deg, "height_m": 0.0},
+        "width_m": request.width_m,
+        "area_m2": round(plan.figures.covered_m2, 1),
+        "parcel": _rings(request.parcel),
+        "segments": segments,
+        "note": " ".join(plan.notes)[:400],
+        "at_end": "return_home" if is_home_at_end else "stay",
+        "home": None if job.home is None else list(job.home),
+    }
+
+
+def _segment(leg: Leg) -> Document:
+    points = np.round(leg.points, 3) + 0.0  # millimetres; the sum turns -0.0 into 0.0
+    keep = np.append(True, np.any(np.diff(points, axis=0) != 0, axis=1))
+    kept = points[keep] if keep.sum() > 1 else points[[0, -1]]
+    return {
+        "kind": leg.kind.value,
+        "points": kept.tolist(),
+        "speed_mps": round(leg.speed_mps, 3),
+        "tool_on": leg.tool_on,
+        "row": leg.row,
+        "pivot": leg.pivot,
+    }
+
+
+def _statistics(plan: Plan) -> dict[str, Any]:
+    figures = {k: round(v, 4) if isinstance(v, float) else v for k, v in asdict(plan.figures).items()}
+    return {**figures, "notes": list(plan.notes)}
+
+
+def _frame(request: MissionRequest) -> LocalFrame:
+    try:
+        return LocalFrame(request.datum_lat_deg, request.datum_lon_deg)
+    except ValueError as error:
+        raise PlanRefused("bad_datum", f"The site's origin is wrong: {error}.", "datum") from error
+
+
+def _check_names(request: MissionRequest) -> None:
+    for name in ("mission_id", "robot_id"):
+        if not is_id(getattr(request, name)):
+            raise PlanRefused("bad_id", f"{getattr(request, name)!r} cannot be a {name}.", name)
+    for name in ("name", "field_name"):
+        if not 1 <= len(getattr(request, name)) <= 80:
+            raise PlanRefused("bad_name", "A name has 1 to 80 characters.", name)
+
+
+def _polygon(geometry: Geometry, frame: LocalFrame) -> Polygon:
+    kind = geometry.get("type")
+    coordinates: Any = geometry.get("coordinates")
+    if kind == "MultiPolygon" and isinstance(coordinates, Sequence) and len(coordinates) == 1:
+        coordinates = coordinates[0]
+    elif kind != "Polygon":
+        raise PlanRefused("bad_field", f"A field is one polygon, not a {kind}.", "field_id")
+    try:
+        rings = [frame.to_local(_positions(ring)) for ring in coordinates]
+    except (TypeError, ValueError) as error:
+        raise PlanRefused("bad_field", "The field has corners that are not numbers.", "field_id") from error
+    if not rings or any(len(ring) < 4 for ring in rings):
+        raise PlanRefused("bad_field", "The field has too few corners.", "field_id")
+    if sum(map(len, rings)) > MAX_POINTS_IN:
+        raise PlanRefused("too_many_points", f"The field has more than {MAX_POINTS_IN} corners.", "field_id")
+    if not all(np.isfinite(ring).all() for ring in rings):
+        raise PlanRefused("bad_field", "The field has corners that are not on earth.", "field_id")
+    if max(float(np.abs(ring).max()) for ring in rings) > MAX_EXTENT_M:
+        text = f"The field is more than {MAX_EXTENT_M / 1000:.0f} km from the robot's site."
+        raise PlanRefused("field_too_far", text, "field_id")
+    return Polygon(rings[0], rings[1:])
+
+
+def _positions(ring: Sequence[Sequence[float]]) -> list[tuple[float, float]]:
+    points = [(float(p[0]), float(p[1])) for p in ring]
+    if any(not (math.isfinite(lon) and abs(lon) <= 180 and abs(lat) <= 90) for lon, lat in points):
+        raise ValueError("not a place on earth")
+    return points
+
+
+def _area(geometry: Geometry, width_m: float, frame: LocalFrame) -> BaseGeometry:
+    """Return a map feature as ground: polygons as they are, lines and points with their width."""
+    try:
+        local = shapely.transform(shape(geometry), frame.to_local)
+    except (TypeError, ValueError, AttributeError, shapely.errors.ShapelyError) as error:
+        raise PlanRefused("bad_map", "The map has a feature that is not valid GeoJSON.", "field_id") from error
+    if local.geom_type in ("Polygon", "MultiPolygon"):
+        return local if local.is_valid else local.buffer(0)
+    return local.buffer(max(width_m, 0.1) / 2)
+
+
+def _parts(area: BaseGeometry) -> list[Polygon]:
+    return [part for part in shapely.get_parts(area) if isinstance(part, Polygon)]
+
+
+def _rings(geometry: Geometry) -> list[list[list[float]]]:
+    coordinates = geometry["coordinates"]
+    rings = coordinates[0] if geometry["type"] == "MultiPolygon" else coordinates
+    return [[[round(float(p[0]), 9), round(float(p[1]), 9)] for p in ring] for ring in rings]
