@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import secrets
 from collections.abc import Callable, Collection, Iterable
 from typing import Protocol
 from urllib.parse import urlsplit
@@ -46,7 +47,8 @@ class OriginRule(Protocol):
         ...
 
 
-OnClientFrame = Callable[[SessionInfo, frames.Here | frames.Drive], None]
+OnClientFrame = Callable[[SessionInfo, str, frames.Here | frames.Drive], None]
+OnLaneEnd = Callable[[str], None]
 
 
 def same_origin_or(allowed: Collection[str] = ()) -> OriginRule:
@@ -62,13 +64,19 @@ def same_origin_or(allowed: Collection[str] = ()) -> OriginRule:
 
 
 def lane_route(
-    hub: LiveHub, gate: SessionGate, origins: OriginRule, on_client_frame: OnClientFrame, clock: Clock
+    hub: LiveHub,
+    gate: SessionGate,
+    origins: OriginRule,
+    on_client_frame: OnClientFrame,
+    clock: Clock,
+    on_lane_end: OnLaneEnd = lambda _lane_id: None,
 ) -> WebSocketRoute:
     """Return the route of the live lane.
 
     Args:
-        on_client_frame: called on the loop for each ``here`` and ``drive`` with the session it came by; it judges
-            tick, lease and rights, and must not block. What it raises is logged.
+        on_client_frame: called on the loop for each ``here`` and ``drive`` with the session and the id of the lane it
+            came by; it judges tick, lease and rights, and must not block. What it raises is logged.
+        on_lane_end: called with the id of a lane when it ended, however it ended.
     """
 
     async def open_lane(socket: WebSocket) -> None:
@@ -82,7 +90,11 @@ def lane_route(
         elif hub.lanes >= MAX_LANES:
             await _farewell(socket, "full", "Too many pages are open on this server.", TOO_MUCH)
         else:
-            await _Lane(socket, session, hub, gate, on_client_frame, clock).run()
+            lane = _Lane(socket, session, hub, gate, on_client_frame, clock)
+            try:
+                await lane.run()
+            finally:
+                on_lane_end(lane.id)
 
     return WebSocketRoute(PATH, open_lane, name="live-lane")
 
@@ -99,6 +111,7 @@ class _Lane:
         on_client_frame: OnClientFrame,
         clock: Clock,
     ) -> None:
+        self.id = secrets.token_hex(8)
         self._socket, self._session, self._hub, self._gate = socket, session, hub, gate
         self._on_client_frame, self._clock = on_client_frame, clock
         self._box = Outbox(session.session_id, clock.mono_s)
@@ -174,7 +187,7 @@ class _Lane:
                 self._box.event(frames.encode({"k": "pong", "n": frame.n, "m": round(self._clock.mono_s() * 1000, 1)}))
             case frames.Here() | frames.Drive():
                 try:
-                    self._on_client_frame(self._session, frame)
+                    self._on_client_frame(self._session, self.id, frame)
                 except Exception:  # a fault in a handler must not cut the operator's live picture
                     log.exception("handling a %s frame failed", type(frame).__name__)
 
