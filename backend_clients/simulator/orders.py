@@ -36,6 +36,11 @@ class OrderDesk:
         weeder = self._weeder
         if not is_retained:
             weeder.link_heard_s = weeder.clock.mono_s()
+        answer = self._judge(order, is_retained=is_retained)
+        weeder.keep_fence()
+        return answer
+
+    def _judge(self, order: down.Order, *, is_retained: bool) -> up.Ack | None:
         match order:
             case down.Stop():
                 return self.stop(order)

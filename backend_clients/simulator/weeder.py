@@ -103,6 +103,7 @@ class Weeder:
         saved = self._load_safety()
         self.latch = Latch(saved.latch)
         self.guard = Guard(make_challenge, lease_token=saved.lease_token, revoked_token=saved.revoked_token)
+        self._kept_token = saved.lease_token
         self._load_progress()
         self.watch = Watch(self)
 
@@ -385,6 +386,12 @@ class Weeder:
             revoked_token=self.guard.revoked_token,
         )
         self._store.save_safety(saved)
+        self._kept_token = saved.lease_token
+
+    def keep_fence(self) -> None:
+        """Write the lease fence if a newer token was seen; it has to hold after a reboot."""
+        if self.guard.lease_token != self._kept_token:
+            self.save_safety()
 
     def save(self) -> None:
         """Write place and progress to disk."""
