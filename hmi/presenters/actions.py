@@ -15,6 +15,8 @@ Verdict = dict[str, Any]
 ACTIONS = ("start", "pause", "resume", "abort", "return_home", "drive", "reset")
 _ACTIVE = (OrderStatus.RUNNING, OrderStatus.PAUSED)
 _STARTABLE = (OrderStatus.LOADED, OrderStatus.DONE, OrderStatus.ABORTED, OrderStatus.FAILED)
+_MOVED = ("moved_while_paused", "return_home")
+"""Hold codes after which a paused mission is started again, not resumed: it is no longer where it stopped."""
 
 
 def actions(robot: Robot) -> dict[str, Verdict]:
@@ -65,20 +67,20 @@ def _start(robot: Robot) -> str:
         return "End driving by hand first"
     if has_mission(robot, OrderStatus.RUNNING):
         return "The mission is running"
+    if mode is Mode.AUTO:
+        return "It is moving"
+    if mode is Mode.FAULT:
+        return "Clear the fault first"
     if has_mission(robot, OrderStatus.PAUSED):
-        return "Resume or abort the paused mission first"
-    if not has_mission(robot, *_STARTABLE):
-        return "Send a mission first"
-    return "" if mode in (Mode.IDLE, Mode.PAUSED) else "Clear the fault first" if mode is Mode.FAULT else "It is moving"
+        return "" if _was_moved(robot) else "Resume or abort the paused mission first"
+    return "" if has_mission(robot, *_STARTABLE) else "Send a mission first"
 
 
 def _pause(robot: Robot) -> str:
     mode = mode_of(robot)
-    if mode is Mode.AUTO:
+    if mode in (Mode.AUTO, Mode.MANUAL):
         return ""
-    return {Mode.PAUSED: "It is paused", Mode.STOPPED: "It is stopped", Mode.MANUAL: "Let go to stop it"}.get(
-        mode, "Nothing is running"
-    )
+    return {Mode.PAUSED: "It is paused", Mode.STOPPED: "It is stopped"}.get(mode, "Nothing is running")
 
 
 def _resume(robot: Robot) -> str:
@@ -89,11 +91,14 @@ def _resume(robot: Robot) -> str:
         return "End driving by hand first"
     if mode is Mode.FAULT:
         return "Clear the fault first"
-    return "" if mode is Mode.PAUSED and has_mission(robot, *_ACTIVE) else "No paused mission"
+    if mode is not Mode.PAUSED or not has_mission(robot, *_ACTIVE):
+        return "No paused mission"
+    return "It was moved since the pause. Start it instead" if _was_moved(robot) else ""
 
 
 def _abort(robot: Robot) -> str:
-    return "" if has_mission(robot, *_ACTIVE) else "No mission to abort"
+    is_moving = mode_of(robot) is Mode.AUTO
+    return "" if is_moving or has_mission(robot, *_ACTIVE) else "No mission to abort"
 
 
 def _return_home(robot: Robot) -> str:
@@ -116,6 +121,10 @@ def _reset(robot: Robot) -> str:
     if safety.hardware_stop:
         return HARDWARE_STOP
     return "" if safety.standstill else "Wait until it stands still"
+
+
+def _was_moved(robot: Robot) -> bool:
+    return robot.state is not None and robot.state.hold is not None and robot.state.hold.code in _MOVED
 
 
 def _why(robot: Robot) -> tuple[str, str, str, str] | None:
