@@ -60,7 +60,7 @@ class Site:
         route = lane_route(self.hub, self.gate, same_origin_or(["https://farm.example"]), self._hear, clock)
         self.app = Starlette(routes=[route])
 
-    def _hear(self, who: SessionInfo, frame: Here | Drive) -> None:
+    def _hear(self, who: SessionInfo, _lane: str, frame: Here | Drive) -> None:
         if self.fails:
             raise RuntimeError("a fault of the handler")
         self.heard.append((who.user_id, frame))
