@@ -16,7 +16,8 @@ from hmi.store.tables import EventRow, SampleRow
 FIELDS = frozenset({"speed_mps", "soc", "cross_track_m", "gnss_accuracy_m", "rtt_s", "row", "area_done_m2"})
 MAX_POINTS = 5000
 # Seconds, and how many characters of the time's text name that stretch: the database groups by them.
-_STRETCHES = ((1, 19), (10, 18), (60, 16), (600, 15), (3600, 13), (86_400, 10))
+# The first is every row by itself: a robot that is a little early has two rows within one second.
+_STRETCHES = ((0.9, 29), (1, 19), (10, 18), (60, 16), (600, 15), (3600, 13), (86_400, 10))
 _FINER = 10  # the database may return this many times too many; neighbours are then merged here
 
 

@@ -14,13 +14,13 @@ from hmi.domain.robot import Mode, Robot, RobotState
 from hmi.store.audit_chain import clean, plain
 
 PERIOD_S = 1.0
-# A robot that sends once a second is never exactly on time: what comes a little early is not to be skipped.
-_DUE_S = 0.9 * PERIOD_S
+_EARLY_S = 0.1  # a robot that sends once a second is never exactly on time: a little early counts
 
 
 @dataclass(slots=True)
 class _Seen:
     source_s: float | None = None
+    due_s: float = 0.0
     mode: Mode | None = None
     path: tuple[str, ...] = ()
     mission_id: str | None = None
@@ -40,8 +40,10 @@ class Sampler:
             return None
         seen = self._seen.setdefault(robot.id, _Seen())
         source_s = telemetry.pose.stamp.source_s
-        if seen.source_s is not None and abs(source_s - seen.source_s) < _DUE_S:
+        is_back = seen.source_s is None or source_s < seen.source_s - PERIOD_S  # the robot's clock was set back
+        if not is_back and source_s < seen.due_s - _EARLY_S:
             return None
+        seen.due_s = source_s + PERIOD_S if is_back else max(seen.due_s, source_s - _EARLY_S) + PERIOD_S
         seen.source_s = source_s
         return _columns(robot, self._utc_of(source_s))
 
