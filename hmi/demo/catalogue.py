@@ -8,8 +8,8 @@ from typing import Any
 
 from hmi.demo.farm import POLDER, SITE, feature, features
 from hmi.demo.fleet import robot
-from hmi.planning.machine import RobotProfile
-from hmi.planning.mission import MissionRequest, PlannedMission, Surroundings, plan_mission
+from hmi.domain.mission_plan import PlannedMission, PlanWish, Surroundings
+from hmi.planning.mission import plan_mission
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +43,7 @@ def plan(mission: DemoMission) -> PlannedMission:
     """Plan one mission of the catalogue as the console would."""
     field, machine = feature(mission.field_id), robot(mission.robot_id)
     return plan_mission(
-        MissionRequest(
+        PlanWish(
             mission_id=mission.id,
             name=mission.name,
             robot_id=mission.robot_id,
@@ -52,7 +52,6 @@ def plan(mission: DemoMission) -> PlannedMission:
             width_m=mission.width_m,
             datum_lat_deg=machine.datum_lat_deg,
             datum_lon_deg=machine.datum_lon_deg,
-            machine=RobotProfile(),
             angle_rad=row_angle(field.properties) if mission.along_rows else None,
             headland_passes=mission.headland_passes,
             home=machine.home,

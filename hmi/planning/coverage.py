@@ -12,10 +12,10 @@ import shapely
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from hmi.domain.mission_plan import PlanRefused
 from hmi.planning import headland as headlands
 from hmi.planning import swaths as rows_of
 from hmi.planning.dubins import Pose
-from hmi.planning.errors import PlanRefused
 from hmi.planning.estimate import effort
 from hmi.planning.ground import Ground, erode, polygons_of
 from hmi.planning.headland import Headland, Lap

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
+from hmi.domain.mission_plan import PlanRefused
 from hmi.domain.robot import Factsheet
-from hmi.planning.errors import PlanRefused
 from hmi.planning.projection import Floats
 
 PIVOTING_RADIUS_M = 1.0  # arcs planned for a machine that could also turn on the spot

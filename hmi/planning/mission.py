@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Sequence
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -14,14 +14,11 @@ from shapely.geometry.base import BaseGeometry
 
 from hmi.domain.ids import is_id
 from hmi.domain.mission_document import Document, canonical, mission_sha256
+from hmi.domain.mission_plan import Geometry, PlannedMission, PlanRefused, PlanWish
 from hmi.planning.coverage import Job, plan_coverage
-from hmi.planning.errors import PlanRefused
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import Leg, Plan
 from hmi.planning.projection import LocalFrame
-
-Geometry = Mapping[str, Any]
-"""A GeoJSON geometry, longitude and latitude in degrees."""
 
 MAX_SEGMENTS = 20_000  # of the edge contract
 MAX_EXTENT_M = 20_000.0  # a plane at the datum is true over this distance; no field is larger
@@ -30,115 +27,67 @@ ROAD_WIDTH_M = 4.0
 YARD_RADIUS_M = 4.0  # ground around home where a robot can turn
 
 
-@dataclass(frozen=True, slots=True)
-class Surroundings:
-    """The map around a field: where the machine may not be, and the ground it may use on its way.
+def plan_mission(wish: PlanWish, machine: RobotProfile | None = None) -> PlannedMission:
+    """Plan a mission over a field of the map; blocks for up to seconds.
 
     Args:
-        obstacles: polygons, or points and lines with a width.
-        ways: roads (lines with a width), yards and other fields it may cross.
-    """
-
-    obstacles: tuple[tuple[Geometry, float], ...] = ()
-    ways: tuple[tuple[Geometry, float], ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class MissionRequest:
-    """What to plan.
-
-    Args:
-        mission_id, name, robot_id, field_name: as they shall stand in the document.
-        parcel: the field, a GeoJSON polygon.
-        width_m: distance of the rows.
-        machine: the robot.
-        datum_lat_deg, datum_lon_deg: origin of the plane; best the robot's own.
-        angle_rad: row direction, ENU; ``None`` searches the best.
-        headland_passes: laps around the field; ``None`` takes as many as turning needs.
-        home: longitude and latitude of where the robot stands.
-        returns_home: drive back at the end.
-    """
-
-    mission_id: str
-    name: str
-    robot_id: str
-    field_name: str
-    parcel: Geometry
-    width_m: float
-    datum_lat_deg: float
-    datum_lon_deg: float
-    machine: RobotProfile = field(default_factory=RobotProfile)
-    angle_rad: float | None = None
-    headland_passes: int | None = None
-    home: tuple[float, float] | None = None
-    returns_home: bool = False
-    surroundings: Surroundings = field(default_factory=Surroundings)
-    revision: int = 1
-
-
-@dataclass(frozen=True, slots=True)
-class PlannedMission:
-    """A mission ready to store: wire document, its hash, and the numbers of the plan (SI)."""
-
-    document: Document
-    sha256: str
-    statistics: dict[str, Any]
-
-
-def plan_mission(request: MissionRequest) -> PlannedMission:
-    """Plan a mission over a field of the map.
+        machine: instead of the one the wish's factsheet describes.
 
     Raises:
         PlanRefused: the input is unusable or the field cannot be worked like this; says why.
     """
-    _check_names(request)
-    frame = _frame(request)
-    job = _job(request, frame)
+    _check_names(wish)
+    frame = _frame(wish)
+    job = _job(wish, frame, machine or _machine(wish))
     plan = plan_coverage(job)
-    document = canonical(_document(request, job, plan))
+    document = canonical(_document(wish, job, plan))
     return PlannedMission(document, mission_sha256(document), _statistics(plan))
 
 
-def _job(request: MissionRequest, frame: LocalFrame) -> Job:
-    parcel = _polygon(request.parcel, frame)
-    obstacles = [_area(geometry, width, frame) for geometry, width in request.surroundings.obstacles]
+def _job(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> Job:
+    parcel = _polygon(wish.parcel, frame)
+    obstacles = [_area(geometry, width, frame) for geometry, width in wish.surroundings.obstacles]
     near = [area for area in obstacles if area.intersects(parcel)]
     home = None
-    ways = [_area(geometry, width, frame) for geometry, width in request.surroundings.ways]
-    if request.home is not None:
-        x, y = frame.to_local([request.home])[0]
+    ways = [_area(geometry, width, frame) for geometry, width in wish.surroundings.ways]
+    if wish.home is not None:
+        x, y = frame.to_local([wish.home])[0]
         home = (round(float(x), 3), round(float(y), 3))
         ways.append(shapely.Point(home).buffer(YARD_RADIUS_M))
     roads = shapely.union_all(ways).difference(shapely.union_all(obstacles)) if ways else None
     return Job(
         parcel=parcel,
-        width_m=request.width_m,
-        machine=request.machine,
+        width_m=wish.width_m,
+        machine=machine,
         obstacles=tuple(polygon for area in near for polygon in _parts(area)),
-        angle_rad=request.angle_rad,
-        headland_passes=request.headland_passes,
+        angle_rad=wish.angle_rad,
+        headland_passes=wish.headland_passes,
         home=home,
         roads=roads,
-        returns_home=request.returns_home,
+        returns_home=wish.returns_home,
     )
 
 
-def _document(request: MissionRequest, job: Job, plan: Plan) -> Document:
+def _machine(wish: PlanWish) -> RobotProfile:
+    return RobotProfile() if wish.robot is None else RobotProfile.from_factsheet(wish.robot)
+
+
+def _document(wish: PlanWish, job: Job, plan: Plan) -> Document:
     segments = [_segment(leg) for leg in plan.legs]
     if len(segments) > MAX_SEGMENTS:
         text = f"The plan has {len(segments)} pieces; a robot takes {MAX_SEGMENTS}. Choose a larger row distance."
         raise PlanRefused("too_many_rows", text, "width_m")
     is_home_at_end = bool(plan.legs) and plan.legs[-1].kind.value == "exit"
     return {
-        "robot": request.robot_id,
-        "mission_id": request.mission_id,
-        "revision": request.revision,
-        "name": request.name,
-        "field_name": request.field_name,
-        "datum": {"lat_deg": request.datum_lat_deg, "lon_deg": request.datum_lon_deg, "height_m": 0.0},
-        "width_m": request.width_m,
+        "robot": wish.robot_id,
+        "mission_id": wish.mission_id,
+        "revision": wish.revision,
+        "name": wish.name,
+        "field_name": wish.field_name,
+        "datum": {"lat_deg": wish.datum_lat_deg, "lon_deg": wish.datum_lon_deg, "height_m": 0.0},
+        "width_m": wish.width_m,
         "area_m2": round(plan.figures.covered_m2, 1),
-        "parcel": _rings(request.parcel),
+        "parcel": _rings(wish.parcel),
         "segments": segments,
         "note": " ".join(plan.notes)[:400],
         "at_end": "return_home" if is_home_at_end else "stay",
@@ -165,19 +114,19 @@ def _statistics(plan: Plan) -> dict[str, Any]:
     return {**figures, "notes": list(plan.notes)}
 
 
-def _frame(request: MissionRequest) -> LocalFrame:
+def _frame(wish: PlanWish) -> LocalFrame:
     try:
-        return LocalFrame(request.datum_lat_deg, request.datum_lon_deg)
+        return LocalFrame(wish.datum_lat_deg, wish.datum_lon_deg)
     except ValueError as error:
         raise PlanRefused("bad_datum", f"The site's origin is wrong: {error}.", "datum") from error
 
 
-def _check_names(request: MissionRequest) -> None:
+def _check_names(wish: PlanWish) -> None:
     for name in ("mission_id", "robot_id"):
-        if not is_id(getattr(request, name)):
-            raise PlanRefused("bad_id", f"{getattr(request, name)!r} cannot be a {name}.", name)
+        if not is_id(getattr(wish, name)):
+            raise PlanRefused("bad_id", f"{getattr(wish, name)!r} cannot be a {name}.", name)
     for name in ("name", "field_name"):
-        if not 1 <= len(getattr(request, name)) <= 80:
+        if not 1 <= len(getattr(wish, name)) <= 80:
             raise PlanRefused("bad_name", "A name has 1 to 80 characters.", name)
 
 

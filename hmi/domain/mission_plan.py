@@ -1,0 +1,115 @@
+"""A plan as it is wished for and as it comes back: what console, planner and map agree on.
+
+::
+
+    MissionError
+    ├── PlanRefused       the wish cannot be planned; says why and what to change
+    └── MissionRefused    what was asked of a stored mission is not possible now
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from hmi.domain.mission_document import Document
+from hmi.domain.robot import Factsheet
+
+Geometry = Mapping[str, Any]
+"""A GeoJSON geometry, longitude and latitude in degrees."""
+
+
+class MissionError(Exception):
+    """Root of the errors about missions.
+
+    Args:
+        code: stable machine-readable reason, e.g. ``width_not_positive``.
+        text: one sentence for a person: what is wrong and what to change.
+        field: name of the input that is wrong, or empty.
+    """
+
+    def __init__(self, code: str, text: str, field: str = "") -> None:
+        super().__init__(f"{code}: {text}")
+        self.code = code
+        self.text = text
+        self.field = field
+
+    def __reduce__(self) -> tuple[type[MissionError], tuple[str, str, str]]:
+        """Survive the way back from a worker process."""
+        return type(self), (self.code, self.text, self.field)
+
+
+class PlanRefused(MissionError):
+    """The wish was understood and cannot be planned."""
+
+
+class MissionRefused(MissionError):
+    """A stored mission cannot be changed, copied or deleted like this now."""
+
+
+@dataclass(frozen=True, slots=True)
+class Surroundings:
+    """The map around a field, each feature with its width in metres (0 for polygons).
+
+    Args:
+        obstacles: where no machine may be.
+        ways: roads and yards it may use on its way to the field.
+    """
+
+    obstacles: tuple[tuple[Geometry, float], ...] = ()
+    ways: tuple[tuple[Geometry, float], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class PlanWish:
+    """What to plan. Angles in radians, ENU; lengths in metres.
+
+    Args:
+        mission_id, name, robot_id, field_name: as they shall stand in the document.
+        parcel: the field, a GeoJSON polygon.
+        width_m: distance of the rows.
+        datum_lat_deg, datum_lon_deg: origin of the plane; best the robot's own.
+        robot: what the robot says it is; ``None`` takes the usual weeder.
+        angle_rad: row direction; ``None`` searches the one with the fewest rows.
+        headland_passes: laps around the field; ``None`` takes as many as turning needs.
+        home: longitude and latitude of where the robot stands; ``None`` begins at the first row.
+        returns_home: drive back at the end.
+    """
+
+    mission_id: str
+    name: str
+    robot_id: str
+    field_name: str
+    parcel: Geometry
+    width_m: float
+    datum_lat_deg: float
+    datum_lon_deg: float
+    robot: Factsheet | None = None
+    angle_rad: float | None = None
+    headland_passes: int | None = None
+    home: tuple[float, float] | None = None
+    returns_home: bool = False
+    surroundings: Surroundings = Surroundings()
+    revision: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class PlannedMission:
+    """A mission ready to store: wire document, its hash, and the numbers of the plan (SI)."""
+
+    document: Document
+    sha256: str
+    statistics: dict[str, Any]
+
+
+class Planner(Protocol):
+    """Plans off the event loop."""
+
+    async def plan(self, wish: PlanWish) -> PlannedMission:
+        """Return the plan.
+
+        Raises:
+            PlanRefused: it cannot be planned, or took too long.
+        """
+        ...
