@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 def icon(name: str, look: str = "") -> str:
-    """Return the markup of an icon; ``look`` adds size (s, m, l, xl) and fill (f).
+    """Return the markup of an icon; ``look`` adds size (s, m, l, big) and fill (f).
 
     Args:
         name: a name of static/icons/icons.txt; never text from outside, for it is not escaped.

@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 from nicegui import ui
 
+from components import stop_slab
 from components.live_element import LiveElement
 from hmi.domain.role import PERMISSIONS
 from hmi.pages import admin, bundle, fleet, login, operate, rail, top_bar
@@ -70,8 +71,19 @@ def _head(services: PageServices, session: SessionInfo | None) -> None:
         f'<script src="{bundle.versioned("js/boot.js")}"></script>'
         f'<link rel="stylesheet" href="{bundle.style_url()}">'
         f'<link rel="preload" href="{bundle.versioned("fonts/inter-latin.woff2")}" as="font" crossorigin>'
+        f"{stop_slab.head_html(_stop(services, session), address=bundle.versioned)}"
         f'<script defer src="{bundle.versioned("js/lane.js")}"></script>'
         f'<script defer src="{bundle.script_url()}"></script>'
+    )
+
+
+def _stop(services: PageServices, session: SessionInfo | None) -> stop_slab.StopConfig:
+    """STOP has its own way out; it works on the sign-in page of an enrolled tablet too."""
+    return stop_slab.StopConfig(
+        base=services.stop.public_url or "",
+        port=services.stop.port,
+        csrf=session.csrf if session else "",
+        note="" if session else "no sign-in needed",
     )
 
 
@@ -83,9 +95,8 @@ def _config(services: PageServices, session: SessionInfo | None) -> dict[str, ob
         "session": session.session_id if session else "",
         "csrf": session.csrf if session else "",
         "device": session.device_name if session else "",
-        "lane": "/live",
-        "api": "/api/v1",
-        "stop": {"url": services.stop.public_url, "port": services.stop.port},
+        "lanePath": "/live",
+        "apiPath": "/api/v1",
         "farm": settings.farm_name,
         "demo": settings.demo,
     }

@@ -28,8 +28,8 @@ def build(services: PageServices, session: SessionInfo | None) -> None:
         if session is None:
             title.props("data-fixed=Headland")
         ui.element("span").classes("h-sp")
-        LiveElement("hl-link")
         if session is not None:
+            LiveElement("hl-link")
             LiveElement("hl-alarms", hook="alarm-counts")
         LiveElement("hl-theme")
         LiveElement("hl-clock")

@@ -38,31 +38,14 @@
     return figure ? `It pauses by itself after ${figure} s (figure from its factsheet); not verified.` : "What it does by itself is not known.";
   }
 
-  // what STOP says about this robot, or about any on screens of all robots
+  // what STOP says; where only the robot knows of a latch, what the robot says
   function stopMessage() {
-    const stop = HL.stops.worst(HL.view.robot);
-    if (!stop) return null;
-    const name = HL.stops.name(stop);
-    if (stop.state === "not-confirmed") {
-      const reach = HL.port.robot(stop.robot).body?.keep_out_m ?? 15;
-      return {
-        look: "p1 big",
-        sign: "pan_tool",
-        head: "Use the red button on the machine",
-        line: `Stop not confirmed. ${name} may still be moving. Keep everyone ${Math.round(reach)} m away.`,
-        time: words.clock(HL.stops.ageMs(stop) / 1000),
-        under: "since STOP",
-      };
-    }
-    if (stop.state !== "standstill") return null;
-    const at = HL.stops.standstillAt(stop);
-    return {
-      look: "p3",
-      sign: "front_hand",
-      head: `${HL.view.robot ? "Stopped" : `${name} stopped`}. Standstill confirmed${at ? ` ${words.wallSeconds(at)}` : ""}`,
-      line: `Pressed by ${[stop.by || "somebody", stop.device].filter(Boolean).join(" on ")}. The robot stays stopped until someone resets it.`,
-      time: words.clock(HL.stops.ageMs(stop) / 1000),
-    };
+    const said = window.headlandStop?.banner();
+    if (said) return { look: said.height > 64 ? `${said.level} big` : said.level, state: said.state, sign: said.icon, head: said.title, line: said.text, time: said.duration, under: said.duration_label };
+    const stop = HL.view.robot ? HL.stops.worst(HL.view.robot) : null;
+    if (stop?.state !== "standstill") return null;
+    const who = stop.by ? `Pressed by ${[stop.by, stop.device].filter(Boolean).join(" on ")}. ` : "";
+    return { look: "p3", state: "standstill", sign: "front_hand", head: "Stopped. Standstill confirmed", line: `${who}The robot stays stopped until someone resets it.`, time: words.clock(HL.stops.ageMs(stop) / 1000) };
   }
 
   class Bar {
@@ -102,7 +85,7 @@
       const state = linkState();
       const stop = stopMessage();
       attr(this, "data-state", state);
-      attr(this.stop.node, "data-state", stop ? (stop.look.startsWith("p1") ? "not-confirmed" : "standstill") : "none");
+      attr(this.stop.node, "data-state", stop?.state ?? "none");
       this.stop.paint(stop);
       this.link.paint(MESSAGES[state]?.() ?? null);
     }

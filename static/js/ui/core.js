@@ -1,7 +1,7 @@
 // Ground of all screens: making nodes, and one write pass a frame for everything that lives.
 window.HL = (() => {
   "use strict";
-  const config = window.HEADLAND || { rights: [], stop: {}, api: "/api/v1" };
+  const config = window.HEADLAND || { rights: [], apiPath: "/api/v1" };
   const REPAINT_MS = 200; // ages are shown to a tenth of a second below 10 s, and nobody reads faster
   const views = new Set();
   let isAsked = false;

@@ -175,7 +175,7 @@
         el("div", { class: "h-t13 h-2" }, "m/s. 1.0 needs a spotter on site."));
     }
     pad(name, pad) {
-      const sign = icon(pad.icon, "xl");
+      const sign = icon(pad.icon, "big");
       const label = el("span", {}, pad.label);
       const node = el("button", { type: "button", class: "h-pad", "data-testid": `drive-${name}`, "data-state": "idle", "aria-label": `${pad.label}, hold` }, sign, label);
       node.addEventListener("pointerdown", (event) => this.down(event, name, node));

@@ -9,9 +9,10 @@
     document.querySelector(".h-app")?.setAttribute("data-screen", HL.view.screen);
     document.title = `${HL.view.title} · Headland`;
     for (const link of document.querySelectorAll("[data-nav]")) attr(link, "aria-current", link.dataset.nav === HL.view.screen ? "page" : null);
+    document.querySelector(".h-app")?.toggleAttribute("data-one-robot", Boolean(HL.view.robot));
     if (HL.view.robot) HL.keep.write(LAST_KEY, HL.view.robot);
     HL.port.watch();
-    HL.emit("headland:scope", { robot: HL.view.robot, name: HL.view.robot ? HL.view.name() : "" });
+    window.headlandStop?.setScope(HL.view.robot ? { kind: "robot", id: HL.view.robot, name: HL.view.name() } : { kind: "all" });
     HL.repaint();
   }
 

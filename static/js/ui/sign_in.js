@@ -21,7 +21,6 @@
     } catch {
       // STOP still works in this page by the session
     }
-    HL.emit("headland:token", { token });
   }
 
   async function post(path, body) {
@@ -60,7 +59,7 @@
     }
     async load() {
       try {
-        const reply = await fetch(`${HL.config.api}/people`, { headers: { "X-Headland-Stop-Token": stopToken() }, cache: "no-store" });
+        const reply = await fetch(`${HL.config.apiPath}/people`, { headers: { "X-Headland-Stop-Token": stopToken() }, cache: "no-store" });
         const { people = [], device } = reply.ok ? await reply.json() : {};
         this.people = people;
         this.device = device?.name || "";
@@ -163,6 +162,14 @@
     });
   }
 
+  // a browser that lost the token but not its session asks for it again: STOP must not wait for the next sign-in
+  async function refetchToken() {
+    if (!HL.config.user || stopToken()) return;
+    const answer = await HL.port.api("GET", "/session");
+    if (answer.ok && answer.stop_token) keepToken(answer.stop_token);
+  }
+
   define("hl-login", Login);
+  refetchToken();
   Object.assign(HL, { signOut, enrol });
 })();

@@ -10,7 +10,7 @@
   const PAST = 0.9; // share of the way at which the thumb lies on the flag
 
   class Slide {
-    // {hook, icon, label, line, goal, button: {icon, label} | null, act: async () => ({outcome, text})}
+    // {hook, icon, label, line, goal, isHold, button: {icon, label} | null, act: async () => ({outcome, text})}
     constructor(options) {
       this.options = options;
       this.state = "idle";
@@ -22,7 +22,7 @@
     build() {
       const { options } = this;
       this.fill = el("div", { class: "fill" });
-      this.sign = icon(options.icon || "keyboard_double_arrow_right", "xl");
+      this.sign = icon(options.icon || "keyboard_double_arrow_right", "big");
       this.thumb = el("div", { class: "thumb", "data-testid": `${options.hook}-thumb` }, this.sign);
       this.label = el("div", { class: "label" });
       this.line = el("div", { class: "line" });
@@ -36,6 +36,10 @@
       this.node.addEventListener("blur", () => this.holdBy === "key" && this.cancel());
       this.isOpen = !options.button;
       this.show();
+    }
+
+    isHold() {
+      return this.options.isHold || HL.preferences.get("confirm") === "hold";
     }
 
     // `reason` empty: allowed. A control that becomes refused while armed lets go.
@@ -71,7 +75,7 @@
       if (!this.isOpen || this.reason || this.isBusy || event.button > 0) return;
       if (this.drag || this.holdBy) return this.cancel();
       if (event.width > PALM_PX || event.height > PALM_PX) return;
-      const isHold = HL.preferences.get("confirm") === "hold";
+      const isHold = this.isHold();
       if (!isHold && !this.thumb.contains(event.target)) return;
       event.preventDefault();
       this.node.focus({ preventScroll: true });
@@ -203,7 +207,7 @@
       if (this.drag && this.drag.at > 8) return ["Keep sliding", "Let go to cancel", null];
       if (this.spoken && this.state !== "armed") return [this.spoken.label, this.spoken.line, this.spoken.sign];
       if (this.reason) return [options.label, this.reason, "lock"];
-      return [HL.preferences.get("confirm") === "hold" ? options.label.replace(/^Slide/, "Hold") : options.label, options.line, null];
+      return [this.isHold() ? options.label.replace(/^Slide/, "Hold") : options.label, options.line, null];
     }
 
     show() {

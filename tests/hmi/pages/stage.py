@@ -242,7 +242,7 @@ def build(stage: Stage) -> FastAPI:
     for route in bundle.routes():
         app.router.routes.append(route)
     app.router.routes.append(
-        lane_route(stage.hub, stage.sessions, same_origin_or(), lambda _s, f: stage.frames.append(f), stage.clock)
+        lane_route(stage.hub, stage.sessions, same_origin_or(), lambda _s, _lane, f: stage.frames.append(f), stage.clock)
     )
     app.mount("/static", StaticFiles(directory=bundle.STATIC))
 
@@ -290,6 +290,7 @@ def build(stage: Stage) -> FastAPI:
 
 
 PLAYED: dict[str, Any] = {
+    "session": {"stop_token": "token"},
     "robots": {"robots": [{"id": "weeder-07", "name": "Weeder 07", "family": "weeder", "http_url": "http://10.0.0.17:8090", "contact_name": "Jonas Weber", "contact_phone": "+49 151 0000"}]},
     "robots/new": {"robots": [{"id": "planter-09", "family": "planter", "name": "Planter 09", "model": "TP-1"}]},
     "users": {"users": [{"id": "operator", "name": "Martha Keller", "role": "operator", "is_active": True, "has_pin": True}]},
