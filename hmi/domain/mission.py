@@ -52,7 +52,7 @@ MOVES: dict[MissionStatus, dict[MissionStatus, Mover]] = {
                   _S.SENT: _PERSON},
     _S.RUNNING: {_S.PAUSED: _ROBOT, _S.DONE: _ROBOT, _S.ABORTED: _ROBOT, _S.FAILED: _ROBOT},
     _S.PAUSED: {_S.RESUMING: _PERSON, _S.RUNNING: _ROBOT, _S.DONE: _ROBOT, _S.ABORTED: _ROBOT, _S.FAILED: _ROBOT,
-                _S.SENT: _PERSON},
+                _S.ACCEPTED: _ROBOT, _S.SENT: _PERSON},
     _S.RESUMING: {_S.RUNNING: _ROBOT, _S.PAUSED: _ROBOT, _S.DONE: _ROBOT, _S.ABORTED: _ROBOT, _S.FAILED: _ROBOT},
     _S.DONE: {_S.SENT: _PERSON, _S.ACCEPTED: _ROBOT, _S.RUNNING: _ROBOT},
     _S.ABORTED: {_S.SENT: _PERSON, _S.ACCEPTED: _ROBOT, _S.RUNNING: _ROBOT},
@@ -119,8 +119,10 @@ class OpenMission:
     sha256: str
 
 
-def reported_move(mission: OpenMission, order: Order | None) -> tuple[MissionStatus, str] | None:
-    """Return the state a robot's report puts its mission into, with the reason; ``None`` if nothing changes.
+def reported_move(mission: OpenMission, order: Order | None) -> tuple[tuple[MissionStatus, ...], str] | None:
+    """Return the states a robot's report takes its mission through, with the reason; ``None`` if nothing changes.
+
+    More than one state where the console was away while one of them passed.
 
     Args:
         mission: one that this robot may hold.
@@ -140,28 +142,28 @@ def reported_move(mission: OpenMission, order: Order | None) -> tuple[MissionSta
 def _is_before_news(status: MissionStatus, reported: OrderStatus) -> bool:
     """Say whether a report is older than what a person did since: the last life of a mission sent again."""
     if status is MissionStatus.SENT:
-        return reported in (OrderStatus.DONE, OrderStatus.ABORTED, OrderStatus.FAILED)
+        return reported in (OrderStatus.PAUSED, OrderStatus.DONE, OrderStatus.ABORTED, OrderStatus.FAILED)
     return status is MissionStatus.RESUMING and reported is OrderStatus.PAUSED
 
 
-def _through(before: MissionStatus, after: MissionStatus, why: str) -> tuple[MissionStatus, str] | None:
-    """A report may skip states that passed while the console was away; what the table lacks is not believed."""
+def _through(before: MissionStatus, after: MissionStatus, why: str) -> tuple[tuple[MissionStatus, ...], str] | None:
+    """Find the way in the table; what the table lacks is not believed."""
     if MOVES[before].get(after) is Mover.ROBOT:
-        return after, why
+        return (after,), why
     for middle, mover in MOVES[before].items():
-        if mover is Mover.ROBOT and MOVES[middle].get(after) is Mover.ROBOT and middle not in ENDED:
-            return after, f"{why} The console was away in between."
+        if mover is Mover.ROBOT and middle not in ENDED and MOVES[middle].get(after) is Mover.ROBOT:
+            return (middle, after), why
     return None
 
 
-def _gone(mission: OpenMission, order: Order | None) -> tuple[MissionStatus, str] | None:
+def _gone(mission: OpenMission, order: Order | None) -> tuple[tuple[MissionStatus, ...], str] | None:
     """The robot does not have the mission any more."""
     has_other = order is not None and order.status is not OrderStatus.NONE
     if mission.status is MissionStatus.ACCEPTED:
         why = "The robot has another mission now." if has_other else "The robot does not have it any more."
-        return MissionStatus.VALIDATED, why
+        return (MissionStatus.VALIDATED,), why
     if mission.status in UNDER_WAY and has_other:
-        return MissionStatus.ABORTED, "The robot took another mission."
+        return (MissionStatus.ABORTED,), "The robot took another mission."
     if mission.status in UNDER_WAY:
-        return MissionStatus.FAILED, "The robot lost the mission."
+        return (MissionStatus.FAILED,), "The robot lost the mission."
     return None

@@ -1,0 +1,234 @@
+"""Stored missions, the farm's map, and the geometry of what a robot drives."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import math
+from collections import OrderedDict
+from collections.abc import Callable
+from typing import Annotated, Any
+
+import msgspec
+from fastapi import APIRouter, Path, Request, Response
+from pydantic import Field
+
+from hmi.api.access import SignedIn, Watcher
+from hmi.api.body import Body, Id, Name
+from hmi.api.errors import ApiError, not_found
+from hmi.api.orders import RobotId
+from hmi.commands.mission_book import MissionBook, PlanOrder
+from hmi.commands.ports import FleetReader
+from hmi.domain.mission_document import Document, mission_sha256
+from hmi.domain.mission_plan import MissionError, MissionRefused, PlanRefused
+from hmi.planning.mission_map import mission_geojson
+from hmi.store.features import Feature, feature_collection
+from hmi.store.missions import Mission, MissionLogEntry
+
+GEOJSON = "application/geo+json"
+KEPT = 16  # encoded geometries: a map asks again at each reload, a plan of half a metre takes 50 ms to make
+MissionId = Annotated[str, Path(max_length=64)]
+
+
+class PlanBody(Body):
+    """What to plan; what is left out is chosen."""
+
+    field_id: Id
+    robot_id: Id
+    width_m: Annotated[float, Field(description="distance of the rows")]
+    name: Annotated[str, Field(max_length=80)] = ""
+    row_bearing_deg: Annotated[float | None, Field(ge=-360, le=360, description="clockwise from north")] = None
+    headland_passes: Annotated[int | None, Field(ge=0, le=50)] = None
+    home_id: Id | None = None
+    returns_home: bool = True
+    is_supervised: bool = True
+
+
+class NameBody(Body):
+    """A new name."""
+
+    name: Name
+
+
+class CopyBody(Body):
+    """The name of the copy; one is made up if it is left out."""
+
+    name: Annotated[str, Field(max_length=80)] = ""
+
+
+class _Encoded:
+    """Geometries as they go out, the newest few, by the hash of their mission."""
+
+    def __init__(self) -> None:
+        self._kept: OrderedDict[str, bytes] = OrderedDict()
+
+    async def of(self, sha256: str, document: Document) -> bytes:
+        if sha256 not in self._kept:
+            self._kept[sha256] = await asyncio.to_thread(_encode, document, sha256)
+            while len(self._kept) > KEPT:
+                self._kept.popitem(last=False)
+        self._kept.move_to_end(sha256)
+        return self._kept[sha256]
+
+
+def mission_routes(book: MissionBook, fleet: FleetReader) -> APIRouter:
+    """Return the routes of missions and of the map."""
+    router = APIRouter(tags=["missions"])
+    encoded = _Encoded()
+    _add_reading(router, book, encoded)
+    _add_planning(router, book)
+    _add_changing(router, book)
+    _add_maps(router, book, fleet, encoded)
+    return router
+
+
+def _add_reading(router: APIRouter, book: MissionBook, encoded: _Encoded) -> None:
+    @router.get("/missions", summary="Stored missions, the one that changed last first")
+    async def missions(session: Watcher) -> dict[str, Any]:
+        return {"missions": [row(one) for one in book.list(session)]}
+
+    @router.get("/missions/{mission_id}", summary="One mission with its numbers and its log")
+    async def mission(mission_id: MissionId, session: Watcher) -> dict[str, Any]:
+        found = _one(book, session, mission_id)
+        entries = await book.log(session, mission_id)
+        return {**row(found), "log": [_entry(one) for one in entries]}
+
+    @router.get("/missions/{mission_id}/document", summary="What goes to the robot")
+    async def document(mission_id: MissionId, session: Watcher) -> Document:
+        _one(book, session, mission_id)
+        return await book.document(session, mission_id)
+
+    @router.get("/missions/{mission_id}/map.geojson", summary="Geometry of one mission", response_class=Response)
+    async def geometry(mission_id: MissionId, request: Request, session: Watcher) -> Response:
+        found = _one(book, session, mission_id)
+        if _is_known(request, found.sha256):
+            return Response(status_code=304)
+        body = await encoded.of(found.sha256, await book.document(session, mission_id))
+        return _geojson(body, found.sha256)
+
+
+def _add_planning(router: APIRouter, book: MissionBook) -> None:
+    @router.post("/missions/plan", status_code=201, summary="Plan a field and store the mission")
+    async def plan(body: PlanBody, session: SignedIn) -> dict[str, Any]:
+        with_errors = _translated(lambda: book.plan(session, _order(body)))
+        return row(await with_errors)
+
+    @router.post("/missions/preview", summary="Plan a field without storing: numbers and geometry")
+    async def preview(body: PlanBody, session: SignedIn) -> dict[str, Any]:
+        planned = await _translated(lambda: book.preview(session, _order(body)))
+        shape = await asyncio.to_thread(mission_geojson, planned.document)
+        return {"statistics": planned.statistics, "name": planned.document["name"], "geometry": shape}
+
+
+def _add_changing(router: APIRouter, book: MissionBook) -> None:
+    @router.post("/missions/{mission_id}/copy", status_code=201, summary="Copy a mission; the copy has not run")
+    async def copy(mission_id: MissionId, body: CopyBody, session: SignedIn) -> dict[str, Any]:
+        return row(await _translated(lambda: book.copy(session, mission_id, " ".join(body.name.split()))))
+
+    @router.patch("/missions/{mission_id}", summary="Rename a mission no robot holds")
+    async def rename(mission_id: MissionId, body: NameBody, session: SignedIn) -> dict[str, Any]:
+        return row(await _translated(lambda: book.rename(session, mission_id, body.name)))
+
+    @router.delete("/missions/{mission_id}", status_code=204, summary="Delete a mission that never ran")
+    async def delete(mission_id: MissionId, session: SignedIn) -> None:
+        await _translated(lambda: book.delete(session, mission_id))
+
+
+def _add_maps(router: APIRouter, book: MissionBook, fleet: FleetReader, encoded: _Encoded) -> None:
+    @router.get("/features", summary="The farm's map as GeoJSON", response_class=Response)
+    async def features(request: Request, session: Watcher) -> Response:
+        found = await book.features(session)
+        body = await asyncio.to_thread(lambda: msgspec.json.encode(feature_collection(found)))
+        tag = hashlib.sha256(body).hexdigest()
+        return Response(status_code=304) if _is_known(request, tag) else _geojson(body, tag)
+
+    @router.get("/fields", summary="Fields a mission can be planned on")
+    async def fields(session: Watcher) -> dict[str, Any]:
+        found = await book.features(session, ("parcel",))
+        homes = await book.features(session, ("home",))
+        return {"fields": [_field(one) for one in found], "homes": [_field(one) for one in homes]}
+
+    @router.get("/robots/{robot_id}/mission.geojson", summary="What the robot drives", response_class=Response)
+    async def on_robot(robot_id: RobotId, request: Request, session: Watcher) -> Response:
+        robot = fleet.robot(robot_id)
+        if robot is None or robot.farm_id != session.farm_id:
+            raise not_found(f"There is no robot {robot_id}.")
+        order = robot.state.order if robot.state is not None else None
+        known = {one.id: one for one in book.list(session)}
+        mission = known.get(order.mission_id) if order is not None else None
+        if order is None or mission is None:
+            raise not_found(f"{robot.name} has no mission of this farm.")
+        if _is_known(request, order.sha256):
+            return Response(status_code=304)
+        document = {**await book.document(session, mission.id), "robot": robot_id}
+        if mission_sha256(document) != order.sha256:
+            raise not_found(f"{robot.name} has another version of {mission.name} than is stored here.")
+        return _geojson(await encoded.of(order.sha256, document), order.sha256)
+
+
+async def _translated(work: Callable[[], Any]) -> Any:
+    """Await the book's answer; its refusals become errors of the request."""
+    try:
+        return await work()
+    except PlanRefused as error:
+        status = 503 if error.code in ("busy", "planner_failed") else 422
+        raise ApiError(status, error.code, error.text, error.field or None) from error
+    except MissionRefused as error:
+        raise ApiError(409, error.code, error.text, error.field or None) from error
+    except MissionError as error:
+        raise ApiError(422, error.code, error.text, error.field or None) from error
+
+
+def _one(book: MissionBook, session: Any, mission_id: str) -> Mission:
+    for mission in book.list(session):
+        if mission.id == mission_id:
+            return mission
+    raise not_found("There is no such mission.")
+
+
+def row(mission: Mission) -> dict[str, Any]:
+    """Return a mission as the interface shows it; numbers SI, the row direction as a bearing too."""
+    angle = mission.statistics.get("angle_rad")
+    bearing = None if angle is None else round((90 - math.degrees(angle)) % 180, 2)
+    return {
+        "id": mission.id,
+        "name": mission.name,
+        "field_id": mission.field_id,
+        "field_name": mission.field_name,
+        "robot_id": mission.robot_id,
+        "status": mission.status.value,
+        "is_supervised": mission.is_supervised,
+        "revision": mission.revision,
+        "sha256": mission.sha256,
+        "statistics": mission.statistics,
+        "row_bearing_deg": bearing,
+        "created_by": mission.created_by,
+        "created_utc": mission.created_at.isoformat(timespec="milliseconds"),
+        "updated_utc": mission.updated_at.isoformat(timespec="milliseconds"),
+    }
+
+
+def _entry(entry: MissionLogEntry) -> dict[str, Any]:
+    utc = entry.at.isoformat(timespec="milliseconds")
+    return {"utc": utc, "status": entry.status.value, "by": entry.by, "why": entry.why, "data": entry.data}
+
+
+def _field(feature: Feature) -> dict[str, Any]:
+    return {"id": feature.id, "name": feature.name, "properties": feature.properties, "geometry": feature.geometry}
+
+
+def _order(body: PlanBody) -> PlanOrder:
+    given = body.model_dump()
+    return PlanOrder(**{**given, "name": " ".join(body.name.split())})
+
+
+def _encode(document: Document, sha256: str) -> bytes:
+    return msgspec.json.encode({**mission_geojson(document), "sha256": sha256})
+
+
+def _geojson(body: bytes, tag: str) -> Response:
+    return Response(body, media_type=GEOJSON, headers={"ETag": f'"{tag}"', "Cache-Control": "private, no-cache"})
+
+
+def _is_known(request: Request, tag: str) -> bool:
+    return f'"{tag}"' in request.headers.get("if-none-match", "")

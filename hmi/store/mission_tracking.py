@@ -1,0 +1,120 @@
+"""Moves missions on by what their robots report."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections.abc import Callable
+
+from hmi.domain.mission import (
+    ON_ROBOT,
+    BadMove,
+    MissionChange,
+    Mover,
+    OpenMission,
+    reported_move,
+)
+from hmi.domain.robot import Order, Robot, RobotState
+from hmi.store.database import Database
+from hmi.store.errors import NotFound, StoreError
+from hmi.store.missions import Mission, Missions
+
+RETRY_S = 5.0  # the database was away; the robot's next report is asked again
+log = logging.getLogger(__name__)
+OnMoved = Callable[[Mission, MissionChange], None]
+
+
+class MissionTracking:
+    """Follows the missions of one farm.
+
+    ``see`` belongs on the event loop, costs a few comparisons and never waits; a task writes the moves.
+
+    Args:
+        on_moved: told of each move, on the event loop.
+    """
+
+    def __init__(
+        self, missions: Missions, database: Database, farm_id: str, on_moved: OnMoved = lambda _mission, _change: None
+    ) -> None:
+        self._missions, self._database, self._farm_id, self._on_moved = missions, database, farm_id, on_moved
+        self._reports: dict[str, tuple[RobotState, str]] = {}
+        self._settled: dict[str, tuple[RobotState, int]] = {}
+        self._by_robot: dict[str, list[Mission]] = {}
+        self._version = -1
+        self._news = asyncio.Event()
+        self._task: asyncio.Task[None] | None = None
+
+    def start(self) -> None:
+        """Begin to write moves."""
+        self._task = asyncio.create_task(self._run(), name="mission-tracking")
+
+    async def close(self) -> None:
+        """End; a move being written is finished."""
+        if self._task is not None:
+            self._task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._task
+            self._task = None
+
+    def see(self, robot: Robot) -> None:
+        """Take note of what a registered robot reports; what it reported before it was known does not count."""
+        state = robot.state
+        if state is None or not robot.is_registered or robot.farm_id != self._farm_id:
+            return
+        known, version = self._settled.get(robot.id, (None, -1))
+        if known is state and version == self._missions.version:
+            return
+        self._reports[robot.id] = (state, robot.name)
+        self._news.set()
+
+    async def settle(self) -> None:
+        """Write every move that is due now; ``start`` does it by itself."""
+        reports, self._reports = self._reports, {}
+        try:
+            while reports:
+                robot_id, (state, name) = next(iter(reports.items()))
+                version = self._missions.version
+                for mission in self._concerned(robot_id, state.order):
+                    await self._follow(mission, state.order, name)
+                self._settled[robot_id] = (state, version)
+                del reports[robot_id]
+        finally:
+            self._reports = {**reports, **self._reports}
+
+    def _concerned(self, robot_id: str, order: Order | None) -> list[Mission]:
+        if self._version != self._missions.version:
+            self._version = self._missions.version
+            self._by_robot = {}
+            for mission in self._missions.all_known(self._farm_id):
+                if mission.robot_id is not None:
+                    self._by_robot.setdefault(mission.robot_id, []).append(mission)
+        reported = None if order is None else order.mission_id
+        return [m for m in self._by_robot.get(robot_id, ()) if m.status in ON_ROBOT or m.id == reported]
+
+    async def _follow(self, mission: Mission, order: Order | None, robot_name: str) -> None:
+        open_mission = OpenMission(mission.id, mission.status, mission.robot_id, mission.sha256)
+        move = reported_move(open_mission, order)
+        if move is None:
+            return
+        steps, why = move
+        try:
+            for step in steps:
+                moved, change = await self._database.run(
+                    self._missions.move, self._farm_id, mission.id, step, Mover.ROBOT, robot_name, why
+                )
+                self._on_moved(moved, change)
+        except (BadMove, NotFound) as error:
+            # a person changed it meanwhile; the next report is judged against what it is now
+            log.info("mission %s stays as it is: %s", mission.id, error)
+
+    async def _run(self) -> None:
+        while True:
+            await self._news.wait()
+            self._news.clear()
+            try:
+                await self.settle()
+            except StoreError as error:
+                log.warning("missions could not be moved on: %s", error)
+                await asyncio.sleep(RETRY_S)
+                self._news.set()

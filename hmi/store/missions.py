@@ -1,0 +1,263 @@
+"""Stored missions: their documents, where each is in its life, and the log of how it came there."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from datetime import datetime
+from typing import Any
+
+from sqlalchemy import delete, select
+from sqlalchemy.orm import Session, defer
+
+from hmi.clock import Clock
+from hmi.domain.mission import EDITABLE, BadMove, MissionChange, MissionStatus, Mover, check_move
+from hmi.domain.mission_document import Document, for_robot, mission_sha256, renamed
+from hmi.domain.mission_plan import MissionRefused
+from hmi.store.database import Database
+from hmi.store.errors import AlreadyExists, NotFound
+from hmi.store.tables import MissionLogRow, MissionRow
+
+DELETABLE = frozenset({MissionStatus.DRAFT, MissionStatus.VALIDATED})
+"""What ran, or waits to run, keeps its record."""
+
+
+@dataclass(frozen=True, slots=True)
+class Mission:
+    """A stored mission without its document. ``statistics`` are the planner's figures, SI."""
+
+    id: str
+    farm_id: str
+    name: str
+    field_name: str
+    status: MissionStatus
+    sha256: str
+    created_by: str
+    created_at: datetime
+    updated_at: datetime
+    robot_id: str | None = None
+    field_id: str | None = None
+    revision: int = 1
+    is_supervised: bool = True
+    statistics: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class MissionLogEntry:
+    """One line of a mission's log."""
+
+    at: datetime
+    status: MissionStatus
+    by: str
+    why: str
+    data: dict[str, Any]
+
+
+class Missions:
+    """The missions of every farm, in memory without documents, on disk whole.
+
+    ``known`` and ``all_known`` answer from memory and may be called on the event loop; everything else blocks and goes
+    through ``Database.run``. ``on_changed`` callbacks run in the thread that made the change.
+    """
+
+    def __init__(self, database: Database, clock: Clock) -> None:
+        self._database = database
+        self._clock = clock
+        self._known: dict[str, Mission] = {}
+        self._version = 0
+        self._changing = threading.Lock()
+        self._listeners: list[Callable[[Mission], None]] = []
+
+    @property
+    def version(self) -> int:
+        """Grows with every change of what is in memory."""
+        return self._version
+
+    def known(self, mission_id: str) -> Mission | None:
+        """Return a mission of any farm from memory."""
+        return self._known.get(mission_id)
+
+    def all_known(self, farm_id: str) -> list[Mission]:
+        """Return a farm's missions from memory, the one that changed last first."""
+        return sorted(
+            (one for one in self._known.values() if one.farm_id == farm_id),
+            key=lambda one: (one.updated_at, one.id),
+            reverse=True,
+        )
+
+    def on_changed(self, callback: Callable[[Mission], None]) -> None:
+        """Call ``callback`` with each mission that was added or changed."""
+        self._listeners.append(callback)
+
+    def load(self) -> None:
+        """Read all missions into memory; at start."""
+        with self._changing, self._database.read() as session:
+            rows = session.scalars(select(MissionRow).options(defer(MissionRow.document)))
+            self._known = {row.id: _mission(row) for row in rows}
+            self._version += 1
+
+    def document(self, farm_id: str, mission_id: str) -> Document:
+        """Return the wire document of a mission; raises ``NotFound``."""
+        with self._database.read() as session:
+            return dict(_row(session, farm_id, mission_id).document)
+
+    def log(self, farm_id: str, mission_id: str) -> list[MissionLogEntry]:
+        """Return a mission's log, oldest first."""
+        query = select(MissionLogRow).filter_by(farm_id=farm_id, mission_id=mission_id).order_by(MissionLogRow.id)
+        with self._database.read() as session:
+            return [
+                MissionLogEntry(row.at, MissionStatus(row.status), row.by, row.why, dict(row.data or {}))
+                for row in session.scalars(query)
+            ]
+
+    def add(self, mission: Mission, document: Document, why: str = "") -> Mission:
+        """Store a new mission with its document; times and hash are set here.
+
+        Raises:
+            AlreadyExists: the id is taken.
+        """
+        now = self._clock.utc()
+        stored = replace(mission, sha256=mission_sha256(document), created_at=now, updated_at=now)
+        with self._changing, self._database.write() as session:
+            if session.get(MissionRow, stored.id) is not None:
+                raise AlreadyExists(f"a mission {stored.id!r} exists already")
+            row = MissionRow(id=stored.id, document=document, **_columns(stored))
+            session.add(row)
+            session.flush()
+            session.add(self._log(stored, stored.created_by, why, {}))
+        return self._remember(stored)
+
+    def rename(self, farm_id: str, mission_id: str, name: str, by: str) -> Mission:
+        """Give a mission another name; its hash changes with it.
+
+        Raises:
+            NotFound: there is no such mission.
+            MissionRefused: a robot holds it or a queue waits for it.
+        """
+
+        def change(mission: Mission, document: Document) -> tuple[Mission, Document]:
+            if mission.status not in EDITABLE:
+                raise MissionRefused("in_use", f"{mission.name} is {mission.status.value}. Copy it instead.")
+            return replace(mission, name=name), renamed(document, name=name)
+
+        return self._change(farm_id, mission_id, change, by, "Renamed.", {"name": name})
+
+    def move(
+        self,
+        farm_id: str,
+        mission_id: str,
+        after: MissionStatus,
+        mover: Mover,
+        by: str,
+        why: str = "",
+        *,
+        robot_id: str | None = None,
+        at: datetime | None = None,
+        data: dict[str, Any] | None = None,
+    ) -> tuple[Mission, MissionChange]:
+        """Move a mission on in its life.
+
+        Args:
+            robot_id: the robot it goes to, if it changes: the document is addressed to it.
+            at: when it happened, if not now.
+
+        Raises:
+            NotFound: there is no such mission.
+            BadMove: the table has no such move.
+        """
+        before = MissionStatus.DRAFT
+
+        def change(mission: Mission, document: Document) -> tuple[Mission, Document]:
+            nonlocal before
+            before = mission.status
+            check_move(before, after, mover)
+            if robot_id is not None and robot_id != document["robot"]:
+                document = for_robot(document, robot_id)
+            return replace(mission, status=after, robot_id=robot_id or mission.robot_id), document
+
+        moved = self._change(farm_id, mission_id, change, by, why, data or {}, at)
+        return moved, MissionChange(mission_id, before, after, mover, by, at or moved.updated_at, why)
+
+    def delete(self, farm_id: str, mission_id: str) -> None:
+        """Delete a mission that never ran.
+
+        Raises:
+            NotFound: there is no such mission.
+            MissionRefused: it ran or waits to run.
+        """
+        with self._changing, self._database.write() as session:
+            row = _row(session, farm_id, mission_id)
+            ran = select(MissionLogRow.id).filter_by(mission_id=mission_id)
+            ran = ran.where(MissionLogRow.status.not_in([s.value for s in DELETABLE])).limit(1)
+            if MissionStatus(row.status) not in DELETABLE or session.scalar(ran) is not None:
+                raise MissionRefused("has_record", f"{row.name} was sent to a robot; its record is kept.")
+            session.execute(delete(MissionLogRow).filter_by(mission_id=mission_id))
+            session.delete(row)
+            self._known = {key: one for key, one in self._known.items() if key != mission_id}
+            self._version += 1
+
+    def _change(
+        self,
+        farm_id: str,
+        mission_id: str,
+        change: Callable[[Mission, Document], tuple[Mission, Document]],
+        by: str,
+        why: str,
+        data: dict[str, Any],
+        at: datetime | None = None,
+    ) -> Mission:
+        with self._changing, self._database.write() as session:
+            row = _row(session, farm_id, mission_id)
+            mission, document = change(_mission(row), row.document)
+            mission = replace(mission, updated_at=at or self._clock.utc())
+            if document is not row.document:
+                row.document = document
+                mission = replace(mission, sha256=mission_sha256(document))
+            for name, value in _columns(mission).items():
+                setattr(row, name, value)
+            session.add(self._log(mission, by, why, data))
+        return self._remember(mission)
+
+    def _remember(self, mission: Mission) -> Mission:
+        self._known = {**self._known, mission.id: mission}
+        self._version += 1
+        for listener in tuple(self._listeners):
+            listener(mission)
+        return mission
+
+    @staticmethod
+    def _log(mission: Mission, by: str, why: str, data: dict[str, Any]) -> MissionLogRow:
+        return MissionLogRow(
+            farm_id=mission.farm_id,
+            mission_id=mission.id,
+            at=mission.updated_at,
+            status=mission.status.value,
+            by=by,
+            why=why,
+            data=data,
+        )
+
+
+def _row(session: Session, farm_id: str, mission_id: str) -> MissionRow:
+    row = session.get(MissionRow, mission_id)
+    if row is None or row.farm_id != farm_id:
+        raise NotFound(f"there is no mission {mission_id!r}")
+    return row
+
+
+_SAME = (
+    "farm_id", "name", "field_name", "field_id", "robot_id", "revision", "is_supervised", "sha256", "statistics",
+    "created_by", "created_at", "updated_at",
+)  # fmt: skip
+
+
+def _columns(mission: Mission) -> dict[str, Any]:
+    return {"status": mission.status.value, **{name: getattr(mission, name) for name in _SAME}}
+
+
+def _mission(row: MissionRow) -> Mission:
+    return Mission(id=row.id, status=MissionStatus(row.status), **{name: getattr(row, name) for name in _SAME})
+
+
+__all__ = ["DELETABLE", "BadMove", "Mission", "MissionLogEntry", "Missions"]
