@@ -19,6 +19,7 @@ from hmi.commands.lease_service import LeaseService
 from hmi.commands.lease_words import asked_of, owner_of
 from hmi.commands.ports import AuditSink
 from hmi.domain.robot import Family, Robot
+from hmi.domain.role import Permission, may
 from hmi.presenters import fleet as fleet_rows
 from hmi.presenters.operate import Context, MissionTitle, present
 from hmi.security.session_info import SessionInfo
@@ -101,7 +102,7 @@ def robot_routes(parts: RobotRoutes) -> APIRouter:
     @router.get("", summary="Robots of the farm with their newest values")
     async def robots(session: Watcher) -> dict[str, Any]:
         known = [r for r in parts.fleet.robots() if r.is_registered and r.farm_id == session.farm_id]
-        return {"now_ms": _now_ms(parts), "robots": [{"id": r.id, **fleet_rows.entry(r)} for r in known]}
+        return {"now_ms": _now_ms(parts), "robots": [_row(parts, r, session) for r in known]}
 
     @router.get("/new", summary="Robots heard but not registered")
     async def new(session: Watcher) -> dict[str, Any]:
@@ -120,7 +121,7 @@ def robot_routes(parts: RobotRoutes) -> APIRouter:
             **given,
         )
         stored = await _changing(parts, session, "accepted", robot.id, lambda: parts.registry.add(robot))
-        return _registered(stored)
+        return _registered(stored, session)
 
     @router.get("/{robot_id}", summary="One robot: all groups of its live topic, and its registry entry")
     async def one(robot_id: RobotId, session: Watcher) -> dict[str, Any]:
@@ -134,7 +135,7 @@ def robot_routes(parts: RobotRoutes) -> APIRouter:
             "now_ms": _now_ms(parts),
             **present(robot, Context(*contact, parts.title_of)),
             "lease": {"owner": owner_of(lease), "asked": asked_of(lease)},
-            "registry": _registered(entry) if entry is not None else None,
+            "registry": _registered(entry, session) if entry is not None else None,
         }
 
     @router.patch("/{robot_id}", summary="Change a robot's registry entry")
@@ -149,7 +150,7 @@ def robot_routes(parts: RobotRoutes) -> APIRouter:
         changes = {k: v for k, v in given.items() if v is not None or k in optional}
         after = replace(before, **changes)
         stored = await _changing(parts, session, "changed", robot_id, lambda: parts.registry.change(after), changes)
-        return _registered(stored)
+        return _registered(stored, session)
 
     @router.delete("/{robot_id}", status_code=204, summary="Take a robot out of the registry; its records stay")
     async def remove(robot_id: RobotId, session: RobotManager) -> None:
@@ -188,13 +189,20 @@ async def _changing(
         )
 
 
-def _registered(robot: RegisteredRobot) -> dict[str, Any]:
-    return {
+def _row(parts: RobotRoutes, robot: Robot, session: SessionInfo) -> dict[str, Any]:
+    row = {"id": robot.id, **fleet_rows.entry(robot)}
+    entry = parts.registry.get(robot.id)
+    if entry is None:
+        return row
+    told = _registered(entry, session)
+    return {**told, **row, "family": told["family"], "name": told["name"]}
+
+
+def _registered(robot: RegisteredRobot, session: SessionInfo) -> dict[str, Any]:
+    told = {
         "id": robot.id,
         "name": robot.name,
         "family": robot.family.value,
-        "http_url": robot.http_url,
-        "has_http_token": bool(robot.http_token),
         "contact_name": robot.contact_name,
         "contact_phone": robot.contact_phone,
         "ack_limit_s": robot.ack_limit_s,
@@ -205,6 +213,9 @@ def _registered(robot: RegisteredRobot) -> dict[str, Any]:
         "added_by": robot.added_by,
         "added_utc": robot.added_at.isoformat(timespec="milliseconds"),
     }
+    if not may(session.role, Permission.MANAGE_ROBOTS):  # where a robot listens is nobody else's business
+        return told
+    return {**told, "http_url": robot.http_url, "has_http_token": bool(robot.http_token)}
 
 
 def _model(robot: Robot) -> str:
