@@ -105,7 +105,7 @@
       text(this.scope, scope);
       text(this.line, line);
       attribute(this.scope, "data-long", scope.length > 20 ? "" : null);
-      attribute(this.line, "data-long", line.length > 28 ? "" : null);
+      attribute(this.line, "data-long", line.length > 25 ? "" : null);
       this.dot.hidden = !hasDot;
       this.slab.sign(ICON_OF[state] || "octagon");
       this.drawSegment(all, isAll);

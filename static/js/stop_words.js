@@ -23,7 +23,7 @@
       case "ready":
         return ["STOP", name, `READY · ${robot?.hardware_stop ? "machine button is pressed" : view.note || view.link}`, true];
       case "no-link":
-        return ["STOP", name, view.heardMs === null ? "NO LINK · sends anyway" : `NO LINK ${age(view.heardMs)} · sends anyway`, true];
+        return ["STOP", name, view.heardMs === null ? "NO LINK · sends anyway" : `NO LINK ${age(Math.floor(view.heardMs / 1000) * 1000).replace(".0", "")} · sends anyway`, true];
       case "no-path":
         return view.isEnrolled ? ["STOP", "NO PATH", "use the machine button", false] : ["STOP", ...NOT_ENROLLED, false];
       case "sent":

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from components.stop_slab import StopConfig, head_html
-from tests.stop_gateway.fake_robot import FakeRobot
+from tests.hmi.stop_gateway.fake_robot import FakeRobot
 
 ROOT = Path(__file__).parents[2]
 KINDS = {".js": "text/javascript", ".css": "text/css", ".woff2": "font/woff2"}

@@ -197,7 +197,7 @@ class _QuietServer(uvicorn.Server):
     """A server among others in one process: the signals are not its own."""
 
     @contextlib.contextmanager
-    def capture_signals(self):  # noqa: ANN201 - the signature of uvicorn
+    def capture_signals(self):
         yield
 
 

@@ -6,13 +6,14 @@ import asyncio
 import json
 from collections.abc import Awaitable, Callable
 
+import httpx
 import pytest
 from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
-from tests.stop_gateway.broker import Broker
-from tests.stop_gateway.conftest import MakeRobot
-from tests.stop_gateway.running import CONSOLE_PORT, TOKEN, RunningGateway, Tablet
+from tests.hmi.stop_gateway.broker import Broker
+from tests.hmi.stop_gateway.conftest import MakeRobot
+from tests.hmi.stop_gateway.running import CONSOLE_PORT, TOKEN, RunningGateway, Tablet
 
 pytestmark = pytest.mark.broker
 OpenTablet = Callable[[], Awaitable[Tablet]]
@@ -23,6 +24,14 @@ async def _linked(tablet: Tablet, *robots: str) -> None:
     await tablet.until_frame(
         "hb", lambda f: all((f["robots"].get(r) or {}).get("heard_ms") is not None for r in robots)
     )
+
+
+async def _until_answer(http: httpx.AsyncClient, path: str, is_right: Callable[[httpx.Response], bool]) -> None:
+    """Ask over and over, as a browser without a websocket would, until the answer is right."""
+    async with asyncio.timeout(5):
+        answer = await http.get(path)
+        while not is_right(answer):
+            answer = await http.get(path)
 
 
 async def test_a_press_is_sent_acknowledged_and_confirmed_with_its_times(
@@ -223,9 +232,7 @@ async def test_http_alone_stops_a_robot_and_a_token_in_the_body_spares_the_prefl
         assert answer.status_code == 202
         assert answer.json()["steps"][0]["robot"] == robot.id
         http.headers["Authorization"] = f"Bearer {TOKEN}"
-        async with asyncio.timeout(5):
-            while (await http.get(f"/stop/{'a' * 32}")).json()["steps"][0]["state"] != "standstill":
-                await asyncio.sleep(0.05)
+        await _until_answer(http, f"/stop/{'a' * 32}", lambda a: a.json()["steps"][0]["state"] == "standstill")
 
 
 @pytest.mark.parametrize("token", ["", "nonsense", TOKEN[:-2] + "xx", "x" * 5000, "é\x00"])
@@ -251,9 +258,8 @@ async def test_a_revoked_tablet_is_refused_as_soon_as_the_file_says_so(
     tablet = await open_tablet()
     await _linked(tablet, robot.id)
     (gateway.data / "stop" / "revoked.json").write_text('["tablet-3"]')
-    async with gateway.http() as http, asyncio.timeout(5):
-        while (await http.get("/stop/unknown-id")).status_code != 401:
-            await asyncio.sleep(0.05)
+    async with gateway.http() as http:
+        await _until_answer(http, "/stop/unknown-id", lambda a: a.status_code == 401)
     await tablet.press([robot.id])
     assert (await tablet.until_frame("error"))["code"] == "bad_token"
     assert not robot.stops_by_mqtt

@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
-from tests.stop_gateway.broker import MOSQUITTO, Broker
-from tests.stop_gateway.fake_robot import FakeRobot
-from tests.stop_gateway.running import RunningGateway, Tablet
+from tests.hmi.stop_gateway.broker import MOSQUITTO, Broker
+from tests.hmi.stop_gateway.fake_robot import FakeRobot
+from tests.hmi.stop_gateway.running import RunningGateway, Tablet
 
 MakeRobot = Callable[..., Awaitable[FakeRobot]]
 

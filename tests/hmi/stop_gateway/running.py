@@ -19,18 +19,18 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 
 from hmi.domain.stop_token import StopToken
-from tests.stop_gateway.fake_robot import FakeRobot
+from tests.hmi.stop_gateway.fake_robot import FakeRobot
 
 SECRET = "a-secret-of-the-tests-0123456789"
 CONSOLE_PORT = 8080
 TOKEN = StopToken("tablet-3", "Tablet 3", "martha", "Martha Keller", "farm").sign(SECRET)
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 
 class RunningGateway:
     """``python -m hmi.stop_gateway`` with its data in ``data``."""
 
-    def __init__(self, data: Path, broker_url: str) -> None:
+    def __init__(self, data: Path, broker_url: str, console_port: int = CONSOLE_PORT) -> None:
         self.data = data
         self.url = ""
         self.start_s = 0.0
@@ -39,7 +39,7 @@ class RunningGateway:
             "HEADLAND_SECRET": SECRET,
             "HEADLAND_BROKER_URL": broker_url,
             "HEADLAND_STOP_PORT": "0",
-            "HEADLAND_PORT": str(CONSOLE_PORT),
+            "HEADLAND_PORT": str(console_port),
         }
         self._process: subprocess.Popen[bytes] | None = None
 
