@@ -20,6 +20,8 @@ import paho.mqtt.client as paho
 from paho.mqtt.enums import CallbackAPIVersion
 from paho.mqtt.reasoncodes import ReasonCode
 
+from backend_clients.edge.buffered import BufferedClient
+
 OnMessage = Callable[[str, bytes, bool], None]
 OnLink = Callable[["LinkState", str], None]
 
@@ -101,7 +103,7 @@ class MqttLink:
         self._state = LinkState.CONNECTING
         self._lock = threading.Lock()
         # A clean session: the broker keeps nothing for us while we are away, so nothing arrives late.
-        self._client = paho.Client(
+        self._client = BufferedClient(
             CallbackAPIVersion.VERSION2, client_id=client_id, protocol=paho.MQTTv311, clean_session=True
         )
         self._client.max_queued_messages_set(2000)

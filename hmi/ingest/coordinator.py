@@ -11,6 +11,7 @@ import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from datetime import timedelta
+from functools import partial
 from typing import Any, Protocol
 
 from backend_clients.edge import messages_up as up
@@ -236,7 +237,8 @@ class EdgeCoordinator:
         stamp = clock.admit(address.kind, message, letter.received_s, letter.is_retained)
         match message:
             case up.Telemetry():
-                self._store.put_telemetry(address.robot, translate.telemetry(message, stamp))
+                # ten times a second a robot, and looked at far less: made only when somebody looks
+                self._store.put_telemetry(address.robot, partial(translate.telemetry, message, stamp))
             case up.Heartbeat():
                 self._heartbeat(clock, message, stamp)
             case up.Safety():

@@ -44,6 +44,8 @@ class RobotClock:
 
     def admit(self, kind: Up, message: Header, received_s: float, is_retained: bool) -> Stamp:
         """Return when the message was true; raises ``Refusal`` if it must not count."""
+        if not is_retained and kind in ORDERED_KINDS and message.boot == self._map.boot:
+            return self._next(kind, message, received_s)
         if is_retained:
             if kind not in RETAINED_KINDS:
                 raise Refusal("retained")
@@ -56,6 +58,9 @@ class RobotClock:
             return Stamp(received_s, received_s)
         self._check_retired(kind, message, received_s)
         self._check_boot(message)
+        return self._next(kind, message, received_s)
+
+    def _next(self, kind: Up, message: Header, received_s: float) -> Stamp:
         self._check_jump(message, received_s)
         self._check_order(kind, message, received_s)
         self._heard_s = received_s

@@ -107,7 +107,7 @@ class _Record:
     rtt_at_s: float | None = None
     rtts: deque[tuple[float, float]] = field(default_factory=deque)
     factsheet: domain.Factsheet | None = None
-    telemetry: domain.Telemetry | None = None
+    telemetry: domain.Telemetry | Callable[[], domain.Telemetry] | None = None
     state: domain.RobotState | None = None
     safety: domain.SafetyState | None = None
     nodes: dict[str, domain.Node] = field(default_factory=dict)
@@ -126,6 +126,7 @@ class FleetStore:
     def __init__(self, mono_s: Callable[[], float], farm_id: str = "farm") -> None:
         self._mono_s, self._farm_id = mono_s, farm_id
         self._records: dict[str, _Record] = {}
+        self._registered: tuple[str, ...] = ()
         self._changed: dict[str, int] = {}  # robot -> newest revision, in order of change
         self._removed: dict[str, int] = {}
         self._is_broker_up = False
@@ -147,9 +148,9 @@ class FleetStore:
         record = self._records.get(robot_id)
         return None if record is None else record.entry
 
-    def registered_ids(self) -> list[str]:
+    def registered_ids(self) -> tuple[str, ...]:
         """Return the ids of the registry."""
-        return [r.id for r in self._records.values() if r.entry is not None]
+        return self._registered
 
     def address(self, robot_id: str) -> RobotAddress | None:
         """Return where the robot's HTTP is; from the registry, never from the wire."""
@@ -182,6 +183,7 @@ class FleetStore:
     def set_registry(self, entries: Iterable[Registered]) -> None:
         """Take over the registry: names, addresses, who may be operated."""
         by_id = {e.id: e for e in entries}
+        self._registered = tuple(by_id)
         for robot_id in [r.id for r in self._records.values() if r.entry is not None and r.id not in by_id]:
             self._drop(robot_id)
         for robot_id, entry in by_id.items():
@@ -211,8 +213,8 @@ class FleetStore:
             record.factsheet = value
             self._touch(record, Part.FACTSHEET)
 
-    def put_telemetry(self, robot_id: str, value: domain.Telemetry) -> None:
-        """Replace the fast values."""
+    def put_telemetry(self, robot_id: str, value: domain.Telemetry | Callable[[], domain.Telemetry]) -> None:
+        """Replace the fast values; a function is asked for them when somebody looks."""
         record = self._records[robot_id]
         record.telemetry = value
         self._touch(record, Part.TELEMETRY)
@@ -308,6 +310,8 @@ class FleetStore:
     def _build(self, record: _Record) -> domain.Robot:
         if record.built is None:
             entry, sheet = record.entry, record.factsheet
+            if callable(record.telemetry):
+                record.telemetry = record.telemetry()
             record.built = domain.Robot(
                 id=record.id,
                 is_registered=entry is not None,

@@ -95,7 +95,7 @@ def test_a_stranger_has_no_address_and_takes_its_name_from_its_factsheet() -> No
     assert robot.name == "Weeder"
     assert robot.farm_id == "farm"
     assert fleet.address("stranger-9") is None
-    assert fleet.registered_ids() == []
+    assert fleet.registered_ids() == ()
 
 
 def test_a_stranger_that_is_accepted_keeps_what_was_heard() -> None:
