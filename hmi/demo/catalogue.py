@@ -27,9 +27,9 @@ class DemoMission:
 
 
 CATALOGUE = (
-    DemoMission("polder-17-3m", "Polder 17, whole field", "polder-17", "weeder-01", 3.0, along_rows=False),
     DemoMission("trial-strip", "Trial strip, every row", "polder-strip", "weeder-01", 1.5, headland_passes=1),
     DemoMission("trial-strip-rows", "Trial strip, rows only", "polder-strip", "weeder-02", 1.5, headland_passes=0),
+    DemoMission("polder-17-3m", "Polder 17, whole field", "polder-17", "weeder-01", 3.0, along_rows=False),
     *(
         DemoMission(f"{one.id}-05", f"{one.name}, 0.5 m", one.id, "weeder-03", 0.5)
         for one in features()

@@ -111,13 +111,13 @@ class Missions:
                 for row in session.scalars(query)
             ]
 
-    def add(self, mission: Mission, document: Document, why: str = "") -> Mission:
-        """Store a new mission with its document; times and hash are set here.
+    def add(self, mission: Mission, document: Document, why: str = "", *, at: datetime | None = None) -> Mission:
+        """Store a new mission with its document; times (``at`` or now) and hash are set here.
 
         Raises:
             AlreadyExists: the id is taken.
         """
-        now = self._clock.utc()
+        now = at or self._clock.utc()
         stored = replace(mission, sha256=mission_sha256(document), created_at=now, updated_at=now)
         with self._changing, self._database.write() as session:
             if session.get(MissionRow, stored.id) is not None:
