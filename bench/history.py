@@ -19,7 +19,7 @@ from hmi.clock import FakeClock
 from hmi.store.database import Database
 from hmi.store.farms import Farms
 from hmi.store.recorder import Recorder
-from hmi.store.sampling import Sampler
+from hmi.store.sampling import Sampler, sample_columns
 from hmi.store.tables import SampleRow
 from tests.hmi.store.conftest import FARM
 from tests.hmi.store.robots import robot
@@ -82,7 +82,7 @@ def _committed_one_by_one(path: Path) -> float:
     for row in rows:
         assert row is not None
         with database.write() as session:
-            session.add(SampleRow(**row))
+            session.add(SampleRow(**sample_columns(row)))
     took_s = time.perf_counter() - started_s
     database.close()
     return NAIVE_ROWS / took_s

@@ -5,6 +5,7 @@ from __future__ import annotations
 from sqlalchemy import select
 
 from hmi.store.database import Database
+from hmi.store.errors import AlreadyExists
 from hmi.store.tables import CounterRow
 
 
@@ -21,6 +22,12 @@ class Counters:
         Raises:
             DatabaseUnavailable: it could not be written, so no number was given out.
         """
+        try:
+            return self._next(name)
+        except AlreadyExists:  # another console made the counter just now
+            return self._next(name)
+
+    def _next(self, name: str) -> int:
         query = select(CounterRow).filter_by(farm_id=self._farm_id, name=name).with_for_update()
         with self._database.write() as session:
             row = session.scalars(query).one_or_none()

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import Select, func, select, tuple_
+from sqlalchemy import ColumnElement, Select, String, func, literal_column, select, tuple_
 
 from hmi.domain.event import RobotEvent
 from hmi.store.database import Database
@@ -110,7 +110,7 @@ class History:
     def _grouped(self, robot_id: str, start: datetime, end: datetime, most: int, *columns: Any) -> Select[Any]:
         span_s = max((end - start).total_seconds(), 1.0)
         digits = next((digits for seconds, digits in _STRETCHES if span_s / seconds <= most), _STRETCHES[-1][1])
-        stretch = func.substr(SampleRow.at, 1, digits)
+        stretch = stretch_of(digits)
         return (
             select(func.min(SampleRow.at).label("at"), *columns)
             .where(SampleRow.farm_id == self._farm_id, SampleRow.robot_id == robot_id)
@@ -118,6 +118,11 @@ class History:
             .group_by(stretch)
             .order_by(stretch)
         )
+
+
+def stretch_of(digits: int) -> ColumnElement[str]:
+    """Return the start of a sample's time, written out: PostgreSQL takes two parameters for two different things."""
+    return func.substr(SampleRow.at, literal_column("1"), literal_column(str(int(digits))), type_=String)
 
 
 def _checked(most: int) -> int:

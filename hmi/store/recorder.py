@@ -17,12 +17,12 @@ from hmi.domain.event import RobotEvent
 from hmi.domain.robot import Robot
 from hmi.store.batch_writer import BatchWriter, WriterHealth
 from hmi.store.database import Database
-from hmi.store.sampling import Sampler, event_columns
+from hmi.store.sampling import Sample, Sampler, event_columns, sample_columns
 from hmi.store.tables import EventRow, SampleRow
 
 CAPACITY = 30_000  # half a minute of 1,000 robots, some 20 MB
 LINGER_S = 1.0  # one commit a second costs one flush of the disk, whatever the number of robots
-_Item = tuple[bool, dict[str, Any]]
+_Item = Sample | dict[str, Any]
 
 
 class Recorder:
@@ -72,7 +72,7 @@ class Recorder:
             return
         sample = self._sampler.sample(robot)
         if sample is not None:
-            self._writer.put((False, sample))
+            self._writer.put(sample)
         transition = self._sampler.transition(robot)
         if transition is not None:
             self.see_event(transition)
@@ -81,15 +81,15 @@ class Recorder:
         """Keep an event of a registered robot; the same id again is harmless."""
         if self._is_registered(event.robot_id):
             mission_id = event.mission_id or self._sampler.mission_of(event.robot_id)
-            self._writer.put((True, event_columns(event, self._farm_id, mission_id)))
+            self._writer.put(event_columns(event, self._farm_id, mission_id))
 
     def forget(self, robot_id: str) -> None:
         """Drop what is remembered of a robot that was removed; its history stays."""
         self._sampler.forget(robot_id)
 
     def _write(self, items: Sequence[_Item]) -> None:
-        samples = [columns for is_event, columns in items if not is_event]
-        events = [columns for is_event, columns in items if is_event]
+        samples = [sample_columns(item) for item in items if isinstance(item, Sample)]
+        events = [item for item in items if not isinstance(item, Sample)]
         with self._database.connect_writing() as connection:
             if samples:
                 connection.execute(insert(SampleRow), samples)

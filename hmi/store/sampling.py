@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Any
+from typing import Any, NamedTuple
 
 from hmi.clock import Clock
 from hmi.domain.event import RobotEvent
@@ -15,6 +15,13 @@ from hmi.store.audit_chain import clean, plain
 
 PERIOD_S = 1.0
 _EARLY_S = 0.1  # a robot that sends once a second is never exactly on time: a little early counts
+
+
+class Sample(NamedTuple):
+    """A robot as it was at one moment; made into columns by the thread that writes them."""
+
+    robot: Robot
+    at: datetime
 
 
 @dataclass(slots=True)
@@ -33,8 +40,8 @@ class Sampler:
         self._clock = clock
         self._seen: dict[str, _Seen] = {}
 
-    def sample(self, robot: Robot) -> dict[str, Any] | None:
-        """Return the columns of a sample if one is due: once a second, and only if the robot said something new."""
+    def sample(self, robot: Robot) -> Sample | None:
+        """Return a sample if one is due: once a second, and only if the robot said something new."""
         telemetry = robot.telemetry
         if telemetry is None:
             return None
@@ -45,7 +52,7 @@ class Sampler:
             return None
         seen.due_s = source_s + PERIOD_S if is_back else max(seen.due_s, source_s - _EARLY_S) + PERIOD_S
         seen.source_s = source_s
-        return _columns(robot, self._utc_of(source_s))
+        return Sample(robot, self._utc_of(source_s))
 
     def transition(self, robot: Robot) -> RobotEvent | None:
         """Return an event if mode or supervisor state differ from what was seen before."""
@@ -71,6 +78,33 @@ class Sampler:
 
     def _utc_of(self, source_s: float) -> datetime:
         return datetime.fromtimestamp(self._clock.utc().timestamp() - (self._clock.mono_s() - source_s), UTC)
+
+
+def sample_columns(sample: Sample) -> dict[str, Any]:
+    """Return the columns of a sample."""
+    robot = sample.robot
+    telemetry, state = robot.telemetry, robot.state
+    assert telemetry is not None
+    order = state.order if state else None
+    return {
+        "farm_id": robot.farm_id,
+        "robot_id": robot.id,
+        "mission_id": order.mission_id if order else None,
+        "at": sample.at,
+        "period_s": int(PERIOD_S),
+        "lat_deg": _finite(telemetry.pose.lat_deg),
+        "lon_deg": _finite(telemetry.pose.lon_deg),
+        "theta_rad": _finite(telemetry.pose.theta_rad),
+        "speed_mps": _finite(telemetry.pose.speed_mps),
+        "soc": _finite(telemetry.battery.soc) if telemetry.battery else None,
+        "cross_track_m": _finite(telemetry.cross_track_m),
+        "gnss_accuracy_m": _finite(telemetry.gnss.accuracy_m) if telemetry.gnss else None,
+        "rtt_s": _finite(robot.link.rtt_s),
+        "tool": telemetry.tool.state[:16] if telemetry.tool else None,
+        "mode": state.mode.value if state else None,
+        "row": min(order.row, 2**31 - 1) if order else None,
+        "area_done_m2": _finite(order.area_done_m2) if order else None,
+    }
 
 
 def event_columns(event: RobotEvent, farm_id: str, mission_id: str | None) -> dict[str, Any]:
@@ -100,31 +134,6 @@ def _mode_event(robot_id: str, before: Mode | None, state: RobotState, at: datet
         stamp=state.stamp,
         mission_id=state.order.mission_id if state.order else None,
     )
-
-
-def _columns(robot: Robot, at: datetime) -> dict[str, Any]:
-    telemetry, state = robot.telemetry, robot.state
-    assert telemetry is not None
-    order = state.order if state else None
-    return {
-        "farm_id": robot.farm_id,
-        "robot_id": robot.id,
-        "mission_id": order.mission_id if order else None,
-        "at": at,
-        "period_s": int(PERIOD_S),
-        "lat_deg": _finite(telemetry.pose.lat_deg),
-        "lon_deg": _finite(telemetry.pose.lon_deg),
-        "theta_rad": _finite(telemetry.pose.theta_rad),
-        "speed_mps": _finite(telemetry.pose.speed_mps),
-        "soc": _finite(telemetry.battery.soc) if telemetry.battery else None,
-        "cross_track_m": _finite(telemetry.cross_track_m),
-        "gnss_accuracy_m": _finite(telemetry.gnss.accuracy_m) if telemetry.gnss else None,
-        "rtt_s": _finite(robot.link.rtt_s),
-        "tool": telemetry.tool.state[:16] if telemetry.tool else None,
-        "mode": state.mode.value if state else None,
-        "row": min(order.row, 2**31 - 1) if order else None,
-        "area_done_m2": _finite(order.area_done_m2) if order else None,
-    }
 
 
 def _finite(value: float | None) -> float | None:

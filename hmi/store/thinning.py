@@ -15,6 +15,7 @@ from sqlalchemy import ColumnElement, Connection, Select, case, delete, func, in
 from sqlalchemy.orm import InstrumentedAttribute
 
 from hmi.store.database import Database
+from hmi.store.history import stretch_of
 from hmi.store.tables import SampleRow
 
 # Held under the write lock: 1,000 robots make 600,000 rows in ten minutes, which SQLite thins in about a second.
@@ -82,7 +83,6 @@ def _thin(connection: Connection, grade: Grade, start: datetime, end: datetime) 
 
 
 def _coarse(grade: Grade, *due: ColumnElement[bool]) -> Select[Any]:
-    stretch = func.substr(SampleRow.at, 1, grade.digits)
     groups = (
         select(
             func.max(SampleRow.id).label("newest_id"),
@@ -90,7 +90,7 @@ def _coarse(grade: Grade, *due: ColumnElement[bool]) -> Select[Any]:
             *(_worst(getattr(SampleRow, name)).label(name) for name in _WORST),
         )
         .where(*due)
-        .group_by(SampleRow.robot_id, SampleRow.mission_id, stretch)
+        .group_by(SampleRow.robot_id, SampleRow.mission_id, stretch_of(grade.digits))
         .subquery()
     )
     return (
