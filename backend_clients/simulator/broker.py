@@ -10,10 +10,12 @@ import argparse
 import asyncio
 import logging
 import signal
+import sys
 from collections.abc import Sequence
 
 from amqtt.broker import Broker
 from amqtt.contexts import BrokerConfig, ListenerConfig
+from amqtt.errors import BrokerError
 
 READY_LINE = "broker is ready"
 
@@ -46,7 +48,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--port", type=int, default=1883)
     options = parser.parse_args(arguments)
     logging.basicConfig(level=logging.ERROR)
-    asyncio.run(serve(options.host, options.port))
+    # it prints a traceback for every message a client did not wait for
+    logging.getLogger("amqtt").setLevel(logging.CRITICAL)
+    try:
+        asyncio.run(serve(options.host, options.port))
+    except (BrokerError, OSError) as error:
+        sys.exit(f"The broker cannot listen on {options.host}:{options.port}: {error}")
 
 
 if __name__ == "__main__":

@@ -47,7 +47,7 @@ class SimulatorConfig:
         broker_url: ``mqtt://host:port``.
         weeders: the robots to run.
         host, port: where robot HTTP listens; port 0 takes a free one.
-        seed: makes noise and ids repeatable.
+        seed: makes the world's noise repeatable; boot ids and challenges never repeat.
         speed: missions run this many times faster than real time; driving by hand never does.
         state_dir: where latch, mission and progress survive a restart; ``None`` keeps nothing.
     """

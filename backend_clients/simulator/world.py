@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import secrets
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -38,14 +39,13 @@ class SimRobot:
     Args:
         config: who it is.
         clock: its clocks.
-        seed: makes noise and ids repeatable.
+        seed: makes its noise repeatable.
         state_dir: its folder on disk, ``None`` to keep state in memory only.
     """
 
     def __init__(self, config: WeederConfig, clock: Clock, *, seed: int = 1, state_dir: Path | None = None) -> None:
         self.config, self.clock = config, clock
         self.faults = Faults()
-        self._rng = random.Random(f"{config.id}/{seed}/{clock.utc().isoformat() if state_dir else ''}")  # noqa: S311
         self.store = StateFolder(state_dir)
         self.machine = Machine(random.Random(f"noise/{config.id}/{seed}"), self._first_place(), soc=config.soc)  # noqa: S311
         saved = self.store.load_progress()
@@ -126,18 +126,10 @@ class SimRobot:
         self._boot_at_s = None if reboot_after_s is None else self.clock.mono_s() + reboot_after_s
 
     def _power_up(self) -> Boot:
-        boot_id = f"{self._rng.getrandbits(64):016x}"
-        return Boot(
-            Weeder(
-                self.config,
-                self.machine,
-                self.clock,
-                self.store,
-                self.faults,
-                boot_id,
-                lambda: f"{self._rng.getrandbits(64):016x}",
-            )
-        )
+        # never from the seed: a replayed order of an earlier run must find neither its boot nor its challenge
+        boot_id = secrets.token_hex(8)
+        weeder = Weeder(self.config, self.machine, self.clock, self.store, self.faults, boot_id, _challenge)
+        return Boot(weeder)
 
     def _first_place(self) -> SkidSteer:
         saved = self.store.load_progress()
@@ -150,6 +142,10 @@ class SimRobot:
             self.stopped_at_s = None
         elif self.stopped_at_s is None:
             self.stopped_at_s = self.clock.mono_s()
+
+
+def _challenge() -> str:
+    return secrets.token_hex(8)
 
 
 class World:
