@@ -1,10 +1,11 @@
 // The same map on a 2D canvas, for devices without WebGL.
 
 import { Camera, lineParts, mercPerMetre, mercX, mercY, polygonParts, DEG } from './geometry.js';
+import { FramePace } from './frame_pace.js';
 import { FARM_LAYERS, SURROUNDINGS, isOf } from './farm_style.js';
 import { LINE_FLOATS, STAMP_WORDS } from './drawlist.js';
 import { Gestures } from './gestures.js';
-import { MACHINES, MARKS } from './shapes.js';
+import { MACHINES, MARKS, hullOf } from './shapes.js';
 import { unpacked } from './theme.js';
 
 const MAX_ZOOM = 23.5;
@@ -13,6 +14,7 @@ const UNIT = 1e8; // path units per mercator unit: about 0.4 m, fine enough for 
 
 export class CanvasEngine {
   kind = 'canvas';
+  #pace = new FramePace();
 
   static async create(host, { scene, palette, view, hooks }) {
     return new CanvasEngine(host, scene, palette, view, hooks);
@@ -30,7 +32,7 @@ export class CanvasEngine {
     this.canvas.className = 'hl-map-canvas';
     this.canvas.tabIndex = 0;
     host.append(this.canvas);
-    this.context = this.canvas.getContext('2d', { alpha: false });
+    this.context = this.canvas.getContext('2d', { alpha: false, willReadFrequently: true }); // drawn by the CPU: there is no GPU to help
     this.gestures = new Gestures(this.canvas, {
       start: () => {},
       end: () => this.redraw(),
@@ -148,11 +150,18 @@ export class CanvasEngine {
 
   redraw() {
     if (this.frame) return;
+    this.#pace.asked();
     this.frame = requestAnimationFrame(() => {
       this.frame = null;
       this.#draw();
       this.hooks.framed();
+      this.#pace.drawn();
     });
+  }
+
+  /** Ms until this device can take another picture without falling behind. */
+  waitMs() {
+    return this.#pace.waitMs();
   }
 
   #draw() {
@@ -279,7 +288,7 @@ export class CanvasEngine {
   #machine(shape, half, shift, [fill, accent, rim]) {
     const { context } = this;
     const isGhost = shape.endsWith('-ghost');
-    const { outline, arrow } = MACHINES[shape.replace('-ghost', '')];
+    const { outline, arrow } = MACHINES[shape.replace(/-(ghost|small)$/, '')];
     const trace = (points) => {
       context.beginPath();
       points.forEach(([x, y]) => context.lineTo(x * half[0], -(y + shift) * half[1]));
@@ -288,11 +297,12 @@ export class CanvasEngine {
     context.strokeStyle = rim;
     context.lineWidth = isGhost ? 2.2 : 3.2;
     context.fillStyle = fill;
-    for (const part of outline) {
+    const parts = shape.endsWith('-small') ? [hullOf({ outline })] : outline;
+    for (const part of parts) {
       trace(part);
       if (!isGhost) context.stroke();
     }
-    for (const part of outline) {
+    for (const part of parts) {
       trace(part);
       context.fill();
       if (isGhost) {

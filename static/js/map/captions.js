@@ -71,7 +71,7 @@ export function robotLabels(robots, look) {
 export function ghostTexts(robot, look) {
   const age = look.ageOf(robot);
   const reach = look.reachOf(robot);
-  const seen = `last seen ${clockTime(age)}`;
+  const seen = Number.isFinite(age) ? `last seen ${clockTime(age)}` : 'last seen some time ago';
   if (reach === null) return [seen, 'its speed is not known'];
   if (robot.pose.speed === 0) return [seen, 'it stood still then'];
   return [seen, `within ${upTo(reach)} if it kept going`];

@@ -27,11 +27,9 @@ export class LaneTopic {
   }
 }
 
-/** Age in ms of a lane group or of anything with `t`; Infinity when that cannot be said. */
-export function ageOf(group) {
-  if (!group || !Number.isFinite(group.t)) return Infinity;
-  const age = window.headland?.age?.(group.t); // seconds, null before the first tick
-  return Number.isFinite(age) ? age * 1000 : Infinity;
+/** Console time in ms, NaN before the first tick: then every age is unknown, and what is drawn counts as old. */
+export function laneNow() {
+  return window.headland?.now?.() ?? NaN;
 }
 
 /** Revision of the lane last applied, or null. */
@@ -104,20 +102,27 @@ function isDrawable(feature) {
   return Boolean(geometry && Array.isArray(geometry.coordinates) && geometry.coordinates.length && isNumber(geometry.coordinates));
 }
 
-/** STOP states by robot, from `headland:stop` events: 'stopped', 'not-confirmed' or nothing. */
+const RANK = ['standstill', 'acknowledged', 'sent', 'not-confirmed'];
+
+/** What STOP knows of each robot: the worst press that is not reset, from `headland:stop` (see static/js/stop.js). */
 export class StopStates {
   constructor(changed) {
     this.states = new Map();
-    this.listener = ({ detail }) => {
-      if (!detail) return;
-      const steps = detail.robot ? [detail] : Object.entries(detail.robots ?? {}).map(([robot, step]) => ({ robot, ...(typeof step === 'string' ? { state: step } : step) }));
-      for (const { robot, state } of steps) this.states.set(robot, state);
-      changed();
-    };
+    this.changed = changed;
+    this.listener = ({ detail }) => this.#take(detail);
     window.addEventListener('headland:stop', this.listener);
+    if (window.headlandStop) this.#take(window.headlandStop.state());
   }
 
-  /** State to draw, from the press and from what the robot itself reports ({latched, standstill}). */
+  #take(detail) {
+    this.states = new Map();
+    for (const { robot, state } of detail?.steps ?? []) {
+      if (RANK.indexOf(state) > RANK.indexOf(this.states.get(robot))) this.states.set(robot, state);
+    }
+    this.changed();
+  }
+
+  /** 'stopped' (confirmed), 'not-confirmed' or null, from the press and what the robot reports ({latched, standstill}). */
   of(robotId, safety) {
     const state = this.states.get(robotId);
     if (state === 'not-confirmed') return 'not-confirmed';

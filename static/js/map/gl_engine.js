@@ -1,6 +1,7 @@
 // MapLibre GL behind the same small interface as the 2D canvas engine. Loaded only when a map is on screen.
 
 import { Camera, latOf, lonOf, mercX, mercY } from './geometry.js';
+import { FramePace } from './frame_pace.js';
 import { FARM_LAYERS, SURROUNDINGS, farmStyle, themedPaints } from './farm_style.js';
 import { SceneLayer } from './gl_layer.js';
 
@@ -36,6 +37,7 @@ export function hasWebGl() {
 
 export class GlEngine {
   kind = 'gl';
+  #pace = new FramePace();
 
   /** hooks: {moved(byUser), panned(), framed(), failed(error)}. */
   static async create(host, { scene, palette, view, vendor, hooks }) {
@@ -69,11 +71,12 @@ export class GlEngine {
       canvasContextAttributes: { antialias: false },
     });
     const { map } = this;
+    this.#measure();
     this.#sync();
     map.on('move', (event) => { this.#sync(); hooks.moved(Boolean(event.originalEvent)); });
     map.on('dragstart', () => hooks.panned());
-    map.on('render', () => { this.#sync(); hooks.framed(); });
-    map.on('resize', () => { this.#sync(); hooks.moved(false); });
+    map.on('render', () => { this.#sync(); hooks.framed(); this.#pace.drawn(); });
+    map.on('resize', () => { this.#measure(); this.#sync(); hooks.moved(false); });
     map.on('click', (event) => hooks.tapped(event.point.x, event.point.y));
     map.on('webglcontextlost', () => hooks.lost());
     map.on('webglcontextrestored', () => { this.#addScene(); hooks.restored(); });
@@ -89,6 +92,13 @@ export class GlEngine {
     this.map.addLayer(this.layer);
   }
 
+  /** Only when the size changed: asking the page for it forces a layout. */
+  #measure() {
+    const box = this.map.getContainer();
+    this.camera.width = box.clientWidth || 1;
+    this.camera.height = box.clientHeight || 1;
+  }
+
   #sync() {
     const { camera, map } = this;
     const centre = map.getCenter();
@@ -96,9 +106,6 @@ export class GlEngine {
     camera.my = mercY(centre.lat);
     camera.zoom = map.getZoom();
     camera.bearing = map.getBearing();
-    const box = map.getContainer();
-    camera.width = box.clientWidth || 1;
-    camera.height = box.clientHeight || 1;
   }
 
   setFarm(collection) {
@@ -126,7 +133,13 @@ export class GlEngine {
   }
 
   redraw() {
+    this.#pace.asked();
     this.map.triggerRepaint();
+  }
+
+  /** Ms until the graphics can take another picture without falling behind. */
+  waitMs() {
+    return this.#pace.waitMs();
   }
 
   /** True while a finger or an animation moves the map: following then waits. */

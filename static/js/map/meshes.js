@@ -1,7 +1,7 @@
 // Triangles of every shape. A vertex is (ux, uy, ox, oy, slot, alpha): a place in body units, an offset in px
 // (outlines keep their width at every zoom) and one of three colours. Edges fade over one px: no multisampling needed.
 
-import { MACHINES, MARKS } from './shapes.js';
+import { MACHINES, MARKS, hullOf } from './shapes.js';
 
 export const VERTEX_FLOATS = 6;
 const [FILL, ACCENT, RIM] = [0, 1, 2];
@@ -106,6 +106,21 @@ function ghost({ nominal, outline, arrow }) {
   return mesh;
 }
 
+/** For crowds: a tenth of the triangles, no soft edges. */
+function small({ nominal, outline, arrow }) {
+  const mesh = new Mesh();
+  const flat = (points, slot, grow) => {
+    const dirs = corners(points, nominal);
+    const first = points.map((p, i) => mesh.vertex(p, times(dirs[i], grow), slot, 1));
+    for (let i = 1; i + 1 < points.length; i += 1) mesh.indices.push(first[0], first[i], first[i + 1]);
+  };
+  const hull = hullOf({ outline });
+  flat(hull, RIM, RIM_PX);
+  flat(hull, FILL, 0);
+  if (arrow) flat(arrow, ACCENT, 0);
+  return mesh;
+}
+
 const circle = (sides) => Array.from({ length: sides }, (_, i) => {
   const angle = (i / sides) * 2 * Math.PI;
   return [Math.sin(angle), Math.cos(angle)];
@@ -136,6 +151,7 @@ export function buildMeshes() {
   for (const [name, spec] of Object.entries(MACHINES)) {
     keep(name, machine(spec));
     keep(`${name}-ghost`, ghost(spec));
+    keep(`${name}-small`, small(spec));
   }
   return meshes;
 }

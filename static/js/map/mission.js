@@ -18,10 +18,10 @@ export function readMission(collection) {
   const features = collection?.features ?? [];
   const pieces = [];
   for (const feature of features) {
-    const { kind, row } = feature.properties ?? {};
+    const { kind, row, tool_on: tool } = feature.properties ?? {};
     if (!PATH_KINDS.has(kind)) continue;
     for (const line of lineParts(feature.geometry)) {
-      if (line.length > 1) pieces.push({ kind, row: kind === 'row' ? Number(row) || 0 : 0, line: flat(line) });
+      if (line.length > 1) pieces.push({ kind, row: kind === 'row' ? Number(row) || 0 : 0, isWorked: kind === 'row' || tool === true, line: flat(line) });
     }
   }
   const of = (kind) => features.filter((f) => f.properties?.kind === kind);

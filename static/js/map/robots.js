@@ -27,7 +27,7 @@ export class Robot {
   /** Take a pose {t, lat, lon, heading_deg, speed_mps} unless it is older than the one held; true when it moved. */
   setPose(pose, now) {
     if (!pose || !Number.isFinite(pose.lat) || !Number.isFinite(pose.lon)) return false;
-    if (this.pose && pose.t <= this.pose.t) return false;
+    if (this.pose && pose.t <= this.pose.t) return false; // false too when the held time no longer compares
     const target = {
       t: pose.t,
       lat: pose.lat,
@@ -81,10 +81,23 @@ export class Robot {
     return Number.isFinite(front) && this.body?.length_m ? (2 * front) / this.body.length_m - 1 : 0;
   }
 
+  /** Age of the pose in ms at `clock` ({lane: console ms or NaN, page: performance.now()}). */
+  ageMs(clock) {
+    const age = clock.lane - this.pose.t;
+    if (Number.isNaN(age)) return clock.page - (this.seen ?? -Infinity);
+    this.seen = clock.page - age;
+    return Math.max(0, age);
+  }
+
+  /** The console's clock started anew: times held no longer compare, ages go on by this page's own clock. */
+  forgetClock() {
+    if (this.pose) this.pose.t = NaN;
+  }
+
   /** Metres it can have gone since `ageMs` ago, had it kept its speed; null when nothing is known about its speed. */
   reachM(ageMs) {
     const speed = this.pose?.speed ?? this.body?.max_speed_mps ?? null;
-    return speed === null ? null : (Math.abs(speed) * ageMs) / 1000;
+    return speed === null || !Number.isFinite(ageMs) ? null : (Math.abs(speed) * ageMs) / 1000;
   }
 }
 
@@ -98,5 +111,6 @@ export function upTo(metres) {
 
 /** Wall-clock time "14:36:20" of something `ageMs` ago, on this device's clock. */
 export function clockTime(ageMs) {
-  return new Date(Date.now() - ageMs).toLocaleTimeString('en-GB', { hour12: false });
+  const time = new Date(Date.now() - ageMs);
+  return [time.getHours(), time.getMinutes(), time.getSeconds()].map((part) => String(part).padStart(2, '0')).join(':');
 }

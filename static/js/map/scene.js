@@ -11,6 +11,7 @@ const RING_PX = 52;
 const OCTAGON_PX = 84;
 const DONE_SHARE = 0.83; // of the working width, so that single rows stay readable
 const KEEP_OUT_M = 15;
+const CROWD = 150; // robots beyond which they are drawn with fewer corners
 
 export class Scene {
   constructor(palette) {
@@ -64,7 +65,7 @@ export class Scene {
     for (const piece of this.model.pieces) {
       this.rowFrom.push(rows.count);
       this.pathFrom.push(path.count);
-      if (piece.kind === 'row') rows.add(piece.line, this.origin, perMetre);
+      if (piece.isWorked) rows.add(piece.line, this.origin, perMetre);
       walked = path.add(piece.line, this.origin, perMetre, walked);
     }
     this.rowFrom.push(rows.count);
@@ -81,10 +82,11 @@ export class Scene {
     }
   }
 
-  /** Lay marks and machines of all robots. `look`: {now, selected, reachOf(robot) -> metres or null}. */
+  /** Lay marks and machines of all robots. `look`: {now, count, selected, reachOf(robot) -> metres or null}. */
   setRobots(robots, look) {
     for (const shape of SHAPE_ORDER) this.stamps[shape].clear();
     let chosen = null;
+    this.isCrowd = look.count > CROWD;
     for (const robot of robots) {
       if (!robot.pose) continue;
       if (robot.id === look.selected) chosen = robot;
@@ -101,13 +103,14 @@ export class Scene {
     const least = (isSelected ? LEAST_PX.selected : LEAST_PX.plain) * scale;
     const shape = familyShape(robot.family);
     const { ink } = this;
+    const isSmall = this.isCrowd && !isSelected && !robot.stop;
     this.#marks(robot, look, x, y, isSelected, scale);
     if (robot.isStale) {
-      this.stamps[`${shape}-ghost`].push(x, y, pose.heading, robot.widthM, robot.lengthM, least, robot.shift, ink.ghostFill, ink.ghostLine, ink.ghostLine);
+      this.stamps[`${shape}-${isSmall ? 'small' : 'ghost'}`].push(x, y, pose.heading, robot.widthM, robot.lengthM, least, robot.shift, ink.ghostFill, ink.ghostLine, ink.ghostLine);
       return;
     }
     const [fill, accent] = this.#bodyInk(robot, isSelected);
-    this.stamps[shape].push(x, y, pose.heading, robot.widthM, robot.lengthM, least, robot.shift, fill, accent, ink.halo);
+    this.stamps[isSmall ? `${shape}-small` : shape].push(x, y, pose.heading, robot.widthM, robot.lengthM, least, robot.shift, fill, accent, ink.halo);
   }
 
   #bodyInk(robot, isSelected) {
@@ -165,7 +168,7 @@ export class Scene {
       { ...all, from: restFrom, count: sets.rows.count - restFrom, colour: faded(ink.row, restAlpha), leastPx: 1, cap: 0 },
       { ...all, count: doneTo, colour: ink.done, widthM: rowWidthM * DONE_SHARE, leastPx: 0.8, cap: 0 },
     ];
-    if (at >= 0 && at < end && model.pieces[at].kind === 'row') {
+    if (at >= 0 && at < end && model.pieces[at].isWorked) {
       lines.push({ set: sets.behind, from: 0, count: sets.behind.count, colour: ink.done, widthM: rowWidthM * DONE_SHARE, leastPx: 0.8, cap: 0 });
       if (!shown.plan) lines.push({ set: sets.ahead, from: 0, count: sets.ahead.count, colour: ink.row, leastPx: 1, cap: 0 });
     }

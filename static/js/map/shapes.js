@@ -36,10 +36,13 @@ export const MARKS = {
   'octagon-edge': { kind: 'edge', points: OCTAGON, width: 2.6 },
 };
 
+/** Outline of a machine in a crowd: one part, few corners. */
+export const hullOf = ({ outline }) => (outline.length > 1 ? rect(-1, -1, 1, 1) : outline[0]);
+
 export const familyShape = (family) => (family in MACHINES ? family : 'other');
 
 /** Every shape name a stamp can have, in drawing order. */
 export const SHAPE_ORDER = [
   'disc', 'octagon', 'octagon-edge', 'ring-thin-dash', 'ring-dash', 'ring-heavy', 'ring',
-  ...Object.keys(MACHINES).flatMap((name) => [name, `${name}-ghost`]),
+  ...Object.keys(MACHINES).flatMap((name) => [`${name}-small`, name, `${name}-ghost`]),
 ];
