@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Annotated, Any, Literal, Protocol
 
 from fastapi import APIRouter, Path, Request
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from hmi.api.access import access_of
 from hmi.api.body import Body
@@ -17,14 +17,14 @@ StopRef = Annotated[str, Field(min_length=8, max_length=64)]
 
 
 class StopBody(Body):
-    """A press; repeats with the same id are harmless. Whatever cannot be read as robot ids is refused as a whole."""
+    """A press; repeats with the same id are harmless. Fields a newer page may add never stand in its way."""
 
+    model_config = ConfigDict(strict=True, extra="ignore", frozen=True)
     stop_id: StopRef
     robots: (
         Annotated[list[Annotated[str, Field(min_length=1, max_length=64)]], Field(min_length=1, max_length=1000)]
         | Literal["all"]
     )
-    reason: Annotated[str, Field(max_length=80)] = ""
 
 
 class StopSender(Protocol):

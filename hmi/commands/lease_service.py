@@ -169,6 +169,9 @@ class LeaseService:
     async def tend(self) -> None:
         """End the control of silent holders and draw a new epoch in time; call every second or so."""
         self._sweep()
+        for lease in self._book.drop_old_asks(self._clock.mono_s()):
+            text = f"{lease.holder.user_name} did not answer; ask again."
+            self._on_event(lease_event(lease.robot_id, "unanswered", text, lease, by=lease.holder.user_name))
         if self._book.is_low_on_tokens:
             self._book.begin_epoch(await self._next_epoch())
 

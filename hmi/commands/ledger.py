@@ -103,7 +103,7 @@ class OrderLedger:
         self._hooks: list[ResultHook] = []
 
     def when_settled(self, hook: ResultHook) -> None:
-        """Call ``hook`` with every result, and again when a late answer corrects it."""
+        """Call ``hook`` with every result, ``pending`` ones and late corrections included."""
         self._hooks.append(hook)
 
     async def place(self, ticket: Ticket, prepare: Callable[[], Order]) -> CommandResult:

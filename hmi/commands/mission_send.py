@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from dataclasses import dataclass
 
 from hmi.commands.gate import Gate
@@ -12,6 +13,9 @@ from hmi.domain.robot import Robot
 from hmi.domain.role import Permission
 from hmi.security.session_info import SessionInfo
 from hmi.store.audit_chain import AuditEntry
+from hmi.store.errors import StoreError
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,11 +53,13 @@ class MissionSender:
             self._busy.discard(robot_id)
 
     async def _upload(self, actor: SessionInfo, robot: Robot, mission_id: str) -> MissionSent:
-        stored = await self._source.stored(actor.farm_id, mission_id, robot.id)
-        if stored is None:
-            return MissionSent(Outcome.REJECTED, UNKNOWN_MISSION, "There is no such mission.")
         try:
+            stored = await self._source.stored(actor.farm_id, mission_id, robot.id)
+            if stored is None:
+                return MissionSent(Outcome.REJECTED, UNKNOWN_MISSION, "There is no such mission.")
             answer = await self._sender.upload_mission(robot.id, dict(stored.document))
+        except OrderRefused as refused:
+            return MissionSent(Outcome.REJECTED, refused.code, refused.text)
         except OrderFailed as failed:
             outcome = Outcome.REJECTED if failed.is_outcome_known else Outcome.UNKNOWN
             return MissionSent(outcome, failed.code, failed.text)
@@ -62,7 +68,10 @@ class MissionSender:
         if answer.sha256 != stored.sha256:
             text = f"{robot.name} read back another mission than was sent. Do not start it; send it again."
             return MissionSent(Outcome.REJECTED, HASH_MISMATCH, text, answer.sha256)
-        await self._source.sent(actor.farm_id, mission_id, robot.id, actor.user_name)
+        try:
+            await self._source.sent(actor.farm_id, mission_id, robot.id, actor.user_name)
+        except StoreError:  # the robot has it all the same, and its state will say so
+            log.exception("mission %s is on %s but its status was not stored", mission_id, robot.id)
         return MissionSent(Outcome.ACCEPTED, "ok", _sent_text(robot, stored), answer.sha256)
 
     def _settle(self, actor: SessionInfo, robot_id: str, mission_id: str, result: MissionSent) -> MissionSent:

@@ -52,7 +52,11 @@ class MissionSource(Protocol):
     """Where stored missions come from."""
 
     async def stored(self, farm_id: str, mission_id: str, robot_id: str) -> StoredMission | None:
-        """Return a mission of this farm as it goes to this robot, ``None`` if there is none."""
+        """Return a mission of this farm as it goes to this robot, ``None`` if there is none.
+
+        Raises:
+            OrderRefused: it must not go to this robot, with the reason.
+        """
         ...
 
     async def sent(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> None:

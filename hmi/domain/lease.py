@@ -218,6 +218,15 @@ class LeaseBook:
                 self._put(replace(lease, asks=left))
         return ended
 
+    def drop_old_asks(self, now_s: float) -> tuple[Lease, ...]:
+        """Forget who asked too long ago; return the leases this changed."""
+        changed = []
+        for lease in tuple(self._leases.values()):
+            waiting = lease.open_asks(now_s)
+            if len(waiting) != len(lease.asks):
+                changed.append(self._put(replace(lease, asks=waiting)))
+        return tuple(changed)
+
     def expire(self, now_s: float) -> tuple[Lease, ...]:
         """Drop every lease whose holder fell silent; return what was ended."""
         ended = tuple(lease for lease in self._leases.values() if not lease.is_live(now_s))
