@@ -34,9 +34,8 @@ def weeder(
     robots: Annotated[Path | None, typer.Option(help="JSON list of robots instead of --id, as the demo uses.")] = None,
 ) -> None:
     """Start one simulated laser weeder, or those of a file."""
-    from backend_clients.simulator.process import run_simulator
-
     from backend_clients.simulator.config import SimulatorConfig
+    from backend_clients.simulator.process import run_simulator
 
     try:
         weeders = _read(robots) if robots else (_one(robot, name, token, lat, lon),)

@@ -16,9 +16,12 @@ from typing import Any
 import httpx
 
 from hmi.keeper.ports import free_port
+from tests.e2e.caller import Caller
 
 ROOT = Path(__file__).parents[2]
 START_LIMIT_S = 60.0
+CALM_LIMIT_S = 20.0
+ROBOTS = ("weeder-01", "weeder-02", "weeder-03")
 END_LIMIT_S = 3.0  # the promise: Ctrl+C ends everything within 3 s
 
 
@@ -75,6 +78,41 @@ class Installation:
         """Return the ground truth about one robot."""
         truth: dict[str, Any] = self.simulator("GET", f"/_world/{robot}")
         return truth
+
+    def fault(self, robot: str, name: str, **more: Any) -> None:
+        """Switch a fault of a robot on."""
+        self.simulator("POST", f"/_faults/{robot}", {"fault": name, **more})
+
+    def mend(self, robot: str, name: str | None = None) -> None:
+        """Switch one fault off, or all of them."""
+        self.simulator("DELETE", f"/_faults/{robot}" + (f"?fault={name}" if name else ""))
+
+    def calm(self) -> None:
+        """Let every robot be healthy, heard, not stopped and idle, and the console know it."""
+        for robot in ROBOTS:
+            self.mend(robot)
+        deadline_s = time.monotonic() + CALM_LIMIT_S
+        caller = Caller(self.url, "supervisor")
+        try:
+            while any(not self._is_calm(caller, robot) for robot in ROBOTS):
+                assert time.monotonic() < deadline_s, "the robots do not calm down"
+                for robot in ROBOTS:
+                    caller.calm(robot)
+                time.sleep(0.1)
+        finally:
+            caller.close()
+
+    def _is_calm(self, caller: Caller, robot: str) -> bool:
+        shown, truth = caller.get(f"/robots/{robot}"), self.world(robot)
+        return bool(
+            not truth["latched"]
+            and truth["standstill"]
+            and truth["mode"] in ("idle", "paused")
+            and (shown.get("link") or {}).get("is_online")
+            and not (shown.get("lease") or {}).get("owner")
+            and not (shown.get("safety") or {}).get("latched")
+            and (shown.get("mission") or {}).get("status") not in ("running", "paused")
+        )
 
     def end(self) -> float:
         """Press Ctrl+C; return how many seconds it took to end."""

@@ -1,0 +1,19 @@
+"""The composition root: the only place that knows everybody."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from hmi.settings import Settings
+
+
+def run_console(settings: Settings) -> None:
+    """Serve the console until SIGTERM or SIGINT.
+
+    Raises:
+        StartError: the database cannot be used.
+    """
+    from hmi.app.server import serve_console
+
+    serve_console(settings)

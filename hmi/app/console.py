@@ -1,0 +1,198 @@
+"""One console: every service built once and plugged into the others."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections.abc import Callable
+from typing import Any
+
+from hmi.api.health import KeeperReport
+from hmi.api.metrics import ConsoleMetrics
+from hmi.app.edge import Edge
+from hmi.app.missions import MissionDesk
+from hmi.app.records import Records
+from hmi.app.stops import StopDesk
+from hmi.clock import Clock
+from hmi.commands.desk import CommandDesk, CommandPorts
+from hmi.commands.drive import DriveFrame
+from hmi.commands.lease_words import asked_of, owner_of
+from hmi.domain.event import RobotEvent
+from hmi.domain.robot import Robot, SafetyState
+from hmi.live.frames import Drive, Here
+from hmi.live.hub import LiveHub
+from hmi.security.authorization import Authorizer
+from hmi.security.session_info import SessionInfo
+from hmi.settings import Settings
+
+log = logging.getLogger(__name__)
+WATCH_S = 1.0
+THIN_S = 600.0  # history is thinned in small steps; nobody waits for it
+
+
+class Console:
+    """All services of the console process. Make one with ``prepare``; ``start`` and ``stop`` it on the event loop."""
+
+    def __init__(self, settings: Settings, clock: Clock, records: Records, edge: Edge, epoch: int) -> None:
+        self.settings, self.clock, self.records, self.edge = settings, clock, records, edge
+        self.authorize = Authorizer(edge.fleet.robot)
+        self.missions = MissionDesk(settings, clock, records, edge.fleet, self.authorize)
+        self.hub = LiveHub(edge.fleet, edge.ticks, clock, self.missions.title_of)
+        self.keeper = KeeperReport(settings.data)
+        self.metrics = ConsoleMetrics()
+        self.desk = CommandDesk(
+            CommandPorts(
+                fleet=edge.fleet,
+                ticks=edge.ticks,
+                sender=edge.sender,
+                audit=records.audit,
+                missions=self.missions.book,
+                clock=clock,
+                authorize=self.authorize,
+                on_event=self._lane_event,
+                epoch=epoch,
+                next_epoch=self._next_epoch,
+                is_signed_in=lambda session_id: records.sessions.get(session_id) is not None,
+            )
+        )
+        self.stops = StopDesk(edge.sender, clock, records.robots, records.audit, self.desk.leases)
+        self._online: set[str] = set()
+        self._tasks: list[asyncio.Task[None]] = []
+        self._undo: list[Callable[[], None]] = []
+
+    @classmethod
+    async def prepare(cls, settings: Settings, clock: Clock) -> Console:
+        """Open the database and build everything; nothing runs yet.
+
+        Raises:
+            StoreError: the database cannot be used.
+        """
+        edge = Edge(settings, clock)
+        records = Records(settings, clock, lambda robot_id: edge.fleet.registration(robot_id) is not None)
+        await asyncio.to_thread(records.open)
+        await records.sessions.load()
+        epoch = await asyncio.to_thread(records.counters.next_epoch, "lease")
+        console = cls(settings, clock, records, edge, epoch)
+        await console.missions.prepare()
+        return console
+
+    async def start(self) -> None:
+        """Start writers, the broker connection, the live lane and everything that watches."""
+        self.records.start()
+        self.sync_registry()
+        self._listen()
+        await self.edge.start()
+        await self.hub.start()
+        self.desk.start()
+        self.stops.start()
+        self.missions.start()
+        self._tasks = [
+            asyncio.create_task(self._watch(), name="console-watch"),
+            asyncio.create_task(self._thin(), name="console-thin"),
+        ]
+
+    async def stop(self) -> None:
+        """End everything in the opposite order; what is queued is written."""
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+        for undo in self._undo:
+            undo()
+        await self.missions.stop()
+        await self.stops.stop()
+        await self.desk.close()
+        await self.hub.stop()
+        await self.edge.stop()
+        await asyncio.to_thread(self.records.close)
+
+    def sync_registry(self) -> None:
+        """Let the live store know which robots are registered now; call it on the loop."""
+        self.edge.fleet.set_registry(self.records.robots.all())
+
+    def client_frame(self, session: SessionInfo, lane_id: str, frame: Here | Drive) -> None:
+        """Take a ``here`` or ``drive`` frame of a browser."""
+        if isinstance(frame, Here):
+            self.desk.pulse.here(session, frame.robot, frame.tick)
+            return
+        verdict = self.desk.drive.setpoint(session, lane_id, DriveFrame(frame.robot, frame.v, frame.w, frame.tick))
+        if not verdict.is_forwarded:
+            told = {"kind": "drive", "robot": frame.robot, "code": verdict.code, "text": verdict.text}
+            self.hub.event(told, session_id=session.session_id)
+
+    def _listen(self) -> None:
+        hear = self.edge.coordinator.listeners
+        hear.on_ack += [self._acknowledged, self.stops.service.on_ack]
+        hear.on_safety += [self._safety, self.stops.service.on_safety]
+        hear.on_event += [self.records.recorder.see_event, self._robot_event]
+        self.desk.ledger.when_settled(self.metrics.observe)
+        self._undo = [
+            self.records.sessions.on_ended(self._session_ended),
+            self.edge.fleet.subscribe(self._fleet_changed),
+        ]
+        self._seen = 0
+
+    def _acknowledged(self, answer: Any) -> None:
+        self.desk.ledger.acknowledged(answer)
+
+    def _safety(self, robot_id: str, safety: SafetyState) -> None:
+        robot = self.edge.fleet.robot(robot_id)
+        if robot is not None and safety.latched:
+            self.desk.leases.observe(robot)
+
+    def _robot_event(self, event: RobotEvent) -> None:
+        told = {"kind": "robot", "robot": event.robot_id, "name": event.name, "text": event.text, "what": event.kind}
+        self.hub.event(told)
+
+    def _fleet_changed(self) -> None:
+        changes = self.edge.fleet.since(self._seen)
+        self._seen = changes.revision
+        for robot_id in changes.robots:
+            robot = self.edge.fleet.robot(robot_id)
+            if robot is not None and robot.is_registered:
+                self._notice_return(robot)
+                self.records.recorder.see(robot)
+                self.missions.tracking.see(robot)
+
+    def _notice_return(self, robot: Robot) -> None:
+        if not robot.link.is_online:
+            self._online.discard(robot.id)
+        elif robot.id not in self._online:
+            self._online.add(robot.id)
+            self.stops.service.on_return(robot.id)
+
+    def _session_ended(self, session: SessionInfo, text: str) -> None:
+        self.desk.leases.end_session(session.session_id)
+        self.hub.end_session(session.session_id, "signed_out", text)
+
+    def _lane_event(self, event: dict[str, Any]) -> None:
+        self.hub.event(event)
+        if event.get("kind") == "lease":
+            self.show_lease(str(event["robot"]))
+
+    def show_lease(self, robot_id: str) -> None:
+        """Tell the browsers who has control of a robot."""
+        lease = self.desk.leases.of(robot_id)
+        shown = {"owner": owner_of(lease), "asked": asked_of(lease)}
+        self.hub.set_group(robot_id, "lease", shown)
+
+    async def _next_epoch(self) -> int:
+        return await asyncio.to_thread(self.records.counters.next_epoch, "lease")
+
+    async def _watch(self) -> None:
+        while True:
+            parts = await asyncio.to_thread(self.keeper.parts)
+            self.hub.stop_state = str(parts.get("stop", {}).get("state", "unknown"))
+            self.hub.keeper = [
+                {"name": name, "state": part.get("state"), "last_down": part.get("last_down")}
+                for name, part in parts.items()
+                if part.get("state") != "ok" or part.get("last_down")
+            ]
+            self.records.sessions.sweep()
+            await asyncio.sleep(WATCH_S)
+
+    async def _thin(self) -> None:
+        while True:
+            await asyncio.sleep(THIN_S)
+            with contextlib.suppress(Exception):  # thinning is a courtesy; the next round tries again
+                await asyncio.to_thread(self.records.thinning.run, self.clock.utc())

@@ -1,0 +1,97 @@
+"""Missions in the console: the book, its tracking, the planner's process and, in the demo, the seed."""
+
+from __future__ import annotations
+
+import asyncio
+
+from fastapi import APIRouter
+
+from hmi.api.missions import mission_routes
+from hmi.app.records import Records
+from hmi.clock import Clock
+from hmi.commands.mission_book import MissionBook, MissionParts
+from hmi.demo.seed import DemoSeed, SeedParts
+from hmi.domain.mission import MissionChange
+from hmi.planning.worker import PlanningProcess
+from hmi.presenters.operate import MissionTitle
+from hmi.security.authorization import Authorize
+from hmi.security.demo_users import seed_demo_users
+from hmi.settings import Settings
+from hmi.store.audit_chain import AuditEntry
+from hmi.store.fleet import FleetStore
+from hmi.store.mission_tracking import MissionTracking
+from hmi.store.missions import Mission
+
+
+class MissionDesk:
+    """Everything about stored missions, with what runs beside it."""
+
+    def __init__(
+        self, settings: Settings, clock: Clock, records: Records, fleet: FleetStore, authorize: Authorize
+    ) -> None:
+        self._settings, self._clock, self._records, self._fleet = settings, clock, records, fleet
+        self._planner = PlanningProcess()
+        self._seed: DemoSeed | None = None
+        self.book = MissionBook(
+            MissionParts(
+                missions=records.missions,
+                features=records.features,
+                database=records.database,
+                fleet=fleet,
+                planner=self._planner,
+                audit=records.audit,
+                authorize=authorize,
+                clock=clock,
+            )
+        )
+        self.tracking = MissionTracking(records.missions, records.database, settings.farm_id, self._moved)
+
+    def title_of(self, mission_id: str) -> MissionTitle | None:
+        """Return what people call a mission and its field; from memory."""
+        found = self.book.title(mission_id)
+        return None if found is None else MissionTitle(*found)
+
+    def routes(self) -> APIRouter:
+        """Return the REST routes of missions and map."""
+        return mission_routes(self.book, self._fleet)
+
+    async def prepare(self) -> None:
+        """Read missions into memory; in the demo, fill an empty installation first."""
+        if self._settings.demo:
+            await self._seed_demo()
+        await self.book.load()
+
+    def start(self) -> None:
+        """Begin to follow the robots' reports."""
+        self.tracking.start()
+        if self._seed is not None:
+            self._seed.in_background()
+
+    async def stop(self) -> None:
+        """End tracking, planning and seeding."""
+        if self._seed is not None:
+            await self._seed.close()
+        await self.tracking.close()
+        await asyncio.to_thread(self._planner.close)
+
+    async def _seed_demo(self) -> None:
+        records = self._records
+        await seed_demo_users(records.accounts)
+        self._seed = DemoSeed(
+            SeedParts(
+                database=records.database,
+                features=records.features,
+                missions=records.missions,
+                robots=records.robots,
+                clock=self._clock,
+                farm_id=self._settings.farm_id,
+                data=self._settings.data,
+            )
+        )
+        await self._seed.at_once()
+
+    def _moved(self, mission: Mission, change: MissionChange) -> None:
+        robot = mission.robot_id
+        self._records.audit.append(
+            AuditEntry(mission.farm_id, change.by, "", "mission", change.after.value, robot, mission.id, change.why)
+        )

@@ -1,0 +1,64 @@
+"""STOP in the console: the second path, wired to registry, leases and audit."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+from hmi.clock import Clock
+from hmi.commands.lease_service import LeaseService
+from hmi.commands.ports import AuditSink
+from hmi.commands.stop import StopService
+from hmi.domain.command import OrderSender
+from hmi.domain.stop import StopTarget
+from hmi.domain.stop_token import StopToken
+from hmi.store.audit_chain import AuditEntry
+from hmi.store.robots import Robots
+
+
+class StopDesk:
+    """Presses of people as REST takes them; each is audited after it was sent, and ends the robot's lease."""
+
+    def __init__(
+        self, sender: OrderSender, clock: Clock, robots: Robots, audit: AuditSink, leases: LeaseService
+    ) -> None:
+        self._audit = audit
+        self._robots = robots
+        self.service = StopService(sender, clock, self, on_press=leases.stopped)
+        self._task: asyncio.Task[None] | None = None
+
+    def stop_targets(self) -> Mapping[str, StopTarget]:
+        """Return every registered robot by its id."""
+        return {
+            r.id: StopTarget(r.id, r.name, r.decel_mps2, r.ack_limit_s, r.standstill_limit_s)
+            for r in self._robots.all()
+        }
+
+    def press(self, stop_id: str, robots: Sequence[str] | Literal["all"], token: StopToken) -> list[dict[str, Any]]:
+        """Send at once; then note who pressed."""
+        is_new = not self.service.steps(stop_id)
+        steps = self.service.press(stop_id, robots, token.who, token.device_name)
+        if is_new:
+            for step in steps:
+                self._audit.append(
+                    AuditEntry(token.farm_id, token.who, token.device_name, "stop", "sent", str(step["robot"]), stop_id)
+                )
+        return steps
+
+    def steps(self, stop_id: str | None = None) -> list[dict[str, Any]]:
+        """Return the steps of one press."""
+        return self.service.steps(stop_id) if stop_id else []
+
+    def start(self) -> None:
+        """Begin to repeat what is not confirmed."""
+        self._task = asyncio.create_task(self.service.run(), name="console-stop")
+
+    async def stop(self) -> None:
+        """End the task."""
+        if self._task is not None:
+            self._task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._task
+        await self.service.close()

@@ -1,0 +1,157 @@
+"""The console as one ASGI application: REST, live lane, static files, pages, and the guards around them."""
+
+from __future__ import annotations
+
+from urllib.parse import urlsplit
+
+from fastapi import FastAPI
+from nicegui import app as pages_app
+from nicegui import core, ui
+from starlette.staticfiles import StaticFiles
+
+from hmi import __version__
+from hmi.api.access import Access
+from hmi.api.diagnostics import Sources
+from hmi.api.health import HealthRoutes
+from hmi.api.metrics import Gauge
+from hmi.api.records import RecordRoutes
+from hmi.api.robots import RobotRoutes
+from hmi.api.router import PREFIX, ApiServices, build_api
+from hmi.api.sessions import SessionRoutes
+from hmi.app.console import Console
+from hmi.assets import CompressedAssets
+from hmi.live.lane import lane_route
+from hmi.pages import bundle
+from hmi.pages.services import PageServices, StopAddress
+from hmi.pages.shell import RECONNECT_S, TITLE, shell
+from hmi.security.origins import Origins
+from hmi.security.request_guard import RequestGuard
+from hmi.security.response_headers import ResponseHeaders
+from hmi.security.socket_policy import PING_INTERVAL_S, PING_TIMEOUT_S, TRANSPORTS, allowed_origin
+from hmi.settings import Settings
+
+STATIC_PREFIXES = ("/static/", "/_nicegui/")
+
+
+def build_web(console: Console) -> FastAPI:
+    """Return the application that uvicorn serves."""
+    settings, sessions = console.settings, console.records.sessions
+    origins = Origins(settings.allowed_origins, hosts=[settings.host])
+    web = FastAPI(openapi_url=None, docs_url=None, redoc_url=None)
+    web.router.routes.append(
+        lane_route(
+            console.hub,
+            sessions,
+            lambda origin, host: origins.is_allowed(origin, "https" if settings.is_tls else "http", host or ""),
+            console.client_frame,
+            console.clock,
+            console.desk.drive.connection_lost,
+        )
+    )
+    web.mount(PREFIX, build_api(_api(console)))
+    web.router.routes.append(console.metrics.route())
+    web.router.routes.extend(bundle.routes())
+    web.mount("/static", StaticFiles(directory=bundle.STATIC))
+    ui.run_with(
+        web,
+        root=shell(_pages(console)),
+        title=TITLE,
+        tailwind=False,
+        reconnect_timeout=RECONNECT_S,
+        gzip_middleware_factory=None,  # assets are compressed once, below
+        show_welcome_message=False,
+        storage_secret=settings.secret,
+    )
+    _tighten_socket(origins)
+    # The last one added is the outermost.
+    web.add_middleware(CompressedAssets, prefixes=STATIC_PREFIXES)
+    web.add_middleware(ResponseHeaders, stop_url_of=lambda host: stop_url(settings, host))
+    web.add_middleware(RequestGuard, origins=origins, session_of=sessions.of_headers)
+    return web
+
+
+def stop_url(settings: Settings, host: str) -> str:
+    """Return the STOP gateway's address for a browser that reached the console as ``host`` (with port)."""
+    if settings.stop_public_url:
+        return settings.stop_public_url
+    name = urlsplit(f"//{host}").hostname or "127.0.0.1"
+    shown = f"[{name}]" if ":" in name else name
+    return f"{'https' if settings.is_tls else 'http'}://{shown}:{settings.stop_port}"
+
+
+def _tighten_socket(origins: Origins) -> None:
+    """Let the pages' own socket notice dead browsers in seconds and refuse foreign pages."""
+    core.sio.eio.ping_interval = PING_INTERVAL_S
+    core.sio.eio.ping_timeout = PING_TIMEOUT_S
+    core.sio.eio.cors_allowed_origins = allowed_origin(origins)
+    pages_app.config.socket_io_js_transports = list(TRANSPORTS)  # type: ignore[arg-type]
+
+
+def _pages(console: Console) -> PageServices:
+    return PageServices(
+        settings=console.settings,
+        clock=console.clock,
+        fleet=console.edge.fleet,
+        sessions=console.records.sessions,
+        authorize=console.authorize,
+        stop=StopAddress(console.settings.stop_port, console.settings.stop_public_url),
+        missions=console.missions.book,
+    )
+
+
+def _api(console: Console) -> ApiServices:
+    records, edge = console.records, console.edge
+    robots = RobotRoutes(
+        fleet=edge.fleet,
+        registry=records.robots,
+        database=records.database,
+        leases=console.desk.leases,
+        audit=records.audit,
+        clock=console.clock,
+        on_registry=console.sync_registry,
+        title_of=console.missions.title_of,
+    )
+    return ApiServices(
+        access=Access(records.sessions, records.tokens, console.authorize),
+        sessions=SessionRoutes(
+            records.sign_in, records.sessions, records.tokens, records.enrolment, records.devices, records.database
+        ),
+        accounts=records.accounts,
+        robots=robots,
+        records=RecordRoutes(records.audit, records.history, records.robots, records.database, console.clock),
+        health=HealthRoutes(
+            version=__version__,
+            keeper=console.keeper,
+            clock=console.clock,
+            broker=lambda: (
+                "up" if edge.coordinator.is_broker_up else "down",
+                _without_credentials(console.settings.broker_url),
+            ),
+            is_database_reachable=records.database.is_reachable,
+        ),
+        desk=console.desk,
+        stop=console.stops,
+        diagnostics=_diagnostics(console),
+        further=[console.missions.routes()],
+    )
+
+
+def _diagnostics(console: Console) -> Sources:
+    records = console.records
+    console.metrics.add(
+        Gauge("lanes", "Browsers connected to the live lane.", lambda: console.hub.lanes),
+        Gauge("ingest_messages", "Messages heard from robots.", lambda: console.edge.coordinator.messages, "", True),
+        Gauge("audit_queued", "Audit lines waiting for the database.", lambda: records.audit.health().writer.queued),
+        Gauge("recorder_dropped", "Samples lost.", lambda: records.recorder.health().dropped, is_counter=True),
+    )
+    return {
+        "ingest": console.edge.coordinator.diagnostics,
+        "live": lambda: {"lanes": console.hub.lanes, "boot": console.hub.boot},
+        "audit": records.audit.health,
+        "recorder": records.recorder.health,
+    }
+
+
+def _without_credentials(url: str) -> str:
+    parts = urlsplit(url)
+    return f"{parts.scheme}://{parts.hostname}:{parts.port}"
