@@ -48,7 +48,7 @@ class LiveHub:
         self._fleet, self._poses = FleetTopic(), PosesTopic()
         self._listeners: dict[str, set[Outbox]] = {}
         self._seen = self._fleet_seen = self._poses_seen = 0
-        self._fleet_due_s = self._poses_due_s = float("-inf")
+        self._fleet_due_s = float("-inf")
         self._revision = 0
         self._changed = asyncio.Event()
         self._tasks: list[asyncio.Task[None]] = []
@@ -124,12 +124,9 @@ class LiveHub:
         """Return the full state of what a lane listens to."""
         return frames.snapshot(self._revision, [(name, self._whole(name)) for name in lane.topics])
 
-    def poses_frame(self) -> bytes:
-        """Return a binary frame with the place of every robot."""
-        return self._poses.frame(self._revision, self._clock.mono_s(), self._store.robots())
-
     def beat(self) -> None:
-        """Issue a tick and hand it to every lane; called ten times a second."""
+        """Issue a tick and hand it to every lane, with the lists that are due; called ten times a second."""
+        self._send_lists()
         tick = self._ticks.issue()
         frame: dict[str, Any] = {"k": "tick", "id": tick.id, "m": round(tick.at_s * 1000, 1), "stop": self.stop_state}
         frame["keeper"] = self.keeper
@@ -146,12 +143,14 @@ class LiveHub:
             if parts:
                 robot = self._store.robot(robot_id)
                 self._send(topic.name, topic.update(robot, self._context(robot_id), parts))
+
+    def _send_lists(self) -> None:
+        # With the tick and not with each change: a lane wakes once for both.
         now_s = self._clock.mono_s()
-        if self._listeners.get(frames.FLEET) and now_s >= self._fleet_due_s:
-            self._fleet_due_s = now_s + FLEET_S
+        if frames.FLEET in self._listeners and now_s >= self._fleet_due_s:
+            self._fleet_due_s = now_s + FLEET_S - TICK_S / 2  # a beat that comes a little early still counts
             self._send(frames.FLEET, self._update_fleet())
-        if self._listeners.get(frames.POSES) and now_s >= self._poses_due_s:
-            self._poses_due_s = now_s + TICK_S * 0.9  # a beat that comes a little early still counts
+        if frames.POSES in self._listeners:
             self._send_poses(now_s)
 
     def _update_fleet(self) -> str | None:
@@ -160,10 +159,11 @@ class LiveHub:
         return self._fleet.update(self._known(changes.robots), changes.removed)
 
     def _send_poses(self, now_s: float) -> None:
-        changes = self._store.since(self._poses_seen)
-        self._poses_seen = changes.revision
+        moved = self._store.moved_since(self._poses_seen)
+        self._poses_seen = self._store.revision
+        if not moved:
+            return
         known = self._poses.known
-        moved = self._known(i for i, parts in changes.robots.items() if Part.TELEMETRY in parts)
         self._revision += 1
         frame = self._poses.frame(self._revision, now_s, moved)
         has_new_names = self._poses.known != known
@@ -227,8 +227,10 @@ class LiveHub:
         loop = asyncio.get_running_loop()
         due_s = loop.time()
         while True:
-            self.beat()
-            self._changed.set()  # the fleet list waits for its turn even when nothing new comes
+            try:
+                self.beat()
+            except Exception:  # the ticks must go on, whatever one value is
+                log.exception("a beat of the live lane failed")
             due_s = max(due_s + TICK_S, loop.time() - TICK_S)
             await asyncio.sleep(due_s - loop.time())
 

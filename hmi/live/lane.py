@@ -147,8 +147,8 @@ class _Lane:
     async def _write(self) -> None:
         while True:
             await self._box.wait()
-            for frame in self._box.take(self._hub.snapshot):
-                async with asyncio.timeout(SEND_LIMIT_S):
+            async with asyncio.timeout(SEND_LIMIT_S):
+                for frame in self._box.take(self._hub.snapshot):
                     if isinstance(frame, str):
                         await self._socket.send_text(frame)
                     else:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
-from hmi.domain.robot import Robot
+from hmi.domain.robot import Pose, Robot
 from hmi.live.frames import FLEET, POSES, ROBOT, piece
 from hmi.presenters import fleet, operate
 from hmi.store.fleet import Part
@@ -92,7 +92,8 @@ class FleetTopic:
 _HEAD = struct.Struct("<4sIdI")
 _POSE = struct.Struct("<IiiHH")
 MAGIC = b"HLP1"
-AGE_UNIT_S, AGE_MAX = 0.01, 65_535
+AGE_UNITS_PER_S, AGE_MAX = 100, 65_535
+DEG_PER_RAD = 57.29577951308232
 
 
 class PosesTopic:
@@ -119,17 +120,17 @@ class PosesTopic:
         """How many robots have a number."""
         return len(self._numbers)
 
-    def frame(self, revision: int, now_s: float, robots: Iterable[Robot]) -> bytes:
+    def frame(self, revision: int, now_s: float, moved: Sequence[tuple[str, Pose]]) -> bytes:
         """Return one binary frame: see docs/protocols/lane.md for its layout."""
-        records = []
-        for robot in robots:
-            if robot.telemetry is None:
-                continue
-            pose = robot.telemetry.pose
-            age = min(AGE_MAX, max(0, int((now_s - pose.stamp.source_s) / AGE_UNIT_S)))
-            heading = int((90.0 - pose.theta_rad * 57.29577951308232) % 360.0 * 100) % 36_000
-            records.append(
-                _POSE.pack(self.number(robot.id), round(pose.lat_deg * 1e7), round(pose.lon_deg * 1e7), heading, age)
-            )
-        head = _HEAD.pack(MAGIC, revision & 0xFFFFFFFF, now_s * 1000, len(records))
-        return head + b"".join(records)
+        frame = bytearray(_HEAD.size + _POSE.size * len(moved))
+        _HEAD.pack_into(frame, 0, MAGIC, revision & 0xFFFFFFFF, now_s * 1000, len(moved))
+        at, numbers, pack_into = _HEAD.size, self._numbers, _POSE.pack_into
+        for robot_id, pose in moved:
+            number = numbers.get(robot_id)
+            if number is None:
+                number = self.number(robot_id)
+            age = min(AGE_MAX, max(0, int((now_s - pose.stamp.source_s) * AGE_UNITS_PER_S)))
+            heading = int((90.0 - pose.theta_rad * DEG_PER_RAD) % 360.0 * 100) % 36_000
+            pack_into(frame, at, number, round(pose.lat_deg * 1e7), round(pose.lon_deg * 1e7), heading, age)
+            at += _POSE.size
+        return bytes(frame)

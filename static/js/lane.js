@@ -116,6 +116,7 @@
       if (topic === 'poses') {
         numbers = [];
         for (const [id, n] of Object.entries(groups.numbers)) numbers[n] = id;
+        state.set('poses', { robots: {} });
         continue;
       }
       state.set(topic, groups);

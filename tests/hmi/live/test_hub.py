@@ -211,14 +211,14 @@ def test_the_fleet_goes_out_at_most_twice_a_second_and_only_what_changed() -> No
     rig.move("weeder-02")
     lane = rig.lane("fleet")
     assert set(rig.take(lane)[0]["d"]["fleet"]["robots"]) == {ID, "weeder-02"}
-    rig.hub.flush()
+    rig.hub.beat()
     rig.take(lane)
     rig.move(ID, lat_deg=53.0)
     rig.clock.advance(FLEET_S / 2)
-    rig.hub.flush()
-    assert rig.take(lane) == []
+    rig.hub.beat()
+    assert [f["k"] for f in rig.take(lane)] == ["tick"]
     rig.clock.advance(FLEET_S / 2)
-    rig.hub.flush()
+    rig.hub.beat()
     delta = rig.take(lane)[0]["d"]["fleet"]["robots"]
     assert list(delta) == [ID]
     assert delta[ID]["lat"] == 53.0
@@ -228,11 +228,11 @@ def test_a_robot_that_left_is_null_in_the_fleet() -> None:
     rig = HubRig(ID)
     lane = rig.lane("fleet")
     rig.take(lane)
-    rig.hub.flush()
+    rig.hub.beat()
     rig.take(lane)
     rig.store.set_registry([])
     rig.clock.advance(1)
-    rig.hub.flush()
+    rig.hub.beat()
     assert rig.take(lane)[0]["d"] == {"fleet": {"robots": {ID: None}}}
 
 
@@ -242,12 +242,12 @@ def test_places_go_out_as_one_binary_frame_of_what_moved() -> None:
     rig.move("weeder-02")
     lane = rig.lane("poses")
     assert rig.take(lane)[0]["d"]["poses"]["numbers"] == {ID: 0, "weeder-02": 1}
-    rig.hub.flush()
+    rig.hub.beat()
     lane.take(rig.hub.snapshot)
     rig.clock.advance(0.1)
     rig.move("weeder-02", lat_deg=-33.5)
     rig.clock.advance(0.25)
-    rig.hub.flush()
+    rig.hub.beat()
     frame = lane.take(rig.hub.snapshot)[0]
     assert isinstance(frame, bytes)
     magic, _rev, m, count = struct.unpack_from("<4sIdI", frame)
@@ -261,6 +261,6 @@ def test_a_lane_that_left_is_forgotten() -> None:
     rig.hub.detach(lane)
     rig.hub.detach(lane)
     rig.move(ID)
-    rig.hub.flush()
+    rig.hub.beat()
     rig.hub.beat()
     assert rig.hub.lanes == 0
