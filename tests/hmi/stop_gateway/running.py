@@ -62,6 +62,10 @@ class RunningGateway:
         assert self._process is not None
         return self._process.pid
 
+    @property
+    def is_running(self) -> bool:
+        return self._process is not None
+
     def start(self) -> None:
         """Start it and wait until its note says where it listens."""
         note = self.data / "run" / "stop.json"
