@@ -218,11 +218,14 @@ def _corners(
 ) -> tuple[list[float], list[float], list[float]]:
     """Return pivots (found and ``declared`` by point index), and places with their speed limit where the line bends."""
     headings = np.arctan2(steps[:, 1], steps[:, 0])
-    bends = np.abs((np.diff(headings) + np.pi) % (2 * np.pi) - np.pi)
-    lengths = np.diff(s)
-    over = np.maximum((lengths[:-1] + lengths[1:]) / 2, SMOOTH_M)
-    limits = np.maximum(0.85 * MAX_YAW_RATE_RADPS * over / np.maximum(bends, 1e-9), MIN_CORNER_MPS)
+    turns = (np.diff(headings) + np.pi) % (2 * np.pi) - np.pi
+    bends = np.abs(turns)
     at = s[1:-1]
+    # arcs come as many small bends: what counts is the turn over the length the tracker looks at
+    total = np.concatenate(([0.0], np.cumsum(turns)))
+    first, last = np.searchsorted(at, at - SMOOTH_M), np.searchsorted(at, at + SMOOTH_M, side="right")
+    turned = np.maximum(np.abs(total[last] - total[first]), bends)
+    limits = np.maximum(0.85 * MAX_YAW_RATE_RADPS * 2 * SMOOTH_M / np.maximum(turned, 1e-9), MIN_CORNER_MPS)
     is_pivot = bends > PIVOT_RAD
     is_pivot[[i - 1 for i in declared if i - 1 < len(bends)]] = True
     is_slow = ~is_pivot & (limits < MAX_SPEED_MPS)
