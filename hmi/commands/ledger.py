@@ -145,7 +145,7 @@ class OrderLedger:
             if not entry.answer.done():
                 entry.answer.set_result(ack)
         elif entry.result.outcome in (Outcome.TIMED_OUT, Outcome.UNKNOWN):
-            entry.final = asyncio.get_running_loop().create_future()
+            entry.final = entry.final.get_loop().create_future()
             self._settle(entry, self._from_ack(entry, ack), is_late=True)
         return True
 

@@ -13,6 +13,7 @@ from hmi.commands.desk import CommandDesk, CommandPorts
 from hmi.commands.ports import StoredMission
 from hmi.domain.command import (
     Acknowledgement,
+    Action,
     CommandOrder,
     DriveOrder,
     OperatorPulse,
@@ -43,6 +44,7 @@ from hmi.store.audit_chain import AuditEntry
 FARM = "farm"
 CHALLENGE_LIFE_S = 2.0
 SHA = "a" * 64
+MOVING = frozenset({Action.START, Action.RESUME, Action.RETURN_HOME, Action.DRIVE_OPEN})
 
 
 def person(name: str, role: Role = Role.OPERATOR, *, browser: str = "1", farm_id: str = FARM) -> SessionInfo:
@@ -102,9 +104,16 @@ class FakeRobot:
 
     def beat(self) -> None:
         """Send a heartbeat that the console hears at once."""
-        self.challenge = f"challenge-{len(self._issued):08d}"
+        self.challenge = f"challenge-{self.boot}-{len(self._issued):08d}"
         self._issued[self.challenge] = self.own_s
         self.heard_s = self.clock.mono_s()
+
+    def reboot(self) -> None:
+        """Start anew: another boot, another clock, no challenge known; latch and fencing survive."""
+        self.boot = f"boot-{int(self.boot.removeprefix('boot-')) + 1:04d}"
+        self.own_s = 0.0
+        self._issued = {}
+        self.challenge, self.heard_s = "", None
 
     def press(self, stop_id: str, by: str, device: str = "Tablet 9") -> None:
         """Latch a STOP."""
@@ -183,6 +192,8 @@ class FakeRobot:
         code = self._judge(order.challenge, order.lease_token, order.lease_seq, "order") if is_leased else "ok"
         if code == "ok" and self._age_s(order.challenge) * 1000 > order.ttl_ms:
             code = "expired"
+        if code == "ok" and self.is_latched and order.action in MOVING:
+            code = "stop_latched"
         if code == "ok":
             self.done.append(order.command_id)
             self.mode = {"drive_open": Mode.MANUAL, "pause": Mode.PAUSED}.get(order.action.value, self.mode)
