@@ -167,13 +167,19 @@
       // a control that waits for its answer, or says why it was refused, stays until it has been read
       if (set !== this.shown && !(isBusy && set !== "unsure" && set !== "latched")) this.fill(set);
       const reasons = new Set();
-      for (const [control, action, line] of this.controls) {
+      const verdicts = [];
+      for (const [, action] of this.controls) {
         const why = action ? refusal(action) : "";
         if (why) reasons.add(why);
-        control.allow(why, line?.());
+        verdicts.push(why);
       }
+      // one reason for everything is said once, beside the controls
+      const isShared = reasons.size === 1 && this.controls.every(([, action], i) => !action || verdicts[i]);
       const [only] = reasons;
-      const isShared = reasons.size === 1 && (set === "lost" || this.controls.filter(([, action]) => action).every(([, action]) => refusal(action)));
+      this.controls.forEach(([control, , line], i) => {
+        control.isQuiet = isShared;
+        control.allow(verdicts[i], line?.());
+      });
       text(this.reason, isShared ? only : "");
       attr(this.reason, "hidden", !isShared);
     }

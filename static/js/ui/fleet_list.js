@@ -10,7 +10,7 @@
     if (stop?.state === "not-confirmed") return { level: 1, head: "Stop not confirmed", line: "Use the red button on the machine." };
     const silentMs = robot.t === null || robot.t === undefined ? Infinity : HL.port.age(robot.t);
     if (robot.is_registered === false) return { level: 4, head: "New", line: "An admin must accept it before it can be operated." };
-    if (robot.is_online === false || silentMs > HL.LOST_MS) return { level: 2, head: Number.isFinite(silentMs) ? `No link for ${words.since(silentMs)}` : "Never heard", line: "Its values are old." };
+    if (robot.is_online === false || silentMs > HL.LOST_MS) return { level: 2, head: Number.isFinite(silentMs) ? `No link for ${words.since(silentMs)}` : "Never heard", line: Number.isFinite(silentMs) ? "Its values are old. Look at its power and radio." : "Not heard since the server started." };
     return { level: robot.level ?? null, head: robot.text || "–", line: wording(robot.why) };
   }
 

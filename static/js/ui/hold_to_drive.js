@@ -6,6 +6,7 @@
   const PERIOD_MS = 100; // 10 Hz: the robot's dead-man of 0.5 s is five missed pulses
   const LIMIT_MS = 300; // above this round trip nobody can steer by eye
   const IDLE_MS = 5 * 60 * 1000; // without input control ends
+  const SETTLE_MS = 2000; // the robot says its mode twice a second; this long it may still say the old one
   const STEPS = [
     { key: "creep", label: "Creep", mps: 0.2, turn: 0.25 },
     { key: "slow", label: "Slow", mps: 0.5, turn: 0.4 },
@@ -91,6 +92,7 @@
 
   function begin(robot) {
     drive.robot = robot;
+    drive.begunAt = performance.now();
     drive.lastInput = performance.now();
     drive.held.clear();
     drive.timer ??= setInterval(beat, PERIOD_MS);
@@ -208,6 +210,7 @@
       attr(this, "hidden", !drive.isMine());
       attr(this, "data-state", drive.held.size ? "held" : "idle");
       if (!drive.isMine()) return;
+      if (mode !== "manual" && mode !== "stopped" && performance.now() - drive.begunAt > SETTLE_MS) return ended("The robot ended driving by hand.");
       if (mode === "stopped" || (HL.lease.of(drive.robot).owner && !HL.lease.isMine(drive.robot))) return stopBeating();
       text(this.promise, `Let go and ${HL.view.name()} stops. ${HL.port.robot(drive.robot).body?.tool_label || "The tool"} stays off in manual.`);
       this.steps.forEach((button, i) => attr(button, "aria-pressed", String(STEPS[i] === drive.step)));

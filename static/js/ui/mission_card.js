@@ -79,7 +79,7 @@
       text(this.leftTime, mission.status === "done" ? "–" : words.left(seconds));
     }
   }
-  const STANDING = { idle: "Not started", stopped: "Stopped", fault: "Fault", unknown: "–" };
+  const STANDING = { idle: "Not yet", stopped: "Stopped", fault: "Fault", unknown: "–" };
 
   define("hl-mission", MissionCard);
 })();

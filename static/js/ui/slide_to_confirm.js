@@ -206,7 +206,7 @@
       if (this.drag && this.drag.at >= PAST * this.drag.most) return ["Let go now", "Release past the flag to confirm", "flag"];
       if (this.drag && this.drag.at > 8) return ["Keep sliding", "Let go to cancel", null];
       if (this.spoken && this.state !== "armed") return [this.spoken.label, this.spoken.line, this.spoken.sign];
-      if (this.reason) return [options.label, this.reason, "lock"];
+      if (this.reason) return [options.label, this.isQuiet ? options.line : this.reason, "lock"];
       return [this.isHold() ? options.label.replace(/^Slide/, "Hold") : options.label, options.line, null];
     }
 

@@ -54,9 +54,18 @@
   }
 
   class Title extends LiveElement {
+    build() {
+      this.main = el("div");
+      this.line = el("div", { class: "h-t13 h-2 h-plain" });
+      this.append(this.main, this.line);
+    }
     paint() {
       attr(this, "hidden", Boolean(HL.view.robot));
-      text(this, this.dataset.fixed || (HL.view.screen === "operate" ? this.dataset.farm : HL.view.title || this.dataset.farm));
+      const title = this.dataset.fixed || (HL.view.screen === "operate" ? this.dataset.farm : HL.view.title || this.dataset.farm);
+      text(this.main, title);
+      const isList = HL.view.screen === "fleet";
+      const count = Object.keys(HL.port.fleet()).length;
+      text(this.line, isList ? `${this.dataset.farm}, ${count === 1 ? "1 robot" : `${count} robots`}` : "");
     }
   }
 

@@ -133,6 +133,7 @@ class Stage:
         self.orders: list[dict[str, Any]] = []
         self.since_s = self.clock.mono_s() - 38
         self.place = map_field.row_point(37, 0.42)
+        self.farm, self.mission = map_field.farm(), map_field.mission()
         self.fleet.set_broker(is_up=True)
         names = {"weeder-07": "Weeder 07", "weeder-01": "Weeder 01", "planter-02": "Planter 02"}
         self.fleet.set_registry([Entry(i, n) for i, n in names.items()])
@@ -142,6 +143,8 @@ class Stage:
         """Show another scene."""
         self.scene = replace(Scene(), **SCENES[name])
         self.since_s = self.clock.mono_s()
+        self.orders.clear()
+        self.frames.clear()
         self.tell_lease()
 
     def tell_lease(self) -> None:
@@ -242,17 +245,19 @@ def build(stage: Stage) -> FastAPI:
     for route in bundle.routes():
         app.router.routes.append(route)
     app.router.routes.append(
-        lane_route(stage.hub, stage.sessions, same_origin_or(), lambda _s, _lane, f: stage.frames.append(f), stage.clock)
+        lane_route(
+            stage.hub, stage.sessions, same_origin_or(), lambda _s, _lane, f: stage.frames.append(f), stage.clock
+        )
     )
     app.mount("/static", StaticFiles(directory=bundle.STATIC))
 
     @app.get("/api/v1/features")
     async def features() -> dict[str, Any]:
-        return map_field.farm()
+        return stage.farm
 
     @app.get("/api/v1/robots/{robot}/mission.geojson")
     async def mission(robot: str) -> dict[str, Any]:
-        return map_field.mission()
+        return stage.mission
 
     @app.post("/stage/{scene}")
     async def play(scene: str) -> dict[str, Any]:
@@ -268,7 +273,8 @@ def build(stage: Stage) -> FastAPI:
     @app.get("/stage-heard")
     async def heard() -> dict[str, Any]:
         drives = [{"v": f.v, "w": f.w} for f in stage.frames if type(f).__name__ == "Drive"]
-        return {"orders": stage.orders, "drives": drives}
+        heres = sum(type(f).__name__ == "Here" for f in stage.frames)
+        return {"orders": stage.orders, "drives": drives, "heres": heres}
 
     @app.api_route("/api/v1/{rest:path}", methods=["GET", "POST", "PATCH", "DELETE"])
     async def rest(rest: str, request: Request) -> JSONResponse:

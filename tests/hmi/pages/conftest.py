@@ -1,0 +1,93 @@
+"""The stage in its own process, and people who look at it."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import urllib.request
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, BrowserType, Page, expect
+
+expect.set_options(timeout=15_000)  # a busy machine is late, not wrong
+SIZES = {"landscape": (1280, 800), "portrait": (800, 1280), "desk": (1920, 1080)}
+
+
+class Theatre:
+    """The running stage, seen from a test."""
+
+    def __init__(self, url: str) -> None:
+        self.url = url
+
+    def play(self, scene: str, **changes: Any) -> None:
+        """Show a scene, with changes to it."""
+        self._post(f"/stage/{scene}", {})
+        if changes:
+            self._post("/stage-set", changes)
+
+    def heard(self) -> dict[str, Any]:
+        """Return what reached the console since the scene began."""
+        with urllib.request.urlopen(f"{self.url}/stage-heard") as reply:
+            answer: dict[str, Any] = json.loads(reply.read())
+            return answer
+
+    def orders(self, part: str) -> list[dict[str, Any]]:
+        """Return the orders whose path contains ``part``."""
+        return [order for order in self.heard()["orders"] if part in order["path"]]
+
+    def _post(self, path: str, body: dict[str, Any]) -> None:
+        request = urllib.request.Request(f"{self.url}{path}", json.dumps(body).encode(), method="POST")
+        request.add_header("content-type", "application/json")
+        urllib.request.urlopen(request).close()
+
+
+@pytest.fixture(scope="session")
+def theatre() -> Iterator[Theatre]:
+    """One stage for all tests of screens."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tests.hmi.pages.stage"], stdout=subprocess.PIPE, text=True, bufsize=1
+    )
+    assert process.stdout is not None
+    line = process.stdout.readline().strip()
+    assert line.startswith("http://127.0.0.1:"), "the stage did not start"
+    yield Theatre(line)
+    process.terminate()
+    process.wait(timeout=10)
+    process.stdout.close()
+
+
+@pytest.fixture(scope="session")
+def plain_browser(browser_type: BrowserType, browser_type_launch_args: dict[str, Any]) -> Iterator[Browser]:
+    """A browser without WebGL: the map draws on its canvas, which leaves the processor to the screens."""
+    flags = [flag for flag in browser_type_launch_args.get("args", []) if "gl" not in flag.split("=")[0]]
+    browser = browser_type.launch(**{**browser_type_launch_args, "args": [*flags, "--disable-gpu", "--disable-webgl"]})
+    yield browser
+    browser.close()
+
+
+@pytest.fixture
+def look(plain_browser: Browser, theatre: Theatre) -> Iterator[Callable[..., Page]]:
+    """Give a page: ``look("/fleet", role="operator", size="portrait")``; script errors fail the test."""
+    contexts = []
+    problems: list[str] = []
+
+    def open_page(path: str = "/operate/weeder-07", *, role: str = "operator", size: str = "landscape") -> Page:
+        width, height = SIZES[size]
+        context = plain_browser.new_context(
+            viewport={"width": width, "height": height}, has_touch=size != "desk", base_url=theatre.url
+        )
+        contexts.append(context)
+        if role:
+            context.add_cookies([{"name": "stage", "value": role, "url": theatre.url}])
+        page = context.new_page()
+        page.on("pageerror", lambda error: problems.append(str(error)))
+        page.goto(path)
+        return page
+
+    yield open_page
+    for context in contexts:
+        context.close()
+    assert problems == []
