@@ -139,6 +139,7 @@ class _Lane:
             {
                 "k": "hello",
                 "boot": self._hub.boot,
+                "m": round(self._clock.mono_s() * 1000, 1),
                 "user": {"id": s.user_id, "name": s.user_name, "role": s.role.value},
                 "device": {"id": s.device_id, "name": s.device_name},
             }

@@ -24,8 +24,8 @@
   let socket = null, attempt = 0, retryAt = 0, openedAt = 0, isEnded = false;
   let boot = null, revision = -1, hello = null;
   let offset = null;             // smallest (performance.now() - m) of the window
-  let tickId = null, tickM = null, tickAt = -Infinity, tickInfo = {};
-  let wanted = [];
+  let tickId = null, tickM = null, tickAt = -Infinity;
+  let asked = [], wanted = '[]';  // what sub() was told, and what the console was told
   let pings = new Map(), pingNumber = 0, rtt = null;
   let control = null;
   let linkState = 'server-lost', linkSince = performance.now();
@@ -84,8 +84,9 @@
   function on(topic, fn) {
     if (!listeners.has(topic)) listeners.set(topic, new Set());
     listeners.get(topic).add(fn);
+    subscribe();
     if (state.has(topic)) call(fn, state.get(topic), topic, null);
-    return function off() { const all = listeners.get(topic); if (all) all.delete(fn); };
+    return function off() { listeners.get(topic).delete(fn); subscribe(); };
   }
 
   function call(fn, value, topic, changed) {
@@ -158,9 +159,9 @@
         learn(frame.m);
         if (tickM === null || frame.m > tickM) {
           tickId = frame.id; tickM = frame.m; tickAt = performance.now();
-          tickInfo = { stop: frame.stop, keeper: frame.keeper || [] };
+          state.set('tick', { stop: frame.stop, keeper: frame.keeper || [] });
         }
-        tell('tick', tickInfo, null);
+        tell('tick', state.get('tick'), null);
         check();
         break;
       case 'snap':
@@ -181,7 +182,7 @@
       case 'bye':
         isEnded = frame.code !== 'full';
         tell('bye', frame, null);
-        dispatch('headland:bye', frame);
+        if (isEnded) dispatch('headland:bye', frame);
         break;
     }
   }
@@ -191,7 +192,9 @@
     boot = frame.boot; hello = frame; revision = -1; attempt = 0;
     // Another run of the console has another clock: nothing of the old one maps.
     offset = null; arrived.length = 0; tickId = null; tickM = null; tickAt = -Infinity;
-    if (wanted.length) transmit({ k: 'sub', topics: wanted });
+    if (typeof frame.m === 'number') learn(frame.m);
+    wanted = '[]';
+    subscribe();
     ping();
     tell('hello', frame, null);
   }
@@ -208,9 +211,17 @@
   function send(frame) { return linkState !== 'server-lost' && transmit(frame); }
 
   function sub(topics) {
-    wanted = Array.from(new Set(topics));
-    for (const topic of Array.from(state.keys())) if (!wanted.includes(topic)) state.delete(topic);
-    transmit({ k: 'sub', topics: wanted });
+    asked = Array.from(new Set(topics));
+    subscribe();
+  }
+
+  // Robots are asked for by name; the lists come as long as anybody listens to them.
+  function subscribe() {
+    const lists = ['fleet', 'poses'].filter(function (topic) { return listeners.has(topic) && listeners.get(topic).size > 0; });
+    const topics = Array.from(new Set(asked.concat(lists)));
+    for (const topic of Array.from(state.keys())) if (topic !== 'tick' && !topics.includes(topic)) state.delete(topic);
+    const text = JSON.stringify(topics);
+    if (text !== wanted && transmit({ k: 'sub', topics })) wanted = text;
   }
 
   function ping() {
@@ -382,6 +393,7 @@
     state: function (topic) { return state.get(topic); },
     control: function () { return control; },
     hello: function () { return hello; },
+    revision: function () { return revision; },
     rtt: function () { return rtt; },
     link: function () { return linkState; },
     linkFor: function () { return (performance.now() - linkSince) / 1000; },

@@ -80,6 +80,34 @@ test('a snapshot replaces and a delta merges whole groups', () => {
   assert.deepEqual(w.sent('sub'), [{ k: 'sub', topics: [R] }]);
 });
 
+test('the lists are subscribed as long as anybody listens, robots only as asked', () => {
+  const w = new World();
+  w.connect();
+  w.headland.sub([R]);
+  w.headland.on('robot/other', () => {});
+  const off = w.headland.on('poses', () => {});
+  w.headland.sub([R, 'fleet']);
+  off();
+  assert.deepEqual(w.sent('sub').map((f) => f.topics.join(' ')), [R, `${R} poses`, `${R} fleet poses`, `${R} fleet`]);
+});
+
+test('what the tick says of the parts of the system can be read', () => {
+  const w = new World();
+  w.connect();
+  w.headland.sub([R]);
+  assert.equal(w.headland.state('tick').stop, 'up');
+});
+
+test('a full server is tried again and does not send the page to sign-in', () => {
+  const w = new World();
+  w.socket.open();
+  w.socket.say({ k: 'bye', code: 'full', text: 'Too many pages are open on this server.' });
+  w.socket.fail(4429);
+  w.advance(1000);
+  assert.equal(w.sockets.length, 2);
+  assert.equal(w.events.filter(([n]) => n === 'headland:bye').length, 0);
+});
+
 test('an old or repeated delta is not applied', () => {
   const w = new World();
   w.connect();

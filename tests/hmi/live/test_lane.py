@@ -117,6 +117,7 @@ async def frame(ws: ClientConnection, kind: str) -> dict[str, Any]:
 async def test_hello_comes_first_then_ticks_that_the_console_accepts() -> None:
     async with running() as site, site.open() as ws:
         hello = json.loads(await ws.recv())
+        assert abs(hello.pop("m") / 1000 - SystemClock().mono_s()) < 5
         assert hello == {
             "k": "hello",
             "boot": "boot1",
