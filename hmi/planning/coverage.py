@@ -26,7 +26,9 @@ from hmi.planning.projection import Floats
 from hmi.planning.swaths import Swath
 
 MIN_WIDTH_M, MAX_WIDTH_M = 0.05, 50.0
-MAX_POINTS = 100_000  # corners of the field as given
+MAX_POINTS = 200_000  # corners of the field as given
+MAX_CORNERS = 5_000  # and after thinning: ways around n corners take n * n looks
+THIN_FROM, THIN_M = 500, 0.02  # a recorded edge has a point every few centimetres; the margin is wider than this
 MAX_ROWS = 9_000  # the wire contract takes 20,000 segments: a row and a turn each
 _GAP_M = 0.04
 _LONG_WAY_M = 10.0  # ways longer than this are driven at transit speed
@@ -253,6 +255,10 @@ def _checked_field(job: Job) -> BaseGeometry:
     for polygon in (parcel, *job.obstacles):
         _check_polygon(polygon)
     field = parcel.difference(shapely.union_all(job.obstacles)) if job.obstacles else parcel
+    if shapely.get_num_coordinates(field) > THIN_FROM:
+        field = field.simplify(THIN_M)
+    if shapely.get_num_coordinates(field) > MAX_CORNERS:
+        raise PlanRefused("too_many_points", f"The field's edge has more than {MAX_CORNERS} real corners.", "field_id")
     parts = polygons_of(field)
     if not parts:
         raise PlanRefused("field_blocked", "Obstacles cover the whole field.", "field_id")

@@ -1,0 +1,49 @@
+"""Time and energy."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from hmi.planning.estimate import effort, pivot_time
+from hmi.planning.machine import RobotProfile
+from hmi.planning.plan import Leg, LegKind
+
+MACHINE = RobotProfile(accel_mps2=0.5, yaw_rate_radps=0.5)
+
+
+def straight(a: tuple[float, float], b: tuple[float, float], speed: float, **more: object) -> Leg:
+    return Leg(LegKind.ROW, np.array([a, b], dtype=float), speed, **more)  # type: ignore[arg-type]
+
+
+def test_a_long_row_takes_its_length_plus_one_ramp_up_and_down() -> None:
+    took = effort([straight((0, 0), (100, 0), 0.5)], MACHINE)
+    assert took.duration_s == pytest.approx(100 / 0.5 + 0.5 / 0.5)
+
+
+def test_a_leg_too_short_to_reach_its_speed_is_driven_as_a_triangle() -> None:
+    took = effort([straight((0, 0), (0.5, 0), 2.0)], MACHINE)
+    assert took.duration_s == pytest.approx(2 * math.sqrt(0.5 / 0.5))
+
+
+def test_a_pivot_costs_a_stop_and_the_turn() -> None:
+    along = [straight((0, 0), (10, 0), 0.5), straight((10, 0), (20, 0), 0.5)]
+    across = [straight((0, 0), (10, 0), 0.5), straight((10, 0), (10, 10), 0.5, pivot=True)]
+    more = effort(across, MACHINE).duration_s - effort(along, MACHINE).duration_s
+    assert more == pytest.approx(1.0 + pivot_time(math.pi / 2, MACHINE))
+
+
+def test_working_time_and_length_count_only_where_the_tool_is_on() -> None:
+    legs = [straight((0, 0), (10, 0), 0.5, tool_on=True), straight((10, 0), (15, 0), 0.5)]
+    took = effort(legs, MACHINE)
+    assert took.working_length_m == 10
+    assert took.length_m == 15
+    assert took.working_s < took.duration_s
+
+
+def test_energy_is_driving_plus_idling_plus_tool() -> None:
+    took = effort([straight((0, 0), (100, 0), 0.5, tool_on=True)], MACHINE)
+    expected = 100 * MACHINE.drive_j_per_m + took.duration_s * (MACHINE.idle_w + MACHINE.tool_w)
+    assert took.energy_j == pytest.approx(expected)
