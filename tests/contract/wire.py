@@ -16,7 +16,7 @@ from backend_clients.edge import codec
 from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.mqtt import LinkState, MqttLink
-from backend_clients.edge.topics import Down, Up, topic
+from backend_clients.edge.topics import Down, Up, parse, topic
 from backend_clients.simulator.config import SimulatorConfig, WeederConfig
 from backend_clients.simulator.process import Simulator
 
@@ -54,6 +54,9 @@ class Listener:
         assert self.faults == [], self.faults
 
     def _on_message(self, name: str, payload: bytes, is_retained: bool) -> None:
+        # amqtt 0.12 hands a new client what is retained for other clients' subscriptions too
+        if not isinstance(parse(name).kind, Up):
+            return
         message = codec.decode(name, payload)[1]
         assert isinstance(message, up.Header)
         with self._news:
@@ -137,6 +140,23 @@ class Site:
                 return truth
             time.sleep(0.02)
         raise AssertionError(f"still not so after {timeout_s:g} s: {self.truth()}")
+
+
+def wait_for_retained(url: str, name: str) -> None:
+    """Return when the broker hands out a retained message on a topic."""
+    found = threading.Event()
+
+    def on_message(_topic: str, payload: bytes, is_retained: bool) -> None:
+        if is_retained and payload:
+            found.set()
+
+    until = time.monotonic() + WAIT_S
+    while not found.is_set() and time.monotonic() < until:
+        link = MqttLink(url, f"looker-{uuid.uuid4().hex[:8]}", subscriptions=[(name, 1)], on_message=on_message)
+        link.start()
+        found.wait(0.5)
+        link.stop()
+    assert found.is_set(), f"nothing retained on {name}"
 
 
 @contextlib.contextmanager
