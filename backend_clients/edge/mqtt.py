@@ -115,6 +115,7 @@ class MqttLink:
             self._client.tls_set_context(ssl.create_default_context(cafile=ca_file))
         if will is not None:
             self._client.will_set(will.topic, will.payload, qos=1, retain=True)
+        self._client.on_socket_open = _without_delay
         self._client.on_connect = self._connected
         self._client.on_disconnect = self._disconnected
         self._client.on_connect_fail = self._connect_failed
@@ -206,3 +207,9 @@ class MqttLink:
         if self._on_fault is not None:
             with contextlib.suppress(Exception):  # nothing may reach paho's thread
                 self._on_fault(error)
+
+
+def _without_delay(_client: paho.Client, _data: Any, sock: Any) -> None:
+    # Nagle would hold a small message back until the one before is acknowledged: 40 ms on Linux
+    with contextlib.suppress(OSError, AttributeError):
+        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)

@@ -9,6 +9,7 @@ import gc
 import logging
 import os
 import socket
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -23,6 +24,8 @@ from hmi.stop_gateway.frames import MAX_FRAME_BYTES
 from hmi.stop_gateway.gateway import Gateway
 from hmi.stop_gateway.outbox import write_whole
 
+SWITCH_S = 0.0005  # a network thread gives way to the loop ten times sooner than Python's usual 5 ms
+PRIORITY = -10  # above console, simulator and browser; it uses next to nothing of it
 GRACE_S = 1  # requests under way at the end; browsers are sent away before
 _log = logging.getLogger("headland.stop")
 
@@ -63,6 +66,7 @@ def run_gateway(settings: Settings, *, port: int | None = None, on_ready: Callab
     Raises:
         PortTaken: another program has the port.
     """
+    _go_first()
     note = settings.data / "run" / "stop.json"
     listener = _listen(settings.host, settings.stop_port if port is None else port, _last_port(note))
     bound: int = listener.getsockname()[1]
@@ -81,6 +85,13 @@ def run_gateway(settings: Settings, *, port: int | None = None, on_ready: Callab
 
     with contextlib.suppress(KeyboardInterrupt), contextlib.closing(listener), _runner() as runner:
         runner.run(serve())
+
+
+def _go_first() -> None:
+    """Let nothing else on the machine come before STOP, as far as this user may ask for that."""
+    sys.setswitchinterval(SWITCH_S)
+    with contextlib.suppress(OSError, AttributeError):  # only root may; without it STOP is an equal among others
+        os.setpriority(os.PRIO_PROCESS, 0, PRIORITY)
 
 
 def _runner() -> asyncio.Runner:

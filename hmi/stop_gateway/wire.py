@@ -1,7 +1,8 @@
-"""The gateway's own broker connection: what robots say, handed to the loop in batches.
+"""The gateway's own broker connections: what robots say, handed to the loop in batches.
 
-Payloads are decoded on the network thread, one hop to the loop per batch, so that a burst of heartbeats
-costs the loop one callback and an acknowledgement never waits behind a payload that cannot be read.
+There are two: one for STOP and its acknowledgements, one for heartbeats and safety states, so that a press and
+its answer never queue behind the traffic of a large fleet. Payloads are decoded on the network threads, one hop
+to the loop per batch, so that a burst costs the loop one callback.
 """
 
 from __future__ import annotations
@@ -15,12 +16,13 @@ from dataclasses import dataclass
 from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.codec import decode, encode
-from backend_clients.edge.mqtt import LinkState, MqttLink
+from backend_clients.edge.mqtt import LinkState, MqttLink, OnLink
 from backend_clients.edge.topics import Down, Up, every_robot, topic
 from hmi.domain.stop import SafetyReport, StopAnswer, StopAttempt
 
 MAX_WAITING = 20_000  # a loop this far behind needs the newest, not all; acknowledgements are kept
-_QOS = {Up.HEARTBEAT: 0, Up.SAFETY: 1, Up.ACK: 1, Up.PRESENCE: 1}
+_ANSWERS = {Up.ACK: 1, Up.PRESENCE: 1}
+_TRAFFIC = {Up.HEARTBEAT: 0, Up.SAFETY: 1}
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,37 +51,45 @@ class BrokerWire:
         self._waiting: deque[Heard] = deque()
         self._is_hopping = False
         self.faults = 0
-        self._link = MqttLink(
-            url,
-            f"headland-stop-{secrets.token_hex(6)}",  # random: a second gateway must not throw the first out
-            subscriptions=[(every_robot(kind), qos) for kind, qos in _QOS.items()],
-            on_message=self._received,
-            on_link=self._link_changed,
-            on_fault=self._faulted,
-            ca_file=ca_file,
-        )
+        self._orders = self._link(url, "", _ANSWERS, self._link_changed, ca_file)
+        self._traffic = self._link(url, "-watch", _TRAFFIC, None, ca_file)
 
     @property
     def is_up(self) -> bool:
-        """Whether a publication made now would be sent."""
-        return self._link.is_up
+        """Whether a STOP published now would be sent."""
+        return self._orders.is_up
 
     def start(self) -> None:
         """Connect in the background; must be called on the loop."""
         self._loop = asyncio.get_running_loop()
-        self._link.start()
+        self._orders.start()
+        self._traffic.start()
 
     def stop(self) -> None:
-        """Disconnect; blocks up to a reconnect pause."""
-        self._link.stop()
+        """Disconnect; blocks up to two reconnect pauses."""
+        self._orders.stop()
+        self._traffic.stop()
 
     def send(self, attempt: StopAttempt) -> bool:
         """Publish one copy of STOP; return whether it left."""
-        return self._link.publish(topic(attempt.robot_id, Down.STOP), encode(stop_message(attempt)), qos=1)
+        return self._orders.publish(topic(attempt.robot_id, Down.STOP), encode(stop_message(attempt)), qos=1)
 
     def ping(self, robot_id: str, nonce: str) -> bool:
         """Ask a robot to echo ``nonce`` in its next heartbeat."""
-        return self._link.publish(topic(robot_id, Down.PING), encode(down.Ping(robot=robot_id, nonce=nonce)))
+        return self._traffic.publish(topic(robot_id, Down.PING), encode(down.Ping(robot=robot_id, nonce=nonce)))
+
+    def _link(
+        self, url: str, suffix: str, topics: dict[Up, int], on_link: OnLink | None, ca_file: str | None
+    ) -> MqttLink:
+        return MqttLink(
+            url,
+            f"headland-stop{suffix}-{secrets.token_hex(6)}",  # random: a second gateway must not throw the first out
+            subscriptions=[(every_robot(kind), qos) for kind, qos in topics.items()],
+            on_message=self._received,
+            on_link=on_link,
+            on_fault=self._faulted,
+            ca_file=ca_file,
+        )
 
     def _received(self, name: str, payload: bytes, retained: bool) -> None:
         _, message = decode(name, payload)  # on paho's thread; what it raises ends in _faulted
