@@ -107,16 +107,20 @@ class Scene:
     text: str = ""
 
 
+STILL: dict[str, Any] = {"speed_mps": 0.0, "tool": "off", "rate": None}
+PAUSED: dict[str, Any] = {**STILL, "mode": "paused", "status": "paused", "owner": "operator"}
+PERSON_AHEAD = ("person", "A person is 4 m ahead.", "It goes on when the person has left.", "anybody")
+
 SCENES: dict[str, dict[str, Any]] = {
     "running": {"owner": "operator"},
-    "idle": {"mode": "idle", "path": ("Idle",), "status": "loaded", "row": 0, "speed_mps": 0.0, "tool": "off", "rate": None},
-    "paused": {"mode": "paused", "path": ("Mission", "Paused by you"), "status": "paused", "speed_mps": 0.0, "tool": "armed", "rate": None, "owner": "operator"},
-    "manual": {"mode": "manual", "path": ("Paused", "Manual", "Hold to run"), "status": "paused", "speed_mps": 0.18, "tool": "off", "rate": None, "owner": "operator"},
-    "latched": {"mode": "stopped", "path": ("Stopped", "Wait for reset"), "status": "paused", "speed_mps": 0.0, "tool": "off", "rate": None, "is_latched": True},
+    "idle": {**STILL, "mode": "idle", "path": ("Idle",), "status": "loaded", "row": 0},
+    "paused": {**PAUSED, "path": ("Mission", "Paused by you"), "tool": "armed"},
+    "manual": {**PAUSED, "mode": "manual", "path": ("Paused", "Manual", "Hold to run"), "speed_mps": 0.18},
+    "latched": {**PAUSED, "mode": "stopped", "path": ("Stopped", "Wait for reset"), "is_latched": True, "owner": ""},
     "silent": {"is_silent": True, "owner": "operator"},
     "float": {"fix": "float", "accuracy_m": 0.24, "soc": 0.14, "speed_mps": 0.2, "owner": "supervisor"},
-    "held": {"mode": "paused", "path": ("Mission", "Paused", "Person ahead"), "status": "paused", "speed_mps": 0.0, "tool": "off", "rate": None, "hold": ("person", "A person is 4 m ahead.", "It goes on when the person has left.", "anybody"), "owner": "operator", "asked": "supervisor"},
-}  # fmt: skip
+    "held": {**PAUSED, "path": ("Mission", "Paused", "Person ahead"), "hold": PERSON_AHEAD, "asked": "supervisor"},
+}
 
 
 class Stage:
@@ -234,8 +238,8 @@ def state(scene: Scene, since_s: float, stamp: domain.Stamp) -> domain.RobotStat
 def factsheet(name: str) -> domain.Factsheet:
     """Return what a weeder says it is."""
     return domain.Factsheet(
-        domain.Family.WEEDER, name, "LW-2", "1.4.2", 51.75, 5.75, 2.4, 1.8, 1.6, 1.2, 1.5, 1.67, 0.6, 1.0, 0.8, 0.0, True, True,
-        "laser", "Laser", 1.5, 0.5, 3.5, 10.0, 3.0, 15.0, "laser off, tracks brake",
+        domain.Family.WEEDER, name, "LW-2", "1.4.2", 51.75, 5.75, 2.4, 1.8, 1.6, 1.2, 1.5, 1.67, 0.6, 1.0, 0.8, 0.0,
+        True, True, "laser", "Laser", 1.5, 0.5, 3.5, 10.0, 3.0, 15.0, "laser off, tracks brake",
     )  # fmt: skip
 
 
@@ -295,16 +299,36 @@ def build(stage: Stage) -> FastAPI:
     return app
 
 
+WEEDER = {
+    "id": "weeder-07",
+    "name": "Weeder 07",
+    "family": "weeder",
+    "http_url": "http://10.0.0.17:8090",
+    "contact_name": "Jonas Weber",
+    "contact_phone": "+49 151 0000",
+}
+MARTHA = {"id": "operator", "name": "Martha Keller", "role": "operator"}
+ANNA = {"id": "supervisor", "name": "Anna Ostermeier", "role": "supervisor"}
+PAUSE_ENTRY = {
+    "seq": 3,
+    "utc": "2026-05-20T14:36:40.9Z",
+    "actor": "Martha Keller",
+    "device": "Tablet 3",
+    "kind": "command",
+    "robot_id": "weeder-07",
+    "outcome": "accepted",
+    "text": "pause",
+}
 PLAYED: dict[str, Any] = {
     "session": {"stop_token": "token"},
-    "robots": {"robots": [{"id": "weeder-07", "name": "Weeder 07", "family": "weeder", "http_url": "http://10.0.0.17:8090", "contact_name": "Jonas Weber", "contact_phone": "+49 151 0000"}]},
+    "robots": {"robots": [WEEDER]},
     "robots/new": {"robots": [{"id": "planter-09", "family": "planter", "name": "Planter 09", "model": "TP-1"}]},
-    "users": {"users": [{"id": "operator", "name": "Martha Keller", "role": "operator", "is_active": True, "has_pin": True}]},
+    "users": {"users": [{**MARTHA, "is_active": True, "has_pin": True}]},
     "devices": {"devices": []},
-    "audit": {"entries": [{"seq": 3, "utc": "2026-05-20T14:36:40.9Z", "actor": "Martha Keller", "device": "Tablet 3", "kind": "command", "robot_id": "weeder-07", "outcome": "accepted", "text": "pause"}]},
+    "audit": {"entries": [PAUSE_ENTRY]},
     "diagnostics": {"ingest": {"received": 48211, "malformed": 0}, "lanes": {"open": 3}},
-    "people": {"people": [{"id": "operator", "name": "Martha Keller", "role": "operator"}, {"id": "supervisor", "name": "Anna Ostermeier", "role": "supervisor"}], "device": {"name": "Tablet 3"}},
-}  # fmt: skip
+    "people": {"people": [MARTHA, ANNA], "device": {"name": "Tablet 3"}},
+}
 
 
 async def answer(stage: Stage, rest: str, request: Request) -> JSONResponse:
@@ -344,7 +368,7 @@ def main() -> None:
     async def serve() -> None:
         task = asyncio.create_task(stage.run(), name="stage")
         serving = asyncio.create_task(server.serve(), name="server")
-        while not server.started and not serving.done():
+        while not server.started and not serving.done():  # noqa: ASYNC110 - uvicorn offers no event
             await asyncio.sleep(0.05)
         if server.started:
             print(f"http://127.0.0.1:{server.servers[0].sockets[0].getsockname()[1]}", flush=True)

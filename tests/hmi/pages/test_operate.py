@@ -237,23 +237,27 @@ def test_the_robot_drives_only_while_a_pad_is_held(look: Look, theatre: Theatre,
     assert {d["v"] for d in drives(theatre)} == {0.2, 0.0}
 
 
-@pytest.mark.parametrize(
-    ("gesture", "name"),
-    [
-        ("window.dispatchEvent(new Event('blur'))", "lost focus"),
-        ("window.dispatchEvent(new PointerEvent('pointerdown', {pointerId: 77, bubbles: true}))", "a second touch"),
-        ("window.dispatchEvent(new PointerEvent('pointercancel', {pointerId: 1, bubbles: true}))", "a cancelled touch"),
-        ("Object.defineProperty(document, 'hidden', {value: true, configurable: true}); document.dispatchEvent(new Event('visibilitychange'))", "a hidden tab"),
-    ],
-)  # fmt: skip
-def test_whatever_ends_the_touch_gives_zero_at_once(look: Look, theatre: Theatre, gesture: str, name: str) -> None:
+HIDE = """
+Object.defineProperty(document, 'hidden', {value: true, configurable: true});
+document.dispatchEvent(new Event('visibilitychange'));
+"""
+ENDS = {
+    "lost focus": "window.dispatchEvent(new Event('blur'))",
+    "a second touch": "window.dispatchEvent(new PointerEvent('pointerdown', {pointerId: 77, bubbles: true}))",
+    "a cancelled touch": "window.dispatchEvent(new PointerEvent('pointercancel', {pointerId: 1, bubbles: true}))",
+    "a hidden tab": HIDE,
+}
+
+
+@pytest.mark.parametrize("end", ENDS)
+def test_whatever_ends_the_touch_gives_zero_at_once(look: Look, theatre: Theatre, end: str) -> None:
     theatre.play("manual")
     page = look()
     open_drive(page)
     page.get_by_test_id("drive-left").hover()
     page.mouse.down()
     page.wait_for_function("fetch('/stage-heard').then(r => r.json()).then(h => h.drives.some(d => d.w > 0))")
-    page.evaluate(gesture)
+    page.evaluate(ENDS[end])
     expect(page.get_by_test_id("drive-left")).not_to_have_attribute("data-state", "held")
     page.wait_for_function("fetch('/stage-heard').then(r => r.json()).then(h => h.drives.at(-1).w === 0)")
     page.mouse.up()

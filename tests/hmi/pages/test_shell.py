@@ -112,7 +112,7 @@ def test_a_name_typed_at_sign_in_survives_a_reload(look: Look, theatre: Theatre)
 def test_a_robot_nobody_heard_of_gets_a_way_back(look: Look, theatre: Theatre) -> None:
     page = look("/operate/nobody")
     expect(page.get_by_test_id("notice")).to_contain_text("No robot nobody")
-    page.get_by_text("Choose a robot").click()
+    page.get_by_role("link", name="Choose a robot").click()
     expect(page.get_by_test_id("robot-option-weeder-07").first).to_be_attached()
 
 
@@ -153,6 +153,7 @@ def test_the_lost_server_is_said_and_no_press_acts_later(look: Look, theatre: Th
     theatre.play("running")
     page = look()
     expect(page.get_by_test_id("value-speed")).to_have_attribute("data-state", "fresh")
+    page.wait_for_load_state("networkidle")  # the map fetches its parts late
     page.context.set_offline(True)
     page.evaluate("window.socket.disconnect()")
     page.get_by_test_id("nav-fleet").click()
