@@ -1,0 +1,114 @@
+"""``make screens``: every screen in sizes and themes, from a running demo, into ``docs/screens``."""
+
+from __future__ import annotations
+
+import io
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from PIL import Image
+from playwright.sync_api import Browser, sync_playwright
+
+from tests.conftest import BROWSER_FLAGS, SOFTWARE_GL
+from tests.e2e.installation import ROOT, Installation
+from tests.e2e.person import Person
+from tests.find_browser import find_browser
+
+OUT = ROOT / "docs" / "screens"
+SIZES = {"landscape": (1280, 800), "portrait": (800, 1280), "desk": (1920, 1080)}
+THEMES = ("day", "night", "sunlight")
+SCREENS = {"operate": "/operate/weeder-01", "fleet": "/fleet", "missions": "/missions", "admin": "/admin"}
+COLOURS = 96  # flat surfaces and text lose nothing visible, files shrink to a third
+SETTLE_MS = 2500
+
+
+def main() -> int:
+    """Write the pictures; return an exit code."""
+    OUT.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
+        running = Installation.start(Path(folder) / "data")
+        try:
+            path = find_browser()
+            options: dict[str, Any] = {"executable_path": path} if path else {}
+            browser = playwright.chromium.launch(args=[*BROWSER_FLAGS, *SOFTWARE_GL], **options)
+            for name in [*_signed_out(browser, running), *_screens(browser, running), *_situations(browser, running)]:
+                print(name)
+            browser.close()
+        finally:
+            running.end()
+    return 0
+
+
+def _signed_out(browser: Browser, running: Installation) -> Iterator[str]:
+    someone = _come(browser, running, "operator", "landscape")
+    someone.page.goto("/login")
+    yield _shoot(someone, "login-landscape-day")
+    someone.context.close()
+
+
+def _screens(browser: Browser, running: Installation) -> Iterator[str]:
+    _start_mission(browser, running)
+    for size in SIZES:
+        someone = _come(browser, running, "admin", size)
+        someone.sign_in()
+        for theme in THEMES:
+            someone.page.evaluate(f"localStorage.setItem('headland.theme', '{theme}')")
+            for screen, path in SCREENS.items():
+                someone.page.goto(path)
+                yield _shoot(someone, f"{screen}-{size}-{theme}")
+        someone.context.close()
+
+
+def _situations(browser: Browser, running: Installation) -> Iterator[str]:
+    martha = _come(browser, running, "operator", "landscape")
+    martha.sign_in()
+    martha.operate("weeder-01")
+    running.fault("weeder-01", "silence", http=True, deaf=True)
+    martha.sees("link-banner", "robot-lost", within_s=10)
+    yield _shoot(martha, "operate-no-link")
+    martha.press_stop()
+    martha.sees("stop", "not-confirmed", within_s=10)
+    yield _shoot(martha, "operate-stop-not-confirmed")
+    running.mend("weeder-01")
+    martha.sees("stop", "standstill", within_s=20)
+    yield _shoot(martha, "operate-stop-latched")
+    martha.context.close()
+
+
+def _start_mission(browser: Browser, running: Installation) -> None:
+    martha = _come(browser, running, "operator", "landscape")
+    martha.sign_in()
+    martha.page.goto("/missions")
+    martha.hook("mission-row-trial-strip").click()
+    martha.hook("mission-send").click()
+    martha.sees("mission-row-trial-strip", "sent|accepted", within_s=30)
+    martha.operate("weeder-01")
+    running.simulator("POST", "/_world", {"speed": 20})
+    martha.slide("mission-start")
+    martha.page.wait_for_function(
+        "() => Number(document.querySelector('[data-testid=value-row]')?.dataset.value) >= 4", timeout=120_000
+    )
+    running.simulator("POST", "/_world", {"speed": 1})
+
+
+def _come(browser: Browser, running: Installation, name: str, size: str) -> Person:
+    width, height = SIZES[size]
+    context = browser.new_context(
+        viewport={"width": width, "height": height}, has_touch=size != "desk", base_url=running.url
+    )
+    return Person(name, context, running)
+
+
+def _shoot(someone: Person, name: str) -> str:
+    someone.page.wait_for_timeout(SETTLE_MS)
+    picture = Image.open(io.BytesIO(someone.page.screenshot()))
+    flat = picture.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    flat.save(OUT / f"{name}.png", optimize=True)
+    return f"{name}.png"
+
+
+if __name__ == "__main__":
+    sys.exit(main())
