@@ -16,14 +16,15 @@ from starlette.routing import Route
 
 STATIC = Path(__file__).resolve().parents[2] / "static"
 
-STYLES = ("tokens", "base", "frame", "panel", "control", "screens")
+STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 """Cascade order: tokens first, screens last."""
 
 SCRIPTS = (
     "core", "glyphs", "words", "preferences", "units", "port", "stops", "sheet",
     "banner", "top_bar", "menus", "telemetry_tile", "mission_card", "state_path", "why",
     "slide_to_confirm", "lease", "hold_to_drive", "stop_card", "action_dock",
-    "sign_in", "fleet_list", "records", "admin_forms", "screen", "keys",
+    "sign_in", "fleet_list", "records", "admin_forms",
+    "field_picture", "mission_numbers", "mission_form", "missions", "screen", "keys",
 )  # fmt: skip
 """Load order: each file uses only names of those before it."""
 

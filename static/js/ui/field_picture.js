@@ -1,0 +1,62 @@
+// A mission drawn small: parcel, rows, headland, ways, home, start and end. North is up.
+(() => {
+  "use strict";
+  const NS = "http://www.w3.org/2000/svg";
+  const METRES_PER_DEGREE = 111320;
+  const MARGIN = 0.05;
+  const LAYERS = [["exit", "way"], ["approach", "way"], ["turn", "turn"], ["headland", "headland"], ["row", "row"]];
+
+  function svg(tag, props, ...children) {
+    const node = document.createElementNS(NS, tag);
+    for (const [key, value] of Object.entries(props)) node.setAttribute(key, value);
+    node.append(...children);
+    return node;
+  }
+
+  // metres around the field's first corner: a picture needs no better projection
+  function projection(features) {
+    const parcel = features.find((one) => one.properties.kind === "parcel");
+    const [lon0, lat0] = parcel ? parcel.geometry.coordinates[0][0] : [0, 0];
+    const scale = Math.cos((lat0 * Math.PI) / 180) * METRES_PER_DEGREE;
+    return ([lon, lat]) => [(lon - lon0) * scale, (lat0 - lat) * METRES_PER_DEGREE];
+  }
+
+  const path = (points, isClosed) => `M${points.map(([x, y]) => `${x.toFixed(2)} ${y.toFixed(2)}`).join("L")}${isClosed ? "Z" : ""}`;
+
+  function box(points) {
+    const xs = points.map((p) => p[0]);
+    const ys = points.map((p) => p[1]);
+    const least = (values) => values.reduce((a, b) => Math.min(a, b), Infinity);
+    const most = (values) => values.reduce((a, b) => Math.max(a, b), -Infinity);
+    return [least(xs), least(ys), most(xs), most(ys)];
+  }
+
+  // fieldPicture(GeoJSON of a mission) -> <svg>
+  function fieldPicture(collection, title) {
+    const { features } = collection;
+    const flat = projection(features);
+    const lines = features.filter((one) => one.geometry.type === "LineString").map((one) => ({ kind: one.properties.kind, points: one.geometry.coordinates.map(flat) }));
+    const parcels = features.filter((one) => one.properties.kind === "parcel").map((one) => one.geometry.coordinates.map((ring) => ring.map(flat)));
+    const homes = features.filter((one) => one.properties.kind === "home").map((one) => flat(one.geometry.coordinates));
+    const [x0, y0, x1, y1] = box([...parcels.flat(2), ...lines.flatMap((one) => one.points), ...homes]);
+    const size = Math.max(x1 - x0, y1 - y0, 1);
+    const pad = size * MARGIN;
+    const mark = size * 0.016;
+    const root = svg("svg", { class: "h-picture", viewBox: `${x0 - pad} ${y0 - pad} ${x1 - x0 + 2 * pad} ${y1 - y0 + 2 * pad}`, role: "img", "aria-label": title, preserveAspectRatio: "xMidYMid meet" });
+    for (const rings of parcels) root.append(svg("path", { class: "parcel", d: rings.map((ring) => path(ring, true)).join(""), "fill-rule": "evenodd" }));
+    for (const [kind, look] of LAYERS) {
+      const d = lines.filter((one) => one.kind === kind).map((one) => path(one.points, false)).join("");
+      if (d) root.append(svg("path", { class: look, d }));
+    }
+    const rows = lines.filter((one) => one.kind === "row");
+    if (rows.length) {
+      const [sx, sy] = rows[0].points[0];
+      const [ex, ey] = lines.filter((one) => one.kind === "row" || one.kind === "headland").at(-1).points.at(-1);
+      root.append(svg("circle", { class: "start", cx: sx, cy: sy, r: mark }), svg("rect", { class: "end", x: ex - mark, y: ey - mark, width: 2 * mark, height: 2 * mark }));
+    }
+    for (const [x, y] of homes) root.append(svg("path", { class: "home", d: `M${x - mark * 1.4} ${y}L${x} ${y - mark * 1.6}L${x + mark * 1.4} ${y}V${y + mark * 1.4}H${x - mark * 1.4}Z` }));
+    return root;
+  }
+
+  HL.fieldPicture = fieldPicture;
+})();

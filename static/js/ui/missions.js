@@ -1,0 +1,215 @@
+// Missions: the list, one in detail, sending it to its robot. Everything comes from REST and goes back there.
+(() => {
+  "use strict";
+  const { el, icon, text, attr, LiveElement, define } = HL;
+  const { list, when, empty } = HL.records;
+  const LATE_MS = 5000; // a list that is not there by then is an error
+  const RELOAD_MS = 400; // several moves of a mission come close together
+
+  const of = (id) => `/missions/${encodeURIComponent(id)}`;
+  const robotName = (id) => HL.port.fleet()[id]?.name ?? id ?? "no robot";
+
+  class Row {
+    constructor(mission, open) {
+      this.name = el("span", { class: "h-t16 h-b h-ell" });
+      this.line = el("span", { class: "h-t13 h-2 h-ell" });
+      this.chip = el("span", { class: "h-chip line" });
+      this.node = el("button", { type: "button", class: "h-mrow", "data-testid": `mission-row-${mission.id}`, onclick: () => open(mission.id) }, el("span", { class: "h-col" }, this.name, this.line), this.chip);
+    }
+    paint(mission, isChosen) {
+      attr(this.node, "data-state", mission.status);
+      attr(this.node, "aria-current", isChosen ? "true" : null);
+      text(this.name, mission.name);
+      text(this.line, `${mission.field_name} · ${robotName(mission.robot_id)} · ${when(mission.updated_utc)}`);
+      text(this.chip, HL.plan.status(mission.status));
+    }
+  }
+
+  class Missions extends LiveElement {
+    build() {
+      this.rows = new Map();
+      this.missions = [];
+      this.chosen = "";
+      this.planButton = el("button", { type: "button", class: "h-btn pri", "data-testid": "mission-plan", onclick: () => this.plan() }, icon("add", "m"), "Plan a mission");
+      this.search = el("input", { class: "h-input", type: "search", placeholder: "Search", "aria-label": "Search missions", oninput: () => this.draw() });
+      this.said = el("div");
+      this.list = el("div", { class: "h-mlist", role: "list" });
+      this.detail = el("section", { class: "h-mdetail h-scroll", "aria-label": "Mission" });
+      this.append(el("aside", { class: "h-mside" }, el("div", { class: "h-row" }, this.search, this.planButton), el("p", { class: "h-t13 h-2", "data-testid": "mission-rights" }), this.said, this.list), this.detail);
+      this.may = { edit: this.dataset.mayEdit === "yes", send: this.dataset.maySend === "yes" };
+      text(this.querySelector("[data-testid=mission-rights]"), !this.may.send && !this.may.edit ? this.dataset.noSend : this.may.edit ? "" : this.dataset.noEdit);
+      if (!this.may.edit) attr(this.planButton, "disabled", true);
+      this.onEvent = (event) => event && ["mission", "mission-status"].includes(event.kind) && this.soon();
+    }
+
+    enter() {
+      this.unsubscribe = window.headland?.on("event", this.onEvent);
+      this.load(true);
+    }
+
+    leave() {
+      this.unsubscribe?.();
+      clearTimeout(this.timer);
+    }
+
+    soon() {
+      clearTimeout(this.timer);
+      this.timer = setTimeout(() => this.load(false), RELOAD_MS);
+    }
+
+    async load(isFirst) {
+      if (isFirst && !this.missions.length) this.said.replaceChildren(el("div", { class: "h-card h-skeleton", "aria-label": "Loading missions" }, el("span", { class: "h-t14 h-2" }, "Loading missions"), el("i"), el("i"), el("i")));
+      const answer = await HL.port.api("GET", "/missions", null, LATE_MS);
+      if (!this.isConnected) return;
+      if (!answer.ok) {
+        this.said.replaceChildren(el("div", { class: "h-card h-notice", role: "alert", "data-testid": "missions-error" }, icon("cloud_off", "l"), el("b", { class: "h-t18 h-b" }, "Missions did not load"), el("span", { class: "h-2" }, answer.text || "Server did not answer in 5 s. STOP still works."), el("button", { type: "button", class: "h-btn", onclick: () => this.load(true) }, icon("refresh", "m"), "Try again")));
+        return;
+      }
+      this.missions = list(answer, "missions");
+      this.draw();
+      const opened = this.missions.find((one) => one.id === this.chosen);
+      if (opened && !this.form && opened.updated_utc !== this.shown) this.open(opened.id);
+      if (!this.chosen && !this.form && this.missions.length && innerWidth >= 900) this.open(this.missions[0].id);
+    }
+
+    draw() {
+      const words = this.search.value.trim().toLowerCase();
+      const found = this.missions.filter((one) => !words || `${one.name} ${one.field_name} ${robotName(one.robot_id)} ${one.status}`.toLowerCase().includes(words));
+      this.said.replaceChildren(...(this.missions.length ? (found.length ? [] : [empty("Nothing found", "No mission has these words.")]) : [el("div", { "data-testid": "missions-empty" }, empty("No missions yet", this.may.edit ? "Plan a mission" : this.dataset.noEdit))]));
+      for (const one of found) {
+        if (!this.rows.has(one.id)) this.rows.set(one.id, new Row(one, (id) => this.open(id)));
+        this.rows.get(one.id).paint(one, one.id === this.chosen);
+      }
+      this.list.replaceChildren(...found.map((one) => this.rows.get(one.id).node));
+    }
+
+    close() {
+      this.form = null;
+      this.chosen = "";
+      this.shown = "";
+      attr(this, "data-open", null);
+      this.detail.replaceChildren();
+      this.draw();
+    }
+
+    async open(id) {
+      const isSame = id === this.chosen;
+      this.chosen = id;
+      this.form = null;
+      attr(this, "data-open", "yes");
+      this.draw();
+      if (!isSame) this.detail.replaceChildren(el("div", { class: "h-card h-skeleton", "aria-label": "Loading" }, el("i"), el("i"), el("i")));
+      const [answer, shape] = await Promise.all([HL.port.api("GET", of(id)), HL.port.api("GET", `${of(id)}/map.geojson`)]);
+      if (!this.isConnected || this.chosen !== id || this.form) return;
+      if (!answer.ok) return this.detail.replaceChildren(el("div", { class: "h-card h-notice", role: "alert" }, icon("cloud_off", "l"), el("b", { class: "h-t18 h-b" }, "Mission did not load"), el("span", { class: "h-2" }, answer.text), el("button", { type: "button", class: "h-btn", onclick: () => this.open(id) }, icon("refresh", "m"), "Try again")));
+      this.shown = answer.data.updated_utc;
+      this.detail.replaceChildren(...this.parts(answer.data, shape.ok ? shape.data : null));
+    }
+
+    parts(mission, shape) {
+      const result = el("div", { class: "h-t14 h-b", role: "status", "data-testid": "mission-result" });
+      const back = el("button", { type: "button", class: "h-btn q ico h-mback", "aria-label": "All missions", onclick: () => this.close() }, icon("arrow_back"));
+      return [
+        el("div", { class: "h-row" }, back, el("div", { class: "h-sp" }, el("h2", { "data-testid": "mission-name" }, mission.name), el("div", { class: "h-t14 h-2" }, `${mission.field_name} · ${robotName(mission.robot_id)}`)), el("span", { class: "h-chip dark", "data-testid": "mission-status", "data-state": mission.status }, HL.plan.status(mission.status))),
+        el("div", { class: "h-row h-wrap" }, ...this.buttons(mission, result)),
+        el("div", { class: "h-t13 h-2" }, this.may.send ? "Sending does not move the robot." : this.dataset.noSend),
+        result,
+        el("div", { class: "h-mpicture" }, shape ? HL.fieldPicture(shape, `${mission.name}, ${mission.field_name}`) : el("div", { class: "h-notice" }, "The picture did not load.")),
+        Object.keys(mission.statistics ?? {}).length ? HL.plan.cards(mission.statistics) : "",
+        ...(mission.statistics?.notes ?? []).map((note) => el("div", { class: "h-row h-t14 h-b" }, icon("warning", "m"), note)),
+        el("h3", { class: "h-t16 h-b" }, "What happened"),
+        HL.records.table(["Time", "State", "By", "Why"], (mission.log ?? []).toReversed().map((one) => ({ cells: [when(one.utc), HL.plan.status(one.status), one.by, outcome(one)] }))),
+      ];
+    }
+
+    buttons(mission, result) {
+      const robots = Object.entries(HL.port.fleet()).filter(([, robot]) => robot.is_registered !== false);
+      const target = el("select", { class: "h-select", "aria-label": "Robot", "data-testid": "mission-robot" }, ...robots.map(([id, robot]) => el("option", { value: id }, robot.name)));
+      if (robots.some(([id]) => id === mission.robot_id)) target.value = mission.robot_id;
+      const label = () => [icon("route", "m"), `Send to ${robotName(target.value || mission.robot_id)}`];
+      const send = el("button", { type: "button", class: "h-btn pri", "data-testid": "plan-send", disabled: !this.may.send, onclick: () => this.send(mission, target.value || mission.robot_id, send, result) }, ...label());
+      target.addEventListener("change", () => send.replaceChildren(...label()));
+      const edit = (name, run, sign) => el("button", { type: "button", class: "h-btn", "data-testid": `mission-${name.toLowerCase()}`, disabled: !this.may.edit, onclick: run }, icon(sign, "m"), name);
+      const isOnRobot = ["sent", "accepted", "running", "paused", "resuming"].includes(mission.status);
+      return [
+        robots.length > 1 ? target : "", send,
+        isOnRobot ? el("a", { class: "h-btn", href: `/operate/${mission.robot_id}`, "data-testid": "mission-operate" }, icon("gamepad", "m"), "Operate") : "",
+        edit("Copy", () => this.change(HL.port.api("POST", `${of(mission.id)}/copy`, {}), "Copied"), "add"),
+        edit("Rename", () => this.rename(mission), "edit"),
+        edit("Delete", () => this.remove(mission), "delete"),
+      ];
+    }
+
+    async send(mission, robot, button, result) {
+      button.disabled = true;
+      text(result, `Sending to ${robotName(robot)}`);
+      const answer = await HL.port.sendMission(robot, mission.id);
+      button.disabled = false;
+      const isTaken = answer.outcome === "accepted";
+      attr(result, "data-state", answer.outcome ?? "unknown");
+      text(result, isTaken ? answer.text : `Not sent: ${answer.text || "no answer. Look at the robot before you send again."}`);
+      HL.toast(isTaken ? `${robotName(robot)} has ${mission.name}. It does not move yet.` : `Not sent: ${answer.text || "no answer"}`, isTaken ? "check" : "block");
+      this.load(false);
+    }
+
+    async change(asked, done) {
+      const answer = await asked;
+      if (!answer.ok) return HL.toast(`Not saved: ${answer.text || "no answer"}`, "block");
+      HL.toast(done, "check");
+      if (answer.data?.id) this.chosen = answer.data.id;
+      await this.load(false);
+      if (answer.data?.id) this.open(answer.data.id);
+      return answer;
+    }
+
+    rename(mission) {
+      const input = el("input", { class: "h-input", maxlength: "80", autofocus: true, "data-testid": "mission-newname" });
+      input.value = mission.name;
+      HL.sheet({ title: `Rename ${mission.name}`, body: [el("label", { class: "h-field" }, "Name", input)], buttons: [["Keep it", (close) => close()], ["Rename", (close) => input.value.trim() && (close(), this.change(HL.port.api("PATCH", of(mission.id), { name: input.value.trim() }), "Renamed")), true]] });
+    }
+
+    remove(mission) {
+      const really = async (close) => {
+        close();
+        const answer = await HL.port.api("DELETE", of(mission.id));
+        if (!answer.ok) return HL.toast(`Not deleted: ${answer.text || "no answer"}`, "block");
+        HL.toast("Deleted", "check");
+        this.close();
+        this.load(false);
+      };
+      HL.sheet({ title: `Delete ${mission.name}?`, body: [el("p", { class: "h-2 h-t16" }, "It is not on a robot. It cannot be brought back.")], buttons: [["Keep it", (close) => close()], ["Delete", really, true]] });
+    }
+
+    async plan() {
+      this.chosen = "";
+      this.form = {};
+      attr(this, "data-open", "yes");
+      this.draw();
+      this.detail.replaceChildren(el("div", { class: "h-card h-row" }, icon("hourglass_top"), "Loading fields"));
+      const [places, robots] = await Promise.all([HL.port.api("GET", "/fields"), HL.port.api("GET", "/robots")]);
+      if (!this.isConnected || !this.form) return;
+      if (!places.ok || !robots.ok) return this.detail.replaceChildren(el("div", { class: "h-card h-notice", role: "alert" }, icon("cloud_off", "l"), el("b", { class: "h-t18 h-b" }, "Fields did not load"), el("button", { type: "button", class: "h-btn", onclick: () => this.plan() }, icon("refresh", "m"), "Try again")));
+      if (!places.fields.length) return this.detail.replaceChildren(empty("No fields yet", "Draw or import a field first."));
+      this.form = new HL.MissionForm({ fields: places.fields, homes: places.homes, robots: list(robots, "robots").filter((one) => one.is_registered !== false) }, { close: () => this.close(), stored: (mission, isSending) => this.stored(mission, isSending) }, this.may.send);
+      this.detail.replaceChildren(this.form.node);
+    }
+
+    async stored(mission, isSending) {
+      this.form = null;
+      this.chosen = mission.id;
+      HL.toast(`${mission.name} is stored`, "check");
+      if (isSending) await this.send(mission, mission.robot_id, el("button"), el("div"));
+      await this.load(false);
+      this.open(mission.id);
+    }
+  }
+
+  function outcome(entry) {
+    const { row, rows, area_done_m2: area } = entry.data ?? {};
+    if (rows === undefined) return entry.why;
+    const done = HL.units.area(area ?? 0);
+    return `${entry.why} Row ${row} of ${rows}, ${done.text} ${done.unit}.`;
+  }
+
+  define("hl-missions", Missions);
+})();
