@@ -28,5 +28,6 @@ def build(services: PageServices, session: SessionInfo) -> None:
     LiveElement(
         "hl-dock-hint",
         classes="h-dockbar",
-        data_text="Sending does not move the robot. The person on site starts it with a slide.|This corner stops all robots.",
+        data_text="Sending does not move the robot: the person on site starts it with a slide.|"
+        "This corner stops all robots.",
     )
