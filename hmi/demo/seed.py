@@ -52,6 +52,7 @@ class DemoSeed:
 
     async def at_once(self) -> None:
         """Store map, robots and the first missions; a second or two at the first start, nothing later."""
+        await self._parts.database.run(self._parts.missions.load)
         await self._parts.database.run(self._map)
         await self._parts.database.run(self._robots)
         for mission in CATALOGUE[:AT_ONCE]:
