@@ -56,6 +56,7 @@ class Database:
         self.url: URL = make_url(url)
         self.engine: Engine = _make_engine(self.url)
         self._writing = self.engine.execution_options(**_WRITES)
+        self.is_closed = False
         self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="database")
 
     @property
@@ -111,6 +112,7 @@ class Database:
 
     def close(self) -> None:
         """Wait for running work, then close every connection."""
+        self.is_closed = True
         self._threads.shutdown(wait=True)
         self.engine.dispose()
 

@@ -58,11 +58,11 @@ class Thinning:
         return False
 
     def run(self, now: datetime) -> int:
-        """Thin all that is due; return the number of steps."""
+        """Thin all that is due, or until the database is closed; return the number of steps."""
         return sum(1 for _ in self._steps(now))
 
     def _steps(self, now: datetime) -> Iterator[bool]:
-        while self.step(now):
+        while not self._database.is_closed and self.step(now):
             yield True
 
     def _oldest(self, grade: Grade, now: datetime) -> datetime | None:

@@ -154,6 +154,13 @@ def test_thinning_again_changes_nothing(database: Database) -> None:
     assert [(row.id, row.at, row.speed_mps) for row in rows(database)] == before
 
 
+def test_thinning_ends_with_the_database(database: Database) -> None:
+    keep(database, [(n, 0.5) for n in range(0, 7200, 60)])
+    assert Thinning(database).step(START + timedelta(days=2))
+    database.close()
+    assert Thinning(database).run(START + timedelta(days=2)) == 0
+
+
 @settings(max_examples=20, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 @given(st.lists(st.tuples(st.integers(0, 3000), st.floats(-5, 5) | st.none()), min_size=1, max_size=80))
 def test_thinning_keeps_the_worst_error_and_leaves_one_row_a_stretch(
