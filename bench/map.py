@@ -28,12 +28,17 @@ CONDITIONS = "Chromium, WebGL in software, 1280x800, 10 updates/s, all robots mo
 
 SETUP = """(count) => {
   const robots = {};
-  for (let i = 0; i < count; i += 1) robots[`r-${i}`] = { name: `Robot ${i}`, family: ['weeder', 'planter', 'uav'][i % 3], mode: 'auto', t: headland.now(), ...place(i, 0) };
+  for (let i = 0; i < count; i += 1) {
+    const family = ['weeder', 'planter', 'uav'][i % 3];
+    robots[`r-${i}`] = { name: `Robot ${i}`, family, mode: 'auto', t: headland.now(), ...place(i, 0) };
+  }
   lane.put('fleet', { robots });
   function place(i, step) {
     const side = Math.ceil(Math.sqrt(count));
     const turn = step / 10 + i;
-    return { lon: 4.252 + 0.014 * ((i % side) / side) + 2e-5 * Math.cos(turn), lat: 51.7845 + 0.007 * (Math.floor(i / side) / side) + 1e-5 * Math.sin(turn), heading_deg: (i * 37 + step * 5) % 360 };
+    const lon = 4.252 + 0.014 * ((i % side) / side) + 2e-5 * Math.cos(turn);
+    const lat = 51.7845 + 0.007 * (Math.floor(i / side) / side) + 1e-5 * Math.sin(turn);
+    return { lon, lat, heading_deg: (i * 37 + step * 5) % 360 };
   }
   window.count = count;
   // positions are laid beforehand: only the map is measured, not this script

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 import math
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from pyproj import Transformer
 from shapely import affinity
 from shapely.geometry import LineString, Polygon, shape
-from shapely.ops import transform
 
 PARCEL = Path(__file__).parent / "fixtures" / "nl-parcel.geojson"
 """Fields2Cover test data, BSD-3-Clause, Wageningen University."""
@@ -35,15 +35,13 @@ def _feature(kind: str, kind_of: str, coordinates: Any, **properties: Any) -> di
 
 def parcel_m() -> Polygon:
     """Return the parcel in UTM metres."""
-    collection = json.loads(PARCEL.read_text("utf-8"))
-    return transform(
-        _TO_M.transform,
-        shape(collection["features"][0]["geometry"]).geoms[0]
-        if collection["features"][0]["geometry"]["type"] == "MultiPolygon"
-        else shape(collection["features"][0]["geometry"]),
-    )
+    [feature] = json.loads(PARCEL.read_text("utf-8"))["features"]
+    geometry = shape(feature["geometry"])
+    outer = geometry.geoms[0] if geometry.geom_type == "MultiPolygon" else geometry
+    return Polygon([to_m(lon, lat) for lon, lat in outer.exterior.coords])
 
 
+@cache
 def _rows() -> list[LineString]:
     parcel = parcel_m()
     inner = parcel.buffer(-HEADLAND_M)
@@ -118,3 +116,9 @@ def farm() -> dict[str, Any]:
         *[_feature("tree", "Point", _lonlat([tree])[0], radius_m=5) for tree in trees],
     ]
     return {"type": "FeatureCollection", "features": features}
+
+
+def to_m(lon: float, lat: float) -> tuple[float, float]:
+    """Return UTM metres of a point."""
+    x, y = _TO_M.transform(lon, lat)
+    return x, y

@@ -14,7 +14,8 @@ from urllib.parse import urlsplit
 STATIC = Path(__file__).resolve().parents[2] / "static"
 NONCE = "bWFwLXRlc3Q"
 CSP = (
-    f"default-src 'self'; script-src 'self' 'nonce-{NONCE}' 'unsafe-eval'; worker-src 'self' blob:; "
+    f"default-src 'self'; img-src 'self' data:; "
+    f"script-src 'self' 'nonce-{NONCE}' 'unsafe-eval'; worker-src 'self' blob:; "
     "object-src 'none'; base-uri 'none'; frame-ancestors 'self'"
 )
 
@@ -53,16 +54,19 @@ LANE = """
 
 PAGE = """<!doctype html><html lang="en" data-theme="{theme}"><head><meta charset="utf-8"><title>Map</title>
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<link rel="icon" href="/static/none.ico">
+<link rel="icon" href="data:,">
 <link rel="stylesheet" href="/static/css/tokens.css"><link rel="stylesheet" href="/static/css/base.css">
-<link rel="stylesheet" href="/static/js/map/map.css"><link rel="stylesheet" href="/static/vendor/maplibre/maplibre-gl-core.css">
+<link rel="stylesheet" href="/static/js/map/map.css">
+<link rel="stylesheet" href="/static/vendor/maplibre/maplibre-gl-core.css">
 <link rel="stylesheet" href="/page.css"></head><body><main><div id="map" data-testid="map"></div></main>
 <script nonce="{nonce}">{lane}</script>
 <script type="module" nonce="{nonce}">
 import {{ LiveMap, publish }} from '/static/js/map/live_map.js';
 const options = {options};
 window.selected = [];
-const map = new LiveMap(document.getElementById('map'), {{ vendorUrl: '/static/vendor/maplibre', ...options, onSelect: (id) => window.selected.push(id) }});
+const onSelect = (id) => window.selected.push(id);
+const vendorUrl = '/static/vendor/maplibre';
+const map = new LiveMap(document.getElementById('map'), {{ vendorUrl, ...options, onSelect }});
 publish(map);
 window.map = map;
 await map.start();

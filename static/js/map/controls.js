@@ -71,9 +71,8 @@ export class Controls {
     this.notice.setAttribute('role', 'status');
     this.notice.dataset.testid = 'map-notice';
     this.notice.hidden = true;
-    this.frame = node('div', 'hl-map-frame');
     if (hasButtons) this.root.append(buttons, this.menu, foot);
-    this.root.append(this.frame, this.notice);
+    this.root.append(this.notice);
     host.append(this.root);
     this.act = act;
   }
@@ -139,11 +138,6 @@ export class Controls {
     again.type = 'button';
     again.addEventListener('click', () => this.act.retry());
     this.notice.append(again);
-  }
-
-  /** Coloured frame of a STOP: 'stopped', 'not-confirmed' or null. */
-  setStop(state) {
-    this.frame.dataset.stop = state ?? '';
   }
 
   destroy() {

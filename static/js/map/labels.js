@@ -31,6 +31,7 @@ export class LabelLayer {
     context.lineJoin = 'round';
     context.textBaseline = 'alphabetic';
     const taken = [];
+    this.texts = [];
     const order = [...labels].sort((a, b) => b.priority - a.priority);
     for (const label of order) {
       if (taken.length >= MOST_LABELS) break;
@@ -38,7 +39,6 @@ export class LabelLayer {
       if (x < -200 || y < -100 || x > camera.width + 200 || y > camera.height + 100) continue;
       this.#one(label, x + (label.dx ?? 0), y + (label.dy ?? 0), palette, taken);
     }
-    this.drawn = taken.length;
   }
 
   #one(label, x, y, palette, taken) {
@@ -58,6 +58,7 @@ export class LabelLayer {
     const overlaps = (o) => box[0] < o[2] && o[0] < box[2] && box[1] < o[3] && o[1] < box[3];
     if (!label.isFixed && taken.some(overlaps)) return;
     taken.push(box);
+    this.texts.push(...lines.map((line) => line.text));
     if (label.pill) {
       context.fillStyle = label.pill.fill;
       context.beginPath();

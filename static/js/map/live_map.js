@@ -163,8 +163,6 @@ export class LiveMap {
     }
     this.#place();
     if (intake.model) scene.setProgress(intake.progress());
-    const isOldStop = selected?.isStale && selected.stop === 'stopped'; // what was confirmed then is not confirmed now
-    this.controls.setStop(this.options.mode === 'robot' && !isOldStop ? selected?.stop : null);
     this.#draw(hasChanged);
     this.list.update(intake.robots, intake.clock);
     this.host.dataset.robots = String(intake.placed);
@@ -173,10 +171,17 @@ export class LiveMap {
 
   /** Draw now, or as soon as the graphics have caught up: on weak ones pictures must not pile up. */
   #draw(isUrgent = false) {
-    clearTimeout(this.later);
     const wait = isUrgent ? 0 : this.engine.waitMs();
-    if (wait > 0) this.later = setTimeout(() => this.engine && !this.isGone && this.#lay(performance.now()), wait);
-    else this.#lay(performance.now());
+    if (wait > 0) {
+      this.later ??= setTimeout(() => {
+        this.later = null;
+        if (this.engine && !this.isGone) this.#lay(performance.now());
+      }, wait);
+      return;
+    }
+    clearTimeout(this.later);
+    this.later = null;
+    this.#lay(performance.now());
   }
 
   /** Put robots where they are now and move the view along. */

@@ -18,7 +18,7 @@ function describe({ engine, intake, scene, look, ...map }) {
     camera: camera ? { lon: lonOf(camera.mx), lat: latOf(camera.my), zoom: camera.zoom, bearing: camera.bearing, metresPerPx: camera.metresPerPx } : null,
     isFollowing: map.isFollowing,
     frame: map.frameNumber,
-    labels: map.labelLayer.drawn ?? 0,
+    texts: map.labelLayer.texts ?? [],
     farm: intake.farmState,
     mission: intake.missionState,
     piece: scene.progress?.at ?? null,
