@@ -84,7 +84,7 @@ def test_everything_a_robot_says_survives_the_wire() -> None:
     assert {kind for kind, _ in said} == set(UP_TYPES)
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(kind=st.sampled_from(KINDS), payload=st.binary(max_size=200))
 @example(kind=Up.STATE, payload=b"[" * 5000)
 @example(kind=Down.STOP, payload=b'{"robot":"r","stop_id":"\xff"}')
@@ -100,7 +100,7 @@ json_values = st.recursive(
 )
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(kind=st.sampled_from(KINDS), field=st.text(max_size=12), value=json_values)
 def test_broken_fields_of_honest_messages_raise_wire_errors_or_are_within_range(
     kind: Up | Down, field: str, value: Any

@@ -36,9 +36,7 @@ def start(folder: Path, port: int = 0) -> subprocess.Popen[str]:
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_it_ends_at_once_even_without_a_broker_and_with_a_request_held(
-    tmp_path: Path, number: signal.Signals
-) -> None:
+def test_it_ends_at_once_even_without_a_broker_and_with_a_request_held(tmp_path: Path, number: signal.Signals) -> None:
     process = start(tmp_path)
     assert process.stdout is not None
     assert process.stderr is not None
