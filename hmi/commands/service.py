@@ -105,6 +105,8 @@ def _mission(robot: Robot, request: CommandRequest) -> Order | None:
     loaded = robot.state.order if robot.state is not None else None
     if loaded is not None and loaded.status is OrderStatus.NONE:
         loaded = None
-    if request.mission_id is not None and (loaded is None or loaded.mission_id != request.mission_id):
+    if request.mission_id is not None and loaded is None:
+        raise OrderRefused(WRONG_MISSION, f"{robot.name} has no mission. Send this one first.")
+    if request.mission_id is not None and loaded is not None and loaded.mission_id != request.mission_id:
         raise OrderRefused(WRONG_MISSION, f"{robot.name} holds another mission than this screen. Send this one first.")
     return loaded if request.action in (Action.START, Action.RESUME) else None

@@ -304,3 +304,9 @@ async def test_a_stop_between_two_commands_ends_control_of_the_first() -> None:
     assert lease is not None
     assert lease.token > token
     assert lease.holder.user_name == "Jonas Weber"
+
+
+async def test_a_start_without_a_mission_on_the_robot_says_what_to_do() -> None:
+    field = Field()
+    result = await field.desk.commands.submit(MARTHA, request(field, Action.START, mission_id="field-1"))
+    assert (result.code, result.text) == ("wrong_mission", "Weeder 01 has no mission. Send this one first.")
