@@ -7,7 +7,7 @@ from nicegui import ui
 from components.icon import icon
 from components.live_element import LiveElement
 from hmi.domain.role import Permission
-from hmi.pages import notice
+from hmi.pages import bundle, notice
 from hmi.pages.services import PageServices
 from hmi.security.session_info import SessionInfo
 
@@ -25,7 +25,13 @@ def build(services: PageServices, session: SessionInfo) -> None:
     if services.refusal(session, Permission.MANAGE_USERS):
         notice.build("admin", "lock", "Admins only", "Ask an admin of this farm.", "/operate", "Operate")
         return
-    with LiveElement("hl-screen", classes="h-screen h-admin", data_screen="admin", data_title="Admin"):
+    with LiveElement(
+        "hl-screen",
+        classes="h-screen h-admin",
+        data_screen="admin",
+        data_title="Admin",
+        data_code=bundle.script_url("admin"),
+    ):
         with ui.element("div").classes("h-tabs h-seg").props('role="group" aria-label="Section"'):
             for name, label, sign in SECTIONS:
                 with ui.element("button").props(f"type=button data-tab={name} data-testid=admin-tab-{name}"):

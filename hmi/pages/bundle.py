@@ -1,13 +1,13 @@
-"""The console's own styles and scripts, joined into two files whose address carries their hash.
+"""The console's own styles and scripts, joined into few files whose address carries their hash.
 
-The parts stay small in the source tree; a browser fetches one style sheet and one script and keeps both for good.
+The parts stay small in the source tree; a browser fetches one style sheet and one script, and keeps both for good.
 """
 
 from __future__ import annotations
 
 import hashlib
 import re
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 from starlette.requests import Request
@@ -19,15 +19,20 @@ STATIC = Path(__file__).resolve().parents[2] / "static"
 STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 """Cascade order: tokens first, screens last."""
 
-SCRIPTS = (
-    "core", "glyphs", "words", "preferences", "units", "port", "stops", "sheet",
-    "banner", "top_bar", "menus", "telemetry_tile", "mission_card", "state_path", "why",
-    "slide_to_confirm", "lease", "hold_to_drive", "stop_card", "action_dock",
-    "sign_in", "fleet_list", "records", "admin_forms",
-    "field_picture", "mission_numbers", "mission_form", "missions", "screen", "keys",
-)  # fmt: skip
-"""Load order: each file uses only names of those before it."""
+SCRIPTS = {
+    "headland": (
+        "core", "glyphs", "words", "preferences", "units", "port", "stops", "sheet",
+        "banner", "top_bar", "menus", "telemetry_tile", "mission_card", "state_path", "why",
+        "slide_to_confirm", "lease", "hold_to_drive", "stop_card", "action_dock",
+        "sign_in", "fleet_list", "screen", "keys",
+    ),
+    "admin": ("records", "admin_forms"),
+}  # fmt: skip
+"""Scripts by file, in load order: each uses only names of those before it.
+What few people open loads with its screen.
+"""
 
+_CSS_COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _URL = re.compile(r"url\(\.\./([\w./-]+)\)")
 
 
@@ -44,13 +49,15 @@ def versioned(path: str) -> str:
 def style_sheet() -> bytes:
     """Return all styles; the fonts they name carry their hashes."""
     text = "\n".join((STATIC / "css" / f"{name}.css").read_text("utf-8") for name in STYLES)
-    return _URL.sub(lambda found: f"url({versioned(found[1])})", text).encode()
+    lean = _lean(_CSS_COMMENT.sub("", text))
+    return _URL.sub(lambda found: f"url({versioned(found[1])})", lean).encode()
 
 
 @cache
-def script() -> bytes:
-    """Return all scripts of the screens, in load order."""
-    return "\n;\n".join((STATIC / "js" / "ui" / f"{name}.js").read_text("utf-8") for name in SCRIPTS).encode()
+def script(name: str = "headland") -> bytes:
+    """Return one of ``SCRIPTS``, joined."""
+    folder = STATIC / "js" / "ui"
+    return "\n;\n".join(_lean((folder / f"{part}.js").read_text("utf-8")) for part in SCRIPTS[name]).encode()
 
 
 def style_url() -> str:
@@ -58,22 +65,29 @@ def style_url() -> str:
     return f"/static/bundle/headland.css?v={_digest(style_sheet())}"
 
 
-def script_url() -> str:
-    """Return the versioned address of the script."""
-    return f"/static/bundle/headland.js?v={_digest(script())}"
+def script_url(name: str = "headland") -> str:
+    """Return the versioned address of one of ``SCRIPTS``."""
+    return f"/static/bundle/{name}.js?v={_digest(script(name))}"
 
 
 def routes() -> list[Route]:
-    """Return the routes that serve the two files; they come before the mount of ``/static``."""
-    return [Route("/static/bundle/headland.css", _style), Route("/static/bundle/headland.js", _script)]
+    """Return the routes that serve the files; they come before the mount of ``/static``."""
+    scripts = [Route(f"/static/bundle/{name}.js", partial(_script, name)) for name in SCRIPTS]
+    return [Route("/static/bundle/headland.css", _style), *scripts]
 
 
 def _style(_request: Request) -> Response:
     return Response(style_sheet(), media_type="text/css")
 
 
-def _script(_request: Request) -> Response:
-    return Response(script(), media_type="application/javascript")
+def _script(name: str, _request: Request) -> Response:
+    return Response(script(name), media_type="application/javascript")
+
+
+def _lean(text: str) -> str:
+    """Drop indents, empty lines and whole-line comments; no string of ours spans lines."""
+    lines = (line.strip() for line in text.splitlines())
+    return "\n".join(line for line in lines if line and not line.startswith("//"))
 
 
 def _digest(content: bytes) -> str:

@@ -16,9 +16,20 @@
     HL.repaint();
   }
 
+  // scripts that only this screen needs; its elements come to life when they have arrived
+  const loaded = new Set();
+  function load(src) {
+    if (loaded.has(src)) return;
+    loaded.add(src);
+    const script = el("script", { src });
+    script.onerror = () => (loaded.delete(src), HL.toast("This screen did not load. Open it again.", "cloud_off"));
+    document.head.append(script);
+  }
+
   class Screen extends HTMLElement {
     connectedCallback() {
       show(this);
+      if (this.dataset.code) load(this.dataset.code);
     }
   }
 
@@ -26,7 +37,7 @@
   class PickRobot extends LiveElement {
     build() {
       this.list = el("div", { class: "h-pick" });
-      this.append(this.list);
+      this.append(el("h1", { class: "h-t22 h-b h-pickhead" }, "Choose a robot"), this.list);
       const known = (this.dataset.known || "").split(" ").filter(Boolean);
       const last = HL.keep.read(LAST_KEY, "");
       const target = known.includes(last) ? last : known.length === 1 ? known[0] : "";
