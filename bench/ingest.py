@@ -13,7 +13,7 @@ import json
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, Literal
 
 import paho.mqtt.client as paho
@@ -68,7 +68,6 @@ def _measure(side: str) -> tuple[float, int, int]:
             size = ["--robots", str(ROBOTS), "--rate", str(RATE), "--seconds", str(SECONDS)]
             command = [sys.executable, "-m", "bench.mqtt_load", "--port", str(port), *size]
             load = subprocess.run(command, capture_output=True, text=True, check=True)
-            time.sleep(SETTLE_S)
             child.stdin.write("report\n")
             child.stdin.flush()
             heard = json.loads(child.stdout.readline())
@@ -99,7 +98,7 @@ async def _ours(port: int) -> None:
 
     edge.listeners.on_ack.append(count)
     await edge.start()
-    cpu_s = await _until_asked()
+    cpu_s = await _until_asked(lambda: edge.messages)
     newest: dict[str, int] = {}
     for robot in store.robots():
         if robot.telemetry is not None:
@@ -116,11 +115,16 @@ def _report(cpu_s: float, newest: dict[str, int], acks: int) -> None:
     print(json.dumps({"cpu_s": cpu_s, "newest": newest, "acks": acks}), flush=True)
 
 
-async def _until_asked() -> float:
+async def _until_asked(heard: Callable[[], int]) -> float:
+    """Return the CPU time between ``ready`` and the moment when, after being asked, nothing more comes."""
     await asyncio.sleep(1.5)  # connected and subscribed
     begun_s = time.process_time()
     print("ready", flush=True)
     await asyncio.to_thread(sys.stdin.readline)
+    before = -1
+    while before != heard():  # a starved process is behind, not deaf
+        before = heard()
+        await asyncio.sleep(SETTLE_S)
     return time.process_time() - begun_s
 
 
@@ -196,10 +200,11 @@ _NAIVE: dict[str, type[_NaiveHeader]] = {
 async def _naive(port: int) -> None:
     loop = asyncio.get_running_loop()
     state: dict[str, _NaiveHeader] = {}
-    acks = 0
+    acks = heard = 0
 
     def keep(topic: str, message: _NaiveHeader) -> None:
-        nonlocal acks
+        nonlocal acks, heard
+        heard += 1
         _, _, robot, kind = topic.split("/")
         acks += kind == "ack"
         state[f"{robot}/{kind}"] = message
@@ -213,7 +218,7 @@ async def _naive(port: int) -> None:
     client.connect("127.0.0.1", port)
     client.loop_start()
     client.subscribe("headland/v1/#", 1)
-    cpu_s = await _until_asked()
+    cpu_s = await _until_asked(lambda: heard)
     _report(cpu_s, {key: m.seq for key, m in state.items()}, acks)
     client.disconnect()
     client.loop_stop()
