@@ -178,11 +178,17 @@ class MissionBook:
 
     async def sent(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> None:
         """Note that the robot holds this mission now."""
+        await self._database.run(self._sent, farm_id, mission_id, robot_id, by)
+
+    def _sent(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> None:
+        why = f"Sent to {robot_id}, read back whole."
+        known = self._missions.known(mission_id)
+        if known is not None and known.robot_id == robot_id and known.status is MissionStatus.ACCEPTED:
+            # the robot's report was faster than its answer to the sending
+            self._missions.note(farm_id, mission_id, by, why)
+            return
         try:
-            await self._database.run(
-                self._missions.move, farm_id, mission_id, MissionStatus.SENT, Mover.PERSON, by,
-                f"Sent to {robot_id}, read back whole.", robot_id=robot_id,
-            )  # fmt: skip
+            self._missions.move(farm_id, mission_id, MissionStatus.SENT, Mover.PERSON, by, why, robot_id=robot_id)
         except BadMove as error:
             log.warning("mission %s was sent to %s but stays as it is: %s", mission_id, robot_id, error)
 

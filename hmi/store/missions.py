@@ -179,6 +179,16 @@ class Missions:
         moved = self._change(farm_id, mission_id, change, by, why, data or {}, at)
         return moved, MissionChange(mission_id, before, after, mover, by, at or moved.updated_at, why)
 
+    def note(self, farm_id: str, mission_id: str, by: str, why: str) -> None:
+        """Write a line into a mission's log that moves nothing.
+
+        Raises:
+            NotFound: there is no such mission.
+        """
+        with self._changing, self._database.write() as session:
+            mission = replace(_mission(_row(session, farm_id, mission_id)), updated_at=self._clock.utc())
+            session.add(self._log(mission, by, why, {}))
+
     def delete(self, farm_id: str, mission_id: str) -> None:
         """Delete a mission that never ran.
 
