@@ -24,9 +24,10 @@ SCRIPTS = {
         "core", "glyphs", "words", "preferences", "units", "port", "stops", "sheet",
         "banner", "top_bar", "menus", "telemetry_tile", "mission_card", "state_path", "why",
         "slide_to_confirm", "lease", "hold_to_drive", "stop_card", "action_dock",
-        "sign_in", "fleet_list", "screen", "keys",
+        "sign_in", "fleet_list", "records", "screen", "keys",
     ),
-    "admin": ("records", "admin_forms"),
+    "admin": ("admin_forms",),
+    "missions": ("field_picture", "mission_numbers", "mission_form", "missions"),
 }  # fmt: skip
 """Scripts by file, in load order: each uses only names of those before it.
 What few people open loads with its screen.

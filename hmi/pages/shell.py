@@ -13,7 +13,7 @@ from nicegui import ui
 from components import stop_slab
 from components.live_element import LiveElement
 from hmi.domain.role import PERMISSIONS
-from hmi.pages import admin, bundle, fleet, login, operate, rail, top_bar
+from hmi.pages import admin, bundle, fleet, login, missions, operate, rail, top_bar
 from hmi.pages.services import PageServices
 from hmi.security.session_info import SessionInfo
 
@@ -58,9 +58,8 @@ def _screens(services: PageServices, session: SessionInfo | None) -> None:
 
 
 def _missions(services: PageServices, session: SessionInfo) -> None:
-    from hmi.pages import missions
-
-    with LiveElement("hl-screen", classes="h-screen", data_screen="missions", data_title="Missions"):
+    code = bundle.script_url("missions")
+    with LiveElement("hl-screen", classes="h-screen", data_screen="missions", data_title="Missions", data_code=code):
         missions.build(services, session)
 
 

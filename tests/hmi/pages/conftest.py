@@ -12,8 +12,14 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, BrowserType, Page, expect
 
+from hmi.pages.bundle import STATIC
+
 expect.set_options(timeout=15_000)  # a busy machine is late, not wrong
 SIZES = {"landscape": (1280, 800), "portrait": (800, 1280), "desk": (1920, 1080)}
+
+
+ICONS = (STATIC / "icons" / "icons.txt").read_text("utf-8").split()
+ICONS_SHOWN = "[...document.querySelectorAll('.h-i')].map((sign) => sign.textContent)"
 
 
 class Theatre:
@@ -89,5 +95,7 @@ def look(plain_browser: Browser, theatre: Theatre) -> Iterator[Callable[..., Pag
 
     yield open_page
     for context in contexts:
+        for page in context.pages:
+            problems.extend(f"no icon {name}" for name in page.evaluate(ICONS_SHOWN) if name not in ICONS)
         context.close()
     assert problems == []
