@@ -1,0 +1,1 @@
+"""Tests of missions: their life, storage, tracking, book and routes."""

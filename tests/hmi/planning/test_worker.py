@@ -1,0 +1,76 @@
+"""Planning in a process of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import time
+from collections.abc import AsyncIterator
+
+import pytest
+
+from hmi.domain.mission_plan import PlanRefused
+from hmi.planning.side_process import SideProcess, SideProcessDied
+from hmi.planning.worker import WAITING_LIMIT, PlanningProcess
+from tests.hmi.missions.test_document import wish
+
+
+@pytest.fixture
+async def side() -> AsyncIterator[SideProcess]:
+    side = SideProcess()
+    yield side
+    await asyncio.to_thread(side.close)
+
+
+async def test_a_plan_is_made_elsewhere_and_a_refusal_comes_back_whole() -> None:
+    planner = PlanningProcess()
+    try:
+        assert (await planner.plan(wish())).statistics["rows"] > 5
+        with pytest.raises(PlanRefused) as refused:
+            await planner.plan(wish(width_m=0.0))
+        assert (refused.value.code, refused.value.field) == ("width_not_positive", "width_m")
+    finally:
+        await asyncio.to_thread(planner.close)
+
+
+async def test_a_plan_that_takes_too_long_is_given_up() -> None:
+    planner = PlanningProcess(limit_s=0.01)
+    try:
+        with pytest.raises(PlanRefused) as refused:
+            await planner.plan(wish())
+        assert refused.value.code == "too_long"
+    finally:
+        await asyncio.to_thread(planner.close)
+
+
+async def test_more_plans_than_can_wait_are_refused_at_once() -> None:
+    planner = PlanningProcess()
+    waiting = [asyncio.create_task(planner.plan(wish())) for _ in range(WAITING_LIMIT)]
+    await asyncio.sleep(0)
+    try:
+        with pytest.raises(PlanRefused) as refused:
+            await planner.plan(wish())
+        assert refused.value.code == "busy"
+    finally:
+        for task in waiting:
+            task.cancel()
+        await asyncio.gather(*waiting, return_exceptions=True)
+        await asyncio.to_thread(planner.close)
+
+
+async def test_a_process_that_dies_is_told_and_replaced(side: SideProcess) -> None:
+    with pytest.raises(SideProcessDied):
+        await side.run(os._exit, 3)
+    assert await side.run(abs, -2) == 2
+
+
+async def test_closing_does_not_wait_for_work(side: SideProcess) -> None:
+    own = await side.run(os.getpid)
+    work = asyncio.create_task(side.run(time.sleep, 60))
+    await asyncio.sleep(0)
+    begin = time.monotonic()
+    await asyncio.to_thread(side.close)
+    await asyncio.gather(work, return_exceptions=True)
+    assert time.monotonic() - begin < 10
+    with pytest.raises(ProcessLookupError):
+        os.kill(own, 0)
