@@ -4,7 +4,7 @@
   const { el, icon, text, attr, LiveElement, define } = HL;
   const { list, when, empty } = HL.records;
   const LATE_MS = 5000; // a list that is not there by then is an error
-  const RELOAD_MS = 400; // several moves of a mission come close together
+  const RELOAD_MS = 1200; // moves of a mission come close together, and are stored a moment after the robot tells
 
   const of = (id) => `/missions/${encodeURIComponent(id)}`;
   const robotName = (id) => HL.port.fleet()[id]?.name ?? id ?? "no robot";
@@ -39,7 +39,8 @@
       this.may = { edit: this.dataset.mayEdit === "yes", send: this.dataset.maySend === "yes" };
       text(this.querySelector("[data-testid=mission-rights]"), !this.may.send && !this.may.edit ? this.dataset.noSend : this.may.edit ? "" : this.dataset.noEdit);
       if (!this.may.edit) attr(this.planButton, "disabled", true);
-      this.onEvent = (event) => event && ["mission", "mission-status"].includes(event.kind) && this.soon();
+      const isAbout = (event) => ["mission", "mission-status"].includes(event.kind) || (event.kind === "robot" && event.what === "mission");
+      this.onEvent = (event) => event && isAbout(event) && this.soon();
     }
 
     enter() {
