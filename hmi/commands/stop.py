@@ -17,6 +17,7 @@ from hmi.domain.stop import SafetyReport, StopAnswer, StopAttempt, StopTarget
 from hmi.domain.stop_book import StopBook
 
 IDLE_S = 0.1  # longest wait of the repeating task
+SWEEP_S = 10.0  # how often presses at robots that nobody knows are looked through
 FRESH_SPEED_S = 1.0  # an older speed proves nothing about how fast it is now
 MAX_HTTP_REPEATS = 3  # copies waiting for one robot's HTTP answer before a repeat is left out
 
@@ -53,15 +54,18 @@ class StopService:
         self._book = StopBook()
         self._wake = asyncio.Event()
         self._speeds: dict[str, tuple[float, float]] = {}
+        self._next_sweep_s = 0.0
         self._http: dict[str, set[asyncio.Task[None]]] = {}
 
     def press(self, stop_id: str, robots: Sequence[str] | Literal["all"], by: str, device: str) -> list[dict[str, Any]]:
         """Send STOP at once on every path; the same ``stop_id`` again sends one more copy.
 
-        Returns the step of each robot; ids that break the id rule are left out.
+        Returns the step of each robot; ids that break the id rule, and strangers beyond a limit, are left out.
         """
         targets = self._registry.stop_targets()
-        wanted = list(targets) if robots == "all" else [r for r in dict.fromkeys(robots) if is_id(r)]
+        asked = list(targets) if robots == "all" else [r for r in dict.fromkeys(robots) if is_id(r)]
+        known = {*targets, *self._speeds}
+        wanted = [robot_id for robot_id in asked if self._book.admits(robot_id, known)]
         now_s, utc = self._clock.mono_s(), self._clock.utc()
         fresh = [robot_id for robot_id in wanted if not self._book.has(stop_id, robot_id)]
         for robot_id in wanted:
@@ -105,6 +109,9 @@ class StopService:
         """Send what is due and let limits run out; ``run`` does this in time."""
         now_s = self._clock.mono_s()
         self._book.tick(now_s)
+        if now_s >= self._next_sweep_s:
+            self._next_sweep_s = now_s + SWEEP_S
+            self._book.forget_strangers({*self._registry.stop_targets(), *self._speeds}, now_s)
         for attempt in self._book.due(now_s):
             self._send(attempt, now_s)
 

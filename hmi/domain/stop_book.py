@@ -7,7 +7,7 @@ Every method that can change something returns the attempts that changed, newest
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Container, Iterable
 from dataclasses import replace
 from datetime import datetime
 from typing import Any
@@ -15,6 +15,8 @@ from typing import Any
 from hmi.domain.stop import SafetyReport, StopAnswer, StopAttempt, StopState, StopTarget
 
 MAX_OPEN_PER_ROBOT = 64  # as many as a robot lists; beyond, the oldest press is covered by 64 newer ones
+MAX_STRANGERS = 64  # robots that nobody registered or heard; more than that is not a farm
+STRANGER_S = 600.0  # a robot nobody ever heard of cannot be waited for without end: its alarm could never end
 MAX_FINISHED = 256  # so that somebody who asks late still reads "reset"
 
 Key = tuple[str, str]
@@ -146,6 +148,20 @@ class StopBook:
         gone = self._keys_at(robot_id)
         return self._each(gone, lambda attempt: replace(attempt, state=StopState.RESET, text=text))
 
+    def forget_strangers(self, known: Container[str], now_s: float) -> list[StopAttempt]:
+        """End old presses at robots that are not ``known``: a mistyped id, never a robot of the farm."""
+        changed: list[StopAttempt] = []
+        for robot_id in [r for r, keys in self._by_robot.items() if keys and r not in known]:
+            if all(now_s - attempt.pressed_s > STRANGER_S for attempt in self.attempts_at(robot_id)):
+                changed += self.withdraw(robot_id, "Nobody registered this robot and nobody ever heard it.")
+        return changed
+
+    def admits(self, robot_id: str, known: Container[str]) -> bool:
+        """Say whether a press at this robot can be kept: always for a ``known`` one, for strangers up to a limit."""
+        if robot_id in known or self._by_robot.get(robot_id):
+            return True
+        return sum(1 for r, keys in self._by_robot.items() if keys and r not in known) < MAX_STRANGERS
+
     def _keys_at(self, robot_id: str) -> list[Key]:
         return list(self._by_robot.get(robot_id, ()))
 
@@ -175,7 +191,10 @@ class StopBook:
             self._open[key] = attempt
             return attempt
         if self._open.pop(key, None) is not None:
-            self._by_robot[attempt.robot_id].remove(key)
+            keys = self._by_robot[attempt.robot_id]
+            keys.remove(key)
+            if not keys:
+                del self._by_robot[attempt.robot_id]
         self._finished[key] = attempt
         while len(self._finished) > MAX_FINISHED:
             self._finished.popitem(last=False)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import secrets
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 from backend_clients.edge import messages_up as up
@@ -19,13 +20,14 @@ from hmi.stop_gateway.registry import Registry
 from hmi.stop_gateway.watch import RobotWatch
 from hmi.stop_gateway.wire import BrokerWire, Heard, LinkChanged, answer_of, report_of
 
-MAX_UNKNOWN_ROBOTS = 64  # never registered, never heard: more than that is not a farm
 MAX_AT_ONCE = 8  # copies of different presses for one robot in one round; the least sent go first
 POLL_S = 0.2  # the robot's HTTP safety state while a press is not confirmed
 POLL_IF_OLDER_S = 0.3  # no question while MQTT brings the answer at 5 to 10 Hz
 ASK_S, ASK_MAX_S = 1.0, 8.0  # signs of life by HTTP from robots that are silent on MQTT
 PING_S = (0.9, 1.5)  # jittered: the robot echoes one nonce a heartbeat, and the console measures too
 LONGEST_WAIT_S = 0.1
+
+_log = logging.getLogger("headland.stop")
 
 Changed = Callable[[list[StopAttempt]], None]
 
@@ -51,7 +53,6 @@ class StopDispatcher:
         self._ask_at: dict[str, float] = {}
         self._ask_pause: dict[str, float] = {}
         self._pings: dict[str, tuple[str, float]] = {}
-        self._unknown: set[str] = set()
 
     # -- browsers ---------------------------------------------------------------------------------------
 
@@ -59,13 +60,12 @@ class StopDispatcher:
         """Send STOP to ``robots`` (or ``"all"``) at once, on every path; return the steps.
 
         Raises:
-            TooManyRobots: it names more robots that nobody knows than the gateway keeps.
+            TooManyRobots: it names only robots that nobody knows, and the gateway keeps enough of those.
         """
         now_s = self._clock.mono_s()
         utc = self._clock.utc()
         attempts = []
-        for robot_id in self._everyone() if isinstance(robots, str) else dict.fromkeys(robots):
-            self._admit(robot_id)
+        for robot_id in self._admitted(self._everyone() if isinstance(robots, str) else dict.fromkeys(robots)):
             speed = self.watch.speed_mps(robot_id, now_s)
             target = self.registry.target(robot_id)
             attempts.append(
@@ -96,12 +96,16 @@ class StopDispatcher:
         """Return what ``all`` means: the registered robots; before the first list, whoever was heard."""
         return list(self.registry.robots) if self.registry.is_known else self.watch.known()
 
-    def _admit(self, robot_id: str) -> None:
-        if robot_id in self.registry.robots or self.watch.of(robot_id).heard_s is not None:
-            return
-        if robot_id not in self._unknown and len(self._unknown) >= MAX_UNKNOWN_ROBOTS:
-            raise TooManyRobots(f"{robot_id} is unknown, and so are {MAX_UNKNOWN_ROBOTS} others.")
-        self._unknown.add(robot_id)
+    def _admitted(self, robots: Iterable[str]) -> list[str]:
+        asked = list(robots)
+        known = self._known()
+        admitted = [robot_id for robot_id in asked if self.book.admits(robot_id, known)]
+        if asked and not admitted:
+            raise TooManyRobots(f"Nobody knows {asked[0]}, and the gateway keeps too many such robots already.")
+        return admitted
+
+    def _known(self) -> set[str]:
+        return {*self.registry.robots, *self.watch.known()}
 
     def _newest(self, attempt: StopAttempt) -> StopAttempt:
         for other in self.book.attempts_at(attempt.robot_id):
@@ -147,6 +151,7 @@ class StopDispatcher:
 
     async def refresh(self) -> bool:
         """Follow the console's files; return whether the robots changed."""
+        self._changed(self.book.forget_strangers(self._known(), self._clock.mono_s()))
         before = set(self.registry.robots)
         if not await asyncio.to_thread(self.registry.refresh):
             return False
@@ -164,8 +169,12 @@ class StopDispatcher:
                 self._send(attempt, now_s)
 
     def _send(self, attempt: StopAttempt, now_s: float) -> None:
-        by_mqtt = self.wire.send(attempt)
-        self._http.send(attempt, now_s)
+        by_mqtt = False
+        try:
+            by_mqtt = self.wire.send(attempt)
+            self._http.send(attempt, now_s)
+        except Exception:  # noqa: BLE001 - one robot that cannot be sent to must not keep STOP from the others
+            _log.exception("STOP could not be handed to a path of %s", attempt.robot_id)
         self.book.sent(attempt, now_s, by_mqtt=by_mqtt)
 
     def _ask(self, now_s: float) -> None:

@@ -8,9 +8,10 @@ import errno
 import gc
 import logging
 import os
+import signal
 import socket
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import msgspec
@@ -37,6 +38,15 @@ class StopServer(uvicorn.Server):
         super().__init__(config)
         self._gateway = gateway
         self._on_listening = on_listening
+
+    @contextlib.contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """End on SIGTERM and SIGINT with exit code 0, instead of dying of the signal after the clean-up."""
+        loop = asyncio.get_running_loop()
+        with contextlib.suppress(RuntimeError, ValueError, NotImplementedError):  # not the main thread: no signals
+            for number in (signal.SIGTERM, signal.SIGINT):
+                loop.add_signal_handler(number, self.handle_exit, number, None)
+        yield
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
         """Start, then say so."""

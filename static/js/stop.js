@@ -60,6 +60,7 @@
   // ---- link -------------------------------------------------------------------------------------------
   const socket = new GatewaySocket({
     hello(frame) {
+      if (hello.boot !== frame.boot) presses.forgetAges("gateway");
       hello = frame;
       [helloAt, isReconciled] = [performance.now(), false];
       for (const press of presses.open(helloAt, true)) sendBySocket(press);

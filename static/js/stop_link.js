@@ -9,6 +9,7 @@
   const REFUSED_MS = 5000;
   const ABORT_MS = 1500;
   const PING_MS = 1000;
+  const ASLEEP_MS = 2000;
 
   class GatewaySocket {
     // `on`: {hello, frame(frame), beat(frame), refused(text)}
@@ -43,8 +44,17 @@
       return true;
     }
 
+    // A tablet that slept, or whose clock was set: nothing from before counts, the next heartbeat is 250 ms away.
+    wasAsleep(now) {
+      const apart = Date.now() - now;
+      const slept = Math.abs(apart - (this.apart ?? apart)) > ASLEEP_MS;
+      this.apart = apart;
+      return slept;
+    }
+
     // Called every 100 ms.
     tick(now) {
+      if (this.wasAsleep(now)) this.lastBeat = -Infinity;
       if (!this.socket && now >= this.connectAt) this.connect(now);
       else if (this.socket && !this.isWelcome && now - this.began > CONNECT_MS) this.drop(now);
       else if (this.isWelcome && now - Math.max(this.lastBeat, this.began) > HALF_OPEN_MS) this.drop(now);

@@ -62,6 +62,11 @@
       this.entries.set(key, entry);
     }
 
+    // A restarted gateway counts ages anew: its first steps are not older than those of the one before.
+    forgetAges(source) {
+      for (const entry of this.entries.values()) delete entry.by[source];
+    }
+
     // The gateway told all presses it holds: others are over, except what was pressed here and is not confirmed.
     reconcile(since) {
       for (const [key, entry] of this.entries) {

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmi.domain.stop import SafetyReport, StopAnswer, StopAttempt, StopState, StopTarget
-from hmi.domain.stop_book import MAX_OPEN_PER_ROBOT, ReportOrder, StopBook
+from hmi.domain.stop_book import MAX_OPEN_PER_ROBOT, MAX_STRANGERS, STRANGER_S, ReportOrder, StopBook
 
 T0 = 1000.0
 UTC0 = datetime(2026, 5, 4, tzinfo=UTC)
@@ -87,6 +87,27 @@ def test_thousands_of_presses_cost_no_more_memory_than_a_robot_keeps() -> None:
         press(book, f"press-{n:04}", now_s=T0 + n)
     assert len(book) == MAX_OPEN_PER_ROBOT
     assert book.attempts()[-1].stop_id == "press-0999"
+
+
+def test_a_robot_that_nobody_knows_cannot_raise_an_alarm_without_end() -> None:
+    book = StopBook()
+    press(book, "press-one")
+    press(book, "press-one", "weeder-02")
+    assert not book.forget_strangers({"weeder-01"}, T0 + STRANGER_S)
+    changed = book.forget_strangers({"weeder-01"}, T0 + STRANGER_S + 1)
+    assert [a.robot_id for a in changed] == ["weeder-02"]
+    assert [a.robot_id for a in book.attempts()] == ["weeder-01"]  # a robot of the farm is waited for, however long
+
+
+def test_strangers_are_kept_up_to_a_limit_and_known_robots_always() -> None:
+    book = StopBook()
+    for n in range(MAX_STRANGERS):
+        target = StopTarget(f"stranger-{n}", "?")
+        assert book.admits(target.id, {"weeder-01"})
+        book.press("press-one", target, "", "", now_s=T0, utc=UTC0)
+    assert not book.admits("one-more", {"weeder-01"})
+    assert book.admits("stranger-3", {"weeder-01"})
+    assert book.admits("weeder-01", {"weeder-01"})
 
 
 @given(st.lists(st.tuples(st.sampled_from(["boot-one", "boot-two", "boot-three"]), st.integers(0, 20)), max_size=40))
