@@ -15,7 +15,8 @@ from shapely.geometry.base import BaseGeometry
 from hmi.domain.ids import is_id
 from hmi.domain.mission_document import Document, canonical, mission_sha256
 from hmi.domain.mission_plan import Geometry, PlannedMission, PlanRefused, PlanWish
-from hmi.planning.coverage import Job, plan_coverage
+from hmi.planning.coverage import plan_coverage
+from hmi.planning.job import Job
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import Leg, Plan
 from hmi.planning.projection import LocalFrame

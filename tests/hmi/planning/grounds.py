@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
 from hmi.demo import farm
-from hmi.planning.coverage import Job
 from hmi.planning.ground import Ground
+from hmi.planning.job import Job
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import GENTLE_RAD, LegKind, Plan, headings, turn_between
 from hmi.planning.projection import LocalFrame

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
 from hmi.domain.mission_plan import PlanRefused
-from hmi.planning.coverage import Job, plan_coverage
+from hmi.planning.coverage import plan_coverage
+from hmi.planning.job import Job
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import LegKind, Plan
 from tests.hmi.planning.grounds import assert_drivable, convex_fields, crooked_fields, given_field, square
