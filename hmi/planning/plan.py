@@ -57,7 +57,7 @@ class Leg:
 
 @dataclass(frozen=True, slots=True)
 class Figures:
-    """Numbers of a plan, SI. ``row_area_m2`` of ``inner_area_m2`` says how well the rows fill the inner field."""
+    """Numbers of a plan, SI. Areas: the field, what of it is worked, worked twice, and the inner field behind the headland."""
 
     length_m: float
     working_length_m: float
