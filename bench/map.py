@@ -49,6 +49,7 @@ OURS = """([updates, period]) => new Promise((done) => {
   let step = 0;
   const timer = setInterval(() => {
     step += 1;
+    lane.pass(period);
     const t = headland.now();
     const places = steps[step % steps.length];
     const robots = {};

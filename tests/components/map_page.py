@@ -65,15 +65,6 @@ class MapPage:
         self.settle()
         return lon, lat
 
-    def keep_alive(self) -> None:
-        """Go on reporting the last pose ten times a second, as a robot does."""
-        self.page.evaluate(
-            f"""() => setInterval(() => {{
-                const {{ pose }} = headland.state('robot/{ROBOT}');
-                lane.put('robot/{ROBOT}', {{ pose: {{ ...pose, t: headland.now() }} }});
-            }}, 100)"""
-        )
-
     def settle(self) -> None:
         """Wait until a picture was drawn after everything sent so far."""
         self.page.evaluate(

@@ -21,10 +21,10 @@ CSP = (
 
 LANE = """
 (() => {
-  // the part of window.headland the map reads, with the same units; the test moves time and state
+  // the part of window.headland the map reads, with the same units; time and state move only when the test says so
   const listeners = new Map(), states = new Map();
-  let revision = 0, offset = 0;
-  const now = () => performance.now() + offset;
+  let revision = 0, time = 1000;
+  const now = () => time;
   window.headland = {
     on(topic, fn) {
       if (!listeners.has(topic)) listeners.set(topic, new Set());
@@ -41,13 +41,15 @@ LANE = """
     put(topic, groups) {
       revision += 1;
       states.set(topic, { ...states.get(topic), ...groups });
-      for (const fn of listeners.get(topic) ?? []) fn(states.get(topic), topic, Object.keys(groups));
+      const names = Object.keys(topic === 'poses' ? groups.robots : groups);
+      for (const fn of listeners.get(topic) ?? []) fn(states.get(topic), topic, names);
       return revision;
     },
     pose(robot, lon, lat, heading_deg, speed_mps = 0.4) {
+      time += 100;
       return this.put(`robot/${robot}`, { pose: { t: now(), lon, lat, heading_deg, speed_mps, accuracy_m: 0.02 } });
     },
-    pass(ms) { offset += ms; },
+    pass(ms) { time += ms; },
   };
 })();
 """

@@ -49,7 +49,7 @@ export class Geometry {
   load(url, { key = url, isMissingOk = false } = {}) {
     if (this.key === key) return;
     this.stop();
-    Object.assign(this, { key, url, isMissingOk, pause: RETRY_FIRST_MS });
+    Object.assign(this, { key, url, isMissingOk, pause: RETRY_FIRST_MS, state: null });
     this.#ask();
   }
 
@@ -63,7 +63,7 @@ export class Geometry {
   async #ask() {
     this.abort?.abort();
     const abort = (this.abort = new AbortController());
-    this.#tell('loading');
+    if (this.state !== 'failed') this.#tell('loading'); // what is wrong stays said until it is right
     try {
       const answer = await fetch(this.url, { signal: abort.signal, credentials: 'same-origin', cache: 'no-cache', headers: { Accept: 'application/geo+json, application/json' } });
       if (answer.status === 404 && this.isMissingOk) return this.#tell('missing');

@@ -1,0 +1,38 @@
+"""What the live map costs and carries: size, licences, no traces of other hosts."""
+
+from __future__ import annotations
+
+import gzip
+import re
+from pathlib import Path
+
+STATIC = Path(__file__).resolve().parents[2] / "static"
+VENDOR = STATIC / "vendor" / "maplibre"
+CODE = STATIC / "js" / "map"
+MOST_BYTES = 450_000 + 30_000  # MapLibre with its worker, and the map's own scripts
+MOST_LINES = 400
+
+
+def test_the_map_stays_within_its_weight() -> None:
+    files = [*VENDOR.glob("*.mjs"), *VENDOR.glob("*.css"), *CODE.iterdir()]
+    weight = sum(len(gzip.compress(path.read_bytes(), 9)) for path in files)
+    assert weight <= MOST_BYTES
+
+
+def test_the_scripts_of_the_map_stay_small() -> None:
+    long = {path.name for path in CODE.glob("*.js") if len(path.read_text("utf-8").splitlines()) >= MOST_LINES}
+    assert long == set()
+
+
+def test_the_vendored_library_comes_with_its_licences_and_without_source_maps() -> None:
+    assert "MapLibre contributors" in (VENDOR / "LICENSE.txt").read_text("utf-8")
+    assert "MapLibre GL JS" in (STATIC.parent / "NOTICE").read_text("utf-8")
+    assert len(re.findall("^=== ", (VENDOR / "THIRD_PARTY.txt").read_text("utf-8"), re.MULTILINE)) == 17
+    for path in VENDOR.glob("*.mjs"):
+        assert "sourceMappingURL" not in path.read_text("utf-8")
+
+
+def test_the_scripts_of_the_map_name_no_other_host() -> None:
+    for path in CODE.iterdir():
+        hosts = set(re.findall(r"(?:https?:)?//([a-z0-9.-]+\.[a-z]{2,})/", path.read_text("utf-8")))
+        assert hosts <= {"www.w3.org"}, path.name
