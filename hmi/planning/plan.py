@@ -57,7 +57,7 @@ class Leg:
 
 @dataclass(frozen=True, slots=True)
 class Figures:
-    """Numbers of a plan, SI. Areas: the field, what of it is worked, worked twice, and the inner field behind the headland."""
+    """Numbers of a plan, SI. Areas: field, worked, worked twice, inner field (behind the headland) and worked of it."""
 
     length_m: float
     working_length_m: float
