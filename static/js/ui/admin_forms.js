@@ -5,7 +5,7 @@
   const { table, load, empty, list, when } = HL.records;
   const ROLES = ["viewer", "operator", "planner", "supervisor", "dispatcher", "admin"];
 
-  const act = (label, run, hook, look = "") => el("button", { type: "button", class: `h-btn ${look}`.trim(), "data-testid": hook, onclick: run }, label);
+  const act = (label, run, hook, look = "") => el("button", { type: "button", class: `h-btn ${look}`.trim(), "data-testid": hook, onclick: run }, ...[label].flat());
   const acts = (...buttons) => el("div", { class: "acts" }, ...buttons);
 
   async function send(method, path, body, done, isQuiet) {
@@ -131,12 +131,15 @@
     },
   };
 
-  // nested counters as one table a part
+  // nested counters as one table a part, deeper ones by their path
   function flat(data) {
-    const word = (value) => (value === null ? "–" : typeof value === "object" ? JSON.stringify(value) : String(value));
+    const isDeep = (value) => value && typeof value === "object" && !Array.isArray(value) && Object.keys(value).length;
+    const word = (value) => (value === null || (typeof value === "object" && !Object.keys(value).length) ? "–" : typeof value === "object" ? JSON.stringify(value) : String(value));
+    const leaves = (value, path) => Object.entries(value).flatMap(([key, one]) => (isDeep(one) ? leaves(one, [...path, key]) : [[[...path, key].join(", "), word(one)]]));
+    const titled = (name) => name[0].toUpperCase() + name.slice(1).replaceAll("_", " ");
     const parts = Object.entries(data).filter(([, value]) => value && typeof value === "object" && !Array.isArray(value));
     const loose = Object.entries(data).filter(([key]) => !parts.some(([name]) => name === key));
-    const all = parts.map(([name, value]) => [name, Object.entries(value).map(([key, one]) => [key, word(one)])]);
+    const all = parts.map(([name, value]) => [titled(name), leaves(value, [])]);
     return loose.length ? [["General", loose.map(([key, one]) => [key, word(one)])], ...all] : all;
   }
 

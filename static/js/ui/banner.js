@@ -48,6 +48,30 @@
     return { look: "p3", state: "standstill", sign: "front_hand", head: "Stopped. Standstill confirmed", line: `${who}The robot stays stopped until someone resets it.`, time: words.clock(HL.stops.ageMs(stop) / 1000) };
   }
 
+  // a part of the server that is down, or was a moment ago: the keeper restarts it and everybody is told
+  const PARTS = { stop: "STOP process", broker: "message broker", simulator: "simulator", console: "console" };
+  const TOLD_MS = 60000;
+  const told = new Map(); // part and time of its return -> when this page heard of it; wall clocks are not compared
+  let isFirstLook = true;
+  function firstTold(part) {
+    const key = `${part.name} ${part.last_down.until_utc}`;
+    if (!told.has(key)) told.set(key, isFirstLook ? -Infinity : performance.now());
+    return told.get(key);
+  }
+  function partMessage() {
+    const info = HL.port.tickInfo();
+    if (!info) return null;
+    const parts = info.keeper ?? [];
+    parts.filter((part) => part.last_down).forEach(firstTold);
+    isFirstLook = false;
+    const down = parts.find((part) => part.state !== "ok");
+    if (down) return { look: "p2", sign: "sync_problem", head: `The ${PARTS[down.name] ?? down.name} is down`, line: down.name === "stop" ? "It is being restarted. Until it is back, STOP goes through the console; know where the machine's button is." : "It is being restarted." };
+    const back = parts.find((part) => part.last_down && performance.now() - firstTold(part) < TOLD_MS);
+    if (!back) return null;
+    const seconds = (Date.parse(back.last_down.until_utc) - Date.parse(back.last_down.from_utc)) / 1000;
+    return { look: "quiet", sign: "sync_problem", head: `The ${PARTS[back.name] ?? back.name} was down for ${words.since(seconds * 1000)}`, line: "It runs again." };
+  }
+
   class Bar {
     constructor() {
       this.sign = icon("info", "f l");
@@ -79,7 +103,9 @@
       this.stop = new Bar();
       this.link = new Bar();
       attr(this.stop.node, "data-testid", "stop-banner");
-      this.append(this.stop.node, this.link.node);
+      this.process = new Bar();
+      attr(this.process.node, "data-testid", "part-banner");
+      this.append(this.stop.node, this.link.node, this.process.node);
     }
     paint() {
       const state = linkState();
@@ -88,6 +114,7 @@
       attr(this.stop.node, "data-state", stop?.state ?? "none");
       this.stop.paint(stop);
       this.link.paint(MESSAGES[state]?.() ?? null);
+      this.process.paint(state === "server-lost" ? null : partMessage());
     }
   }
 
