@@ -113,7 +113,9 @@
       attr(this, "data-state", state);
       attr(this.stop.node, "data-state", stop?.state ?? "none");
       this.stop.paint(stop);
-      this.link.paint(MESSAGES[state]?.() ?? null);
+      // a stop that is not confirmed already says the worse; a lost server is news beside it
+      const isSaid = state === "robot-lost" && stop?.state === "not-confirmed";
+      this.link.paint(isSaid ? null : MESSAGES[state]?.() ?? null);
       this.process.paint(state === "server-lost" ? null : partMessage());
     }
   }

@@ -38,7 +38,10 @@
       const stop = HL.stops.worst(HL.view.robot);
       attr(this, "hidden", !stop);
       const side = this.closest(".h-side");
-      if (side) attr(side, "data-look", stop ? "stopped" : null);
+      if (side) {
+        attr(side, "data-look", stop ? "stopped" : null);
+        attr(side, "data-stop", stop?.state ?? null);
+      }
       if (!stop) {
         // a reason belongs to one stop: it must not wait for the next one
         if (HL.port.robot(HL.view.robot).safety?.latched === false && reason.get(HL.view.robot)) reason.clear(HL.view.robot);
@@ -48,7 +51,7 @@
       const isOnlyRobot = stop.at === undefined; // the slab draws the steps of the presses it knows
       attr(this.latch, "hidden", !isOnlyRobot);
       if (isOnlyRobot) text(this.said, `${stop.by || "Somebody"} pressed STOP${stop.device ? ` on ${stop.device}` : ""}, ${words.since(HL.stops.ageMs(stop))} ago. ${stop.state === "standstill" ? "The robot says it stands." : "The robot is braking."}`);
-      attr(this.ask, "hidden", !HL.config.rights.includes("reset"));
+      attr(this.ask, "hidden", stop.state === "not-confirmed" || !HL.config.rights.includes("reset"));
       const chosen = reason.get(HL.view.robot);
       this.buttons.forEach((button, i) => (attr(button, "aria-pressed", String(chosen === REASONS[i])), toggle(button, "on", chosen === REASONS[i])));
       text(this.other, chosen && !REASONS.includes(chosen) ? chosen : "Other");
