@@ -20,6 +20,11 @@ export class LabelLayer {
    */
   draw(camera, labels, palette) {
     const ratio = window.devicePixelRatio || 1;
+    const { mx, my, zoom, bearing } = camera;
+    const words = labels.map((label) => [label.mx, label.my, label.dx, label.dy, label.priority, ...label.lines.map((line) => line.text)].join());
+    const drawn = [mx, my, zoom, bearing, camera.width, camera.height, ratio, palette.label, palette.scale, document.fonts.size, document.fonts.status, ...words].join('|');
+    if (drawn === this.drawn) return; // most pictures change robots only
+    this.drawn = drawn;
     const { canvas, context } = this;
     const [width, height] = [Math.round(camera.width * ratio), Math.round(camera.height * ratio)];
     if (canvas.width !== width || canvas.height !== height) {

@@ -1,6 +1,7 @@
 // The robots of the map as a list for assistive technology and for tests: the map itself is a picture.
 
-const EACH_TIME = 60; // entries brought up to date per update; of more robots, the rest follow in turn
+const ALL_UP_TO = 60; // robots that are all brought up to date at every update
+const IN_TURN = 20; // of more robots, so many each time: writing the page costs more than drawing the map
 const COMPASS = ['north', 'north-east', 'east', 'south-east', 'south', 'south-west', 'west', 'north-west'];
 
 export class RobotList {
@@ -21,10 +22,13 @@ export class RobotList {
       this.entries.delete(id);
     }
     const placed = [...robots.values()].filter((robot) => robot.pose);
-    for (let i = 0; i < Math.min(EACH_TIME, placed.length); i += 1) {
+    if (placed.length <= ALL_UP_TO) return placed.forEach((robot) => this.#entry(robot, now));
+    const first = this.entries.size < placed.length ? ALL_UP_TO : IN_TURN; // complete soon, then current in turn
+    for (let i = 0; i < first; i += 1) {
       this.next = (this.next + 1) % placed.length;
-      this.#entry(placed[placed.length <= EACH_TIME ? i : this.next], now);
+      this.#entry(placed[this.next], now);
     }
+    return undefined;
   }
 
   #entry(robot, now) {

@@ -87,11 +87,14 @@ export class Scene {
     for (const shape of SHAPE_ORDER) this.stamps[shape].clear();
     let chosen = null;
     this.isCrowd = look.count > CROWD;
+    const urgent = [];
     for (const robot of robots) {
       if (!robot.pose) continue;
       if (robot.id === look.selected) chosen = robot;
+      else if (robot.level || robot.stop) urgent.push(robot);
       else this.#robot(robot, look, false);
     }
+    for (const robot of urgent) this.#robot(robot, look, false); // over those that need nobody
     if (chosen) this.#robot(chosen, look, true); // drawn last: on top of its neighbours
   }
 
