@@ -1,0 +1,83 @@
+"""A farmer at the edge of her field, with a tablet: the whole job, by touch."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+import pytest
+from playwright.sync_api import expect
+
+from tests.e2e.installation import Installation
+from tests.e2e.person import Person, wait_for
+
+pytestmark = pytest.mark.browser
+Come = Callable[..., Person]
+ROBOT, MISSION = "weeder-01", "trial-strip"
+
+
+def send_mission(someone: Person, mission: str = MISSION) -> None:
+    """Choose a stored mission on its screen and send it; sending moves nothing."""
+    someone.open("/missions")
+    someone.hook(f"mission-row-{mission}").click()
+    someone.hook("mission-send").click()
+    someone.sees(f"mission-row-{mission}", "sent|accepted", within_s=20)
+
+
+@pytest.mark.parametrize("size", ["landscape", "portrait"])
+def test_a_farmer_weeds_pauses_drives_by_hand_and_stops(person: Come, calm: Installation, size: str) -> None:
+    calm.simulator("POST", "/_world", {"speed": 10})
+    martha = person("operator", size=size)
+    send_mission(martha)
+    assert calm.world(ROBOT)["standstill"]
+
+    martha.operate(ROBOT)
+    martha.slide("mission-start")
+    martha.sees("robot-mode", "auto")
+    expect(martha.hook("value-row")).to_have_attribute("data-value", re.compile("^[1-9]"), timeout=60_000)
+    assert calm.world(ROBOT)["speed_mps"] != 0
+    assert not calm.world(ROBOT)["standstill"]
+
+    martha.press("mission-pause")
+    martha.sees("robot-mode", "paused")
+    wait_for(lambda: calm.world(ROBOT)["standstill"], within_s=5, what="paused robot stands")
+    martha.slide("mission-resume")
+    martha.sees("robot-mode", "auto")
+
+    martha.press("mission-pause")
+    martha.sees("robot-mode", "paused")
+    martha.slide("drive-open")
+    martha.sees("robot-mode", "manual")
+    before = calm.world(ROBOT)
+    martha.hold("drive-forward")
+    wait_for(lambda: calm.world(ROBOT)["distance_m"] > before["distance_m"] + 0.1, within_s=10, what="it drives")
+    assert not calm.world(ROBOT)["laser_on"]
+    martha.let_go()
+    wait_for(lambda: calm.world(ROBOT)["standstill"], within_s=2, what="it stops when the finger lifts")
+
+    martha.press_stop()
+    martha.sees("stop", "standstill")
+    assert calm.world(ROBOT)["latched"]
+
+
+def test_sending_a_mission_does_not_move_the_robot(person: Come, calm: Installation) -> None:
+    martha = person("operator")
+    before = calm.world(ROBOT)
+    send_mission(martha)
+    martha.operate(ROBOT)
+    martha.sees("mission-start", "idle")
+    assert calm.world(ROBOT)["distance_m"] == before["distance_m"]
+
+
+def test_reset_and_resume_are_two_slides_and_the_first_moves_nothing(person: Come, calm: Installation) -> None:
+    martha = person("operator")
+    martha.operate(ROBOT)
+    martha.press_stop()
+    martha.sees("stop", "standstill")
+    martha.page.get_by_role("button", name="Test").click()
+    before = calm.world(ROBOT)
+    martha.slide("stop-reset")
+    martha.sees("stop", "ready", within_s=10)
+    assert not calm.world(ROBOT)["latched"]
+    assert calm.world(ROBOT)["distance_m"] == before["distance_m"]
+    assert calm.world(ROBOT)["standstill"]

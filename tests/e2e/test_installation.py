@@ -1,0 +1,72 @@
+"""Starting, running and ending an installation as a person does it."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+from pathlib import Path
+
+import httpx
+import psutil
+import pytest
+
+from tests.e2e.installation import END_LIMIT_S, ROOT, Installation
+from tests.e2e.person import wait_for
+
+pytestmark = pytest.mark.browser
+
+
+def headland(*arguments: str, **env: str) -> subprocess.CompletedProcess[str]:
+    """Run one command of ``headland`` to its end."""
+    clean = {k: v for k, v in os.environ.items() if not k.startswith("HEADLAND_")}
+    return subprocess.run(
+        [sys.executable, "-m", "hmi", *arguments],
+        cwd=ROOT,
+        env={**clean, **env},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
+def test_ctrl_c_ends_everything_and_leaves_no_process_and_no_port(tmp_path: Path) -> None:
+    running = Installation.start(tmp_path / "data")
+    pids = [part["pid"] for part in running.keeper().values()]
+    assert len(pids) == 4
+    took_s = running.end()
+    assert running.process.returncode == 0
+    assert took_s <= END_LIMIT_S
+    assert not any(psutil.pid_exists(pid) for pid in pids)
+    with pytest.raises(httpx.ConnectError):
+        httpx.get(running.url, trust_env=False)
+
+
+def test_a_killed_console_comes_back_and_health_remembers(calm: Installation) -> None:
+    os.kill(calm.pid("console"), signal.SIGKILL)
+    wait_for(lambda: calm.keeper()["console"]["restarts"] >= 1, within_s=5, what="the keeper starts it again")
+    wait_for(lambda: calm.keeper()["console"]["state"] == "ok", within_s=40, what="it serves again")
+    console = calm.health()["parts"]["console"]
+    assert console["restarts"] >= 1
+    assert console["last_down"] is not None
+
+
+def test_a_busy_port_is_one_sentence_and_an_exit_code(tmp_path: Path) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        ended = headland("demo", HEADLAND_PORT=port, HEADLAND_DATA=str(tmp_path / "data"))
+    assert ended.returncode != 0
+    assert f"Port {port} on 127.0.0.1 is in use by another program" in ended.stderr
+    assert "Traceback" not in ended.stderr
+
+
+def test_serving_with_the_default_secret_is_refused(tmp_path: Path) -> None:
+    ended = headland("serve", HEADLAND_DATA=str(tmp_path / "data"))
+    assert ended.returncode != 0
+    assert "the secret is the default one" in ended.stderr
+    assert "Traceback" not in ended.stderr
