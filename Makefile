@@ -50,7 +50,9 @@ test-fast: $(DEV_STAMP)
 	$(BIN)/pytest -q -x -m "not long and not browser and not broker"
 
 test-long: tools
-	HEADLAND_LONG=1 $(BIN)/pytest -m "long"
+	HEADLAND_LONG=1 $(BIN)/pytest -m "long and not browser"
+	HEADLAND_LONG=1 $(BIN)/pytest -m "long and browser"
+	HEADLAND_LONG=1 $(BIN)/pytest -m "hypothesis and not browser"
 
 # `make bench NAME=stop_loaded_p99_ms` runs one.
 bench: tools

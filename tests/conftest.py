@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any
 
 import pytest
+from hypothesis import Phase, settings
 
 from tests.find_browser import find_browser
+
+# `make test` draws the same examples each time, `make test-long` new ones: what fails there is then kept as a test.
+# No explain phase: it traces every line and makes minutes out of a planner's second.
+_PHASES = (Phase.explicit, Phase.reuse, Phase.generate, Phase.target, Phase.shrink)
+settings.register_profile("same", derandomize=True, deadline=None, phases=_PHASES)
+settings.register_profile("new", deadline=None, phases=_PHASES, print_blob=True)
+settings.load_profile("new" if os.environ.get("HEADLAND_LONG") else "same")
 
 BROWSER_FLAGS = (
     "--no-sandbox",
@@ -25,3 +34,14 @@ def browser_type_launch_args(browser_type_launch_args: dict[str, Any]) -> dict[s
     path = find_browser()
     found = {"executable_path": path} if path else {}
     return {**browser_type_launch_args, **found, "args": [*BROWSER_FLAGS, *SOFTWARE_GL]}
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark whatever asks for a page as ``browser``: the two runs of ``make test`` must not mix.
+
+    The browser's driver runs an event loop in the main thread, in which no asyncio test can start its own.
+    """
+    for item in items:
+        if {"page", "browser", "playwright"} & set(getattr(item, "fixturenames", ())):
+            item.add_marker(pytest.mark.browser)

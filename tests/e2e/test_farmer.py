@@ -10,6 +10,7 @@ from playwright.sync_api import expect
 
 from tests.e2e.installation import Installation
 from tests.e2e.person import Person, wait_for
+from tests.e2e.test_control import hold_forward
 
 pytestmark = pytest.mark.browser
 Come = Callable[..., Person]
@@ -20,7 +21,7 @@ def send_mission(someone: Person, mission: str = MISSION) -> None:
     """Choose a stored mission on its screen and send it; sending moves nothing."""
     someone.open("/missions")
     someone.hook(f"mission-row-{mission}").click()
-    someone.hook("mission-send").click()
+    someone.hook("plan-send").click()
     someone.sees(f"mission-row-{mission}", "sent|accepted", within_s=20)
 
 
@@ -46,11 +47,9 @@ def test_a_farmer_weeds_pauses_drives_by_hand_and_stops(person: Come, calm: Inst
 
     martha.press("mission-pause")
     martha.sees("robot-mode", "paused")
-    martha.slide("drive-open")
+    martha.hook("drive-open").click()
     martha.sees("robot-mode", "manual")
-    before = calm.world(ROBOT)
-    martha.hold("drive-forward")
-    wait_for(lambda: calm.world(ROBOT)["distance_m"] > before["distance_m"] + 0.1, within_s=10, what="it drives")
+    hold_forward(martha, calm)
     assert not calm.world(ROBOT)["laser_on"]
     martha.let_go()
     wait_for(lambda: calm.world(ROBOT)["standstill"], within_s=2, what="it stops when the finger lifts")

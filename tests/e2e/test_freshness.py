@@ -22,7 +22,7 @@ def test_a_silent_robot_greys_out_and_the_banner_names_it(person: Come, calm: In
     martha = person("operator")
     martha.operate(ROBOT)
     martha.sees("value-speed", "fresh|late")
-    calm.fault(ROBOT, "silence")
+    calm.fault(ROBOT, "silence", http=True)
     martha.sees("value-speed", "stale|lost", within_s=5)
     martha.sees("link-banner", "robot-lost", within_s=6)
     expect(martha.page.get_by_text(re.compile("No link to Weeder 01 for"))).to_be_visible()

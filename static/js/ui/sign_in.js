@@ -33,7 +33,8 @@
     if (answer.ok) {
       keepToken(answer.stop_token);
       HL.draft.clear("login-name");
-      location.reload();
+      if (location.pathname === "/login") location.replace("/operate");
+      else location.reload();
     }
     return answer;
   }
