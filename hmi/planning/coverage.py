@@ -26,6 +26,7 @@ from hmi.planning.projection import Floats
 from hmi.planning.swaths import Swath
 
 _GAP_M = 0.04
+_TOLD_MISSED = 0.04  # a share of the field; sharp corners of small fields cost that much
 _LONG_WAY_M = 10.0  # ways longer than this are driven at transit speed
 
 
@@ -67,6 +68,9 @@ class _Course:
             self._home()
         legs = _with_pivots(self.legs, self.job.machine)
         figures = self._figures(legs, field, inner, angle)
+        missed = 1 - figures.covered_m2 / figures.area_m2
+        if missed > _TOLD_MISSED:
+            self.notes.append(f"{missed:.0%} of the field stays untreated, mostly where the robot cannot turn.")
         return Plan(tuple(legs), figures, tuple(self.notes))
 
     # rows
