@@ -83,7 +83,7 @@ def _start_mission(browser: Browser, running: Installation) -> None:
     martha.sign_in()
     martha.page.goto("/missions")
     martha.hook("mission-row-trial-strip").click()
-    martha.hook("mission-send").click()
+    martha.hook("plan-send").click()
     martha.sees("mission-row-trial-strip", "sent|accepted", within_s=30)
     martha.operate("weeder-01")
     running.simulator("POST", "/_world", {"speed": 20})

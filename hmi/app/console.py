@@ -3,32 +3,30 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
-import logging
 from collections.abc import Callable
 from typing import Any
 
 from hmi.api.health import KeeperReport
 from hmi.api.metrics import ConsoleMetrics
+from hmi.app.chores import Chores
 from hmi.app.edge import Edge
 from hmi.app.missions import MissionDesk
 from hmi.app.records import Records
 from hmi.app.stops import StopDesk
+from hmi.app.witness import FleetWitness
 from hmi.clock import Clock
 from hmi.commands.desk import CommandDesk, CommandPorts
 from hmi.commands.drive import DriveFrame
 from hmi.commands.lease_words import asked_of, owner_of
 from hmi.domain.event import RobotEvent
-from hmi.domain.robot import Robot, SafetyState
+from hmi.domain.robot import SafetyState
 from hmi.live.frames import Drive, Here
 from hmi.live.hub import LiveHub
 from hmi.security.authorization import Authorizer
 from hmi.security.session_info import SessionInfo
 from hmi.settings import Settings
 
-log = logging.getLogger(__name__)
-WATCH_S = 1.0
-THIN_S = 600.0  # history is thinned in small steps; nobody waits for it
+REFUSAL_TOLD_S = 1.0
 
 
 class Console:
@@ -36,8 +34,8 @@ class Console:
 
     def __init__(self, settings: Settings, clock: Clock, records: Records, edge: Edge, epoch: int) -> None:
         self.settings, self.clock, self.records, self.edge = settings, clock, records, edge
-        self.authorize = Authorizer(edge.fleet.robot)
-        self.missions = MissionDesk(settings, clock, records, edge.fleet, self.authorize)
+        self.authorize = Authorizer(records.robots.of_any_farm)
+        self.missions = MissionDesk(settings, clock, records, edge.fleet, self.authorize, self._lane_event)
         self.hub = LiveHub(edge.fleet, edge.ticks, clock, self.missions.title_of)
         self.keeper = KeeperReport(settings.data)
         self.metrics = ConsoleMetrics()
@@ -57,9 +55,11 @@ class Console:
             )
         )
         self.stops = StopDesk(edge.sender, clock, records.robots, records.audit, self.desk.leases)
-        self._online: set[str] = set()
-        self._tasks: list[asyncio.Task[None]] = []
+        self.chores = Chores(records, self.hub, self.keeper, clock)
+        see = [records.recorder.see, self.missions.tracking.see]
+        self._witness = FleetWitness(edge.fleet, clock, self.stops.service.on_return, see)
         self._undo: list[Callable[[], None]] = []
+        self._refusals: dict[tuple[str, str], float] = {}
 
     @classmethod
     async def prepare(cls, settings: Settings, clock: Clock) -> Console:
@@ -87,16 +87,11 @@ class Console:
         self.desk.start()
         self.stops.start()
         self.missions.start()
-        self._tasks = [
-            asyncio.create_task(self._watch(), name="console-watch"),
-            asyncio.create_task(self._thin(), name="console-thin"),
-        ]
+        self.chores.start()
 
     async def stop(self) -> None:
         """End everything in the opposite order; what is queued is written."""
-        for task in self._tasks:
-            task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await self.chores.stop()
         for undo in self._undo:
             undo()
         await self.missions.stop()
@@ -116,9 +111,15 @@ class Console:
             self.desk.pulse.here(session, frame.robot, frame.tick)
             return
         verdict = self.desk.drive.setpoint(session, lane_id, DriveFrame(frame.robot, frame.v, frame.w, frame.tick))
-        if not verdict.is_forwarded:
+        if not verdict.is_forwarded and self._is_new_refusal(lane_id, verdict.code):
             told = {"kind": "drive", "robot": frame.robot, "code": verdict.code, "text": verdict.text}
             self.hub.event(told, session_id=session.session_id)
+
+    def _is_new_refusal(self, lane_id: str, code: str) -> bool:
+        """Frames come ten times a second; the same reason is told once a second and lane."""
+        now_s = self.clock.mono_s()
+        self._refusals = {key: at for key, at in self._refusals.items() if now_s - at < REFUSAL_TOLD_S}
+        return self._refusals.setdefault((lane_id, code), now_s) == now_s
 
     def _listen(self) -> None:
         hear = self.edge.coordinator.listeners
@@ -128,9 +129,8 @@ class Console:
         self.desk.ledger.when_settled(self.metrics.observe)
         self._undo = [
             self.records.sessions.on_ended(self._session_ended),
-            self.edge.fleet.subscribe(self._fleet_changed),
+            self._witness.start(),
         ]
-        self._seen = 0
 
     def _acknowledged(self, answer: Any) -> None:
         self.desk.ledger.acknowledged(answer)
@@ -143,23 +143,6 @@ class Console:
     def _robot_event(self, event: RobotEvent) -> None:
         told = {"kind": "robot", "robot": event.robot_id, "name": event.name, "text": event.text, "what": event.kind}
         self.hub.event(told)
-
-    def _fleet_changed(self) -> None:
-        changes = self.edge.fleet.since(self._seen)
-        self._seen = changes.revision
-        for robot_id in changes.robots:
-            robot = self.edge.fleet.robot(robot_id)
-            if robot is not None and robot.is_registered:
-                self._notice_return(robot)
-                self.records.recorder.see(robot)
-                self.missions.tracking.see(robot)
-
-    def _notice_return(self, robot: Robot) -> None:
-        if not robot.link.is_online:
-            self._online.discard(robot.id)
-        elif robot.id not in self._online:
-            self._online.add(robot.id)
-            self.stops.service.on_return(robot.id)
 
     def _session_ended(self, session: SessionInfo, text: str) -> None:
         self.desk.leases.end_session(session.session_id)
@@ -178,21 +161,3 @@ class Console:
 
     async def _next_epoch(self) -> int:
         return await asyncio.to_thread(self.records.counters.next_epoch, "lease")
-
-    async def _watch(self) -> None:
-        while True:
-            parts = await asyncio.to_thread(self.keeper.parts)
-            self.hub.stop_state = str(parts.get("stop", {}).get("state", "unknown"))
-            self.hub.keeper = [
-                {"name": name, "state": part.get("state"), "last_down": part.get("last_down")}
-                for name, part in parts.items()
-                if part.get("state") != "ok" or part.get("last_down")
-            ]
-            self.records.sessions.sweep()
-            await asyncio.sleep(WATCH_S)
-
-    async def _thin(self) -> None:
-        while True:
-            await asyncio.sleep(THIN_S)
-            with contextlib.suppress(Exception):  # thinning is a courtesy; the next round tries again
-                await asyncio.to_thread(self.records.thinning.run, self.clock.utc())

@@ -10,6 +10,7 @@ from hmi.api.missions import mission_routes
 from hmi.app.records import Records
 from hmi.clock import Clock
 from hmi.commands.mission_book import MissionBook, MissionParts
+from hmi.commands.ports import LaneEvent
 from hmi.demo.seed import DemoSeed, SeedParts
 from hmi.domain.mission import MissionChange
 from hmi.planning.worker import PlanningProcess
@@ -27,8 +28,15 @@ class MissionDesk:
     """Everything about stored missions, with what runs beside it."""
 
     def __init__(
-        self, settings: Settings, clock: Clock, records: Records, fleet: FleetStore, authorize: Authorize
+        self,
+        settings: Settings,
+        clock: Clock,
+        records: Records,
+        fleet: FleetStore,
+        authorize: Authorize,
+        on_event: LaneEvent,
     ) -> None:
+        self._on_event = on_event
         self._settings, self._clock, self._records, self._fleet = settings, clock, records, fleet
         self._planner = PlanningProcess()
         self._seed: DemoSeed | None = None
@@ -95,3 +103,5 @@ class MissionDesk:
         self._records.audit.append(
             AuditEntry(mission.farm_id, change.by, "", "mission", change.after.value, robot, mission.id, change.why)
         )
+        status = change.after.value
+        self._on_event({"kind": "mission-status", "robot": robot, "mission_id": mission.id, "status": status})

@@ -21,6 +21,7 @@ from hmi.api.sessions import SessionRoutes
 from hmi.app.console import Console
 from hmi.assets import CompressedAssets
 from hmi.live.lane import lane_route
+from hmi.page_compression import CompressedPages
 from hmi.pages import bundle
 from hmi.pages.services import PageServices, StopAddress
 from hmi.pages.shell import RECONNECT_S, TITLE, shell
@@ -61,11 +62,14 @@ def build_web(console: Console) -> FastAPI:
         gzip_middleware_factory=None,  # assets are compressed once, below
         show_welcome_message=False,
         storage_secret=settings.secret,
+        favicon=bundle.STATIC / "icons/favicon.svg",
+        binding_refresh_interval=None,  # nothing on our pages is bound
     )
     _tighten_socket(origins)
     # The last one added is the outermost.
     web.add_middleware(CompressedAssets, prefixes=STATIC_PREFIXES)
     web.add_middleware(ResponseHeaders, stop_url_of=lambda host: stop_url(settings, host))
+    web.add_middleware(CompressedPages)
     web.add_middleware(RequestGuard, origins=origins, session_of=sessions.of_headers)
     return web
 
@@ -128,6 +132,7 @@ def _api(console: Console) -> ApiServices:
                 _without_credentials(console.settings.broker_url),
             ),
             is_database_reachable=records.database.is_reachable,
+            extra=console.chores.health,
         ),
         desk=console.desk,
         stop=console.stops,

@@ -148,6 +148,11 @@ class FleetStore:
         record = self._records.get(robot_id)
         return None if record is None else record.entry
 
+    def is_online(self, robot_id: str) -> bool:
+        """Say whether a robot is heard, without building it."""
+        record = self._records.get(robot_id)
+        return record is not None and record.is_online
+
     def registered_ids(self) -> tuple[str, ...]:
         """Return the ids of the registry."""
         return self._registered

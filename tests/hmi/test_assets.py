@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 import gzip
+import random
 
 import brotli
 import httpx
@@ -58,6 +60,32 @@ async def test_the_origin_is_asked_once_and_a_known_etag_costs_no_body(
     assert first.content == SCRIPT
     assert "immutable" in first.headers["cache-control"]
     assert (again.status_code, again.content) == (304, b"")
+
+
+async def test_a_big_asset_becomes_smaller_beside_and_reads_the_same() -> None:
+    words = random.Random(1).choices(["row", "weed", "crop", "laser", "track", "field", "stop", "east"], k=40_000)
+    script = "".join(f"{word}{k % 97};" for k, word in enumerate(words)).encode()
+
+    async def origin(scope: Scope, receive: Receive, send: Send) -> None:
+        headers = [(b"content-type", b"text/javascript")]
+        await send({"type": "http.response.start", "status": 200, "headers": headers})
+        await send({"type": "http.response.body", "body": script})
+
+    transport = httpx.ASGITransport(app=CompressedAssets(origin, ("/static/",)))
+    async with httpx.AsyncClient(transport=transport, base_url="http://test") as client:
+
+        async def get() -> httpx.Response:
+            return await client.get("/static/big.js", headers={"accept-encoding": "br"})
+
+        first = last = await get()
+        for _ in range(1000):
+            if int(last.headers["content-length"]) < int(first.headers["content-length"]):
+                break
+            await asyncio.sleep(0.02)
+            last = await get()
+        else:
+            pytest.fail("it never became smaller")
+    assert first.content == last.content == script
 
 
 async def test_a_missing_asset_stays_missing_and_is_not_cached(client: httpx.AsyncClient, origin: Origin) -> None:

@@ -135,6 +135,14 @@
     HL.toast(message || "Driving by hand ended.", "sports_esports");
   }
 
+  // the console did not forward a setpoint: the robot rests, the hand must let go and press again
+  function refused({ robot, code, text: why }) {
+    if (drive.robot !== robot || drive.held.size === 0) return;
+    if (code === "not_manual" && performance.now() - drive.begunAt < SETTLE_MS) return;
+    release();
+    HL.toast(why, "block");
+  }
+
   const byKey = Object.fromEntries(Object.entries(PADS).map(([name, pad]) => [pad.key, name]));
   const isTyping = (event) => event.target instanceof HTMLElement && event.target.closest("input, textarea, select, [contenteditable]");
   window.addEventListener("keydown", (event) => {
@@ -229,5 +237,5 @@
   const ENDS = ["pointerup", "pointercancel", "lostpointercapture", "pointerdown"];
 
   define("hl-drive", Drive);
-  Object.assign(HL, { drive: Object.assign(drive, { open, end, ended, endsIn: () => words.clock(drive.endsInMs() / 1000) }) });
+  Object.assign(HL, { drive: Object.assign(drive, { open, end, ended, refused, endsIn: () => words.clock(drive.endsInMs() / 1000) }) });
 })();

@@ -112,7 +112,8 @@
       if (event.robot === HL.view.robot && event.by !== config.user?.name && event.text) HL.toast(event.text, "key");
     },
     drive(event) {
-      if (event.op === "ended" && HL.drive.robot === event.robot) HL.drive.ended(event.text);
+      if (event.op !== "ended") HL.drive.refused(event);
+      else if (HL.drive.robot === event.robot) HL.drive.ended(event.text);
     },
     command(event) {
       if (event.is_late && event.session === config.session) HL.toast(`Late answer: ${HL.outcomeWords(event.outcome)}. ${event.text}`, "schedule");
