@@ -78,11 +78,14 @@ class Caller:
         now = self.get(f"/robots/{robot}")
         open_presses = [p["stop_id"] for p in (now.get("safety") or {}).get("presses", []) if not p["is_reset"]]
         busy = (now.get("mission") or {}).get("status") in ("running", "paused")
-        if open_presses or busy or (now.get("lease") or {}).get("owner"):
+        is_driven = (now.get("mode") or {}).get("mode") == "manual"
+        if open_presses or busy or is_driven or (now.get("lease") or {}).get("owner"):
             self.post(f"/robots/{robot}/lease", {"op": "take", "tick": None, "reason": "end of a test"})
         if open_presses:
             body = {"reset_id": secrets.token_hex(16), "stop_ids": open_presses, "reason": "Test", "tick": None}
             self.post(f"/robots/{robot}/stop-reset", body).raise_for_status()
+        if is_driven:
+            self.command(robot, "drive_close")
         if busy:
             self.command(robot, "abort")
         self.post(f"/robots/{robot}/lease", {"op": "release", "tick": None})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -17,7 +18,8 @@ SIZES = {"landscape": (1280, 800), "portrait": (800, 1280), "desk": (1920, 1080)
 @pytest.fixture(scope="session")
 def installation(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Installation]:
     """A demo that runs for the whole session; ends with Ctrl+C."""
-    running = Installation.start(tmp_path_factory.mktemp("demo") / "data")
+    host = os.environ.get("HEADLAND_TEST_HOST", "127.0.0.1")
+    running = Installation.start(tmp_path_factory.mktemp("demo") / "data", host=host)
     yield running
     running.end()
 
