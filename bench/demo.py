@@ -113,10 +113,11 @@ def _pages(browser: Browser, running: Installation, idle_pct: float) -> Iterator
 
 
 def _delay(browser: Browser, running: Installation) -> Iterator[dict[str, Any]]:
-    page = _open(browser, running)
-    someone = Person("operator", page.context, running)
-    page.goto(f"{running.url}/missions")
-    someone.page = page
+    first = _come(browser, running)
+    someone = Person("operator", first.context, running)
+    page = someone.page
+    first.close()
+    someone.open("/missions")
     someone.hook("mission-row-trial-strip").click()
     someone.hook("plan-send").click()
     someone.sees("mission-row-trial-strip", "sent|accepted", within_s=30)
