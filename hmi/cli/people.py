@@ -50,7 +50,7 @@ def password(user_id: str, password: Password) -> None:
 
 @app.command()
 def disable(user_id: str) -> None:
-    """Switch a person off; running sessions end when the console restarts."""
+    """Switch a person off; open pages close within five seconds."""
     _run(lambda accounts: accounts.change(user_id, by=BY, is_active=False))
     typer.echo(f"{user_id} cannot sign in any more.")
 

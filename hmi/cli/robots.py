@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hmi.cli.registry import opened_registry
 from hmi.clock import SystemClock
 from hmi.domain.ids import is_id
 from hmi.domain.robot import Family
 from hmi.keeper.errors import StartError
-from hmi.store.robots import RegisteredRobot
+
+if TYPE_CHECKING:
+    from contextlib import AbstractContextManager
+
+    from hmi.cli.registry import OpenRegistry
 
 app = typer.Typer(no_args_is_help=True)
 
@@ -28,7 +31,9 @@ def add(
     """Register a robot, so that it can be operated."""
     if not is_id(robot_id):
         raise StartError(f"{robot_id!r} is no robot id: lower-case letters, digits, - and _, at most 64.")
-    with opened_registry() as robots:
+    with _opened() as robots:
+        from hmi.store.robots import RegisteredRobot
+
         entry = RegisteredRobot(
             id=robot_id,
             farm_id=robots.farm_id,
@@ -47,7 +52,7 @@ def add(
 @app.command("list")
 def show() -> None:
     """List registered robots; tokens are not shown."""
-    with opened_registry() as robots:
+    with _opened() as robots:
         for robot in robots.registry.all():
             typer.echo(f"{robot.id:20} {robot.family:8} {robot.name:24} {robot.http_url or 'no HTTP'}")
 
@@ -55,6 +60,13 @@ def show() -> None:
 @app.command()
 def remove(robot_id: str) -> None:
     """Take a robot out of the registry; it is then shown but cannot be operated."""
-    with opened_registry() as robots:
+    with _opened() as robots:
         robots.registry.remove(robot_id)
         typer.echo(f"{robot_id} is removed. Restart the console if it runs.")
+
+
+def _opened() -> AbstractContextManager[OpenRegistry]:
+    """Open the registry; the database is imported here, so that other commands start without it."""
+    from hmi.cli.registry import opened_registry
+
+    return opened_registry()

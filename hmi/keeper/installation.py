@@ -49,7 +49,7 @@ def run_demo(on_ready: OnReady) -> None:
         url=f"http://127.0.0.1:{simulator_port}",
         dies_with_keeper=True,
     )  # fmt: skip
-    groups = [[demo_broker(data, broker_port)], [_stop(settings), simulator, _console(settings)]]
+    groups = [[demo_broker(data, broker_port)], [_console(settings), _stop(settings), simulator]]
     Keeper(groups, data).run(lambda: on_ready(_url(settings)))
 
 
