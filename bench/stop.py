@@ -132,7 +132,7 @@ async def _press(url: str) -> list[float]:
             for _ in range(BROWSERS)
         ]
         shown = _Shown()
-        readers = [asyncio.create_task(shown.read(browser, token)) for browser in browsers]
+        readers = [asyncio.create_task(shown.read(place, browser, token)) for place, browser in enumerate(browsers)]
         async with asyncio.timeout(20):
             await shown.linked.wait()
         times_ms = []
@@ -151,6 +151,7 @@ class _Shown:
 
     def __init__(self) -> None:
         self.linked = asyncio.Event()
+        self._unlinked = set(range(BROWSERS))
         self._stop_id = ""
         self._waiting: set[int] = set()
         self._done = asyncio.Event()
@@ -167,22 +168,20 @@ class _Shown:
             await self._done.wait()
         return (time.perf_counter() - began) * 1000
 
-    async def read(self, browser: ClientConnection, token: str) -> None:
-        """Be one browser."""
-        number = id(browser)
+    async def read(self, place: int, browser: ClientConnection, token: str) -> None:
+        """Be the browser number ``place``."""
         await browser.send(json.dumps({"k": "auth", "token": token}))
         async for text in browser:
             frame = msgspec.json.decode(text)
             if frame["k"] == "hb" and (frame.get("robots", {}).get(ROBOT) or {}).get("heard_ms") is not None:
-                self.linked.set()
+                self._unlinked.discard(place)
+                if not self._unlinked:
+                    self.linked.set()
             if frame["k"] != "step" or frame["stop_id"] != self._stop_id or frame["ack_ms"] is None:
                 continue
-            self._waiting.discard(self._place(number))
+            self._waiting.discard(place)
             if not self._waiting:
                 self._done.set()
-
-    def _place(self, number: int, places: dict[int, int] = {}) -> int:  # noqa: B006 - one run, one table
-        return places.setdefault(number, len(places) % BROWSERS)
 
 
 def robot(port: int) -> None:
