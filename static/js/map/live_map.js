@@ -285,6 +285,7 @@ export class LiveMap {
     if (this.look) labels.push(...robotLabels(this.intake.robots.values(), look));
     this.labelLayer.draw(camera, labels, this.palette);
     this.frameNumber += 1;
+    if (this.frameNumber === 1) this.#notice(); // until now the map said that it is loading
     this.host.dataset.frame = String(laneRevision() ?? this.frameNumber);
   }
 
@@ -339,7 +340,7 @@ export class LiveMap {
   }
 
   #notice() {
-    const [text, how] = noticeOf(this.intake, { isReady: Boolean(this.engine), engineNote: this.engineNote });
+    const [text, how] = noticeOf(this.intake, { isReady: Boolean(this.engine) && this.frameNumber > 0, engineNote: this.engineNote });
     this.controls.setNotice(text, how);
   }
 

@@ -84,7 +84,8 @@ def test_the_fleet_file_starts_a_simulator_and_keeps_its_tokens_private(tmp_path
 def test_every_mission_of_the_catalogue_starts_and_ends_at_its_robots_home(mission: object) -> None:
     planned = plan(mission)  # type: ignore[arg-type]
     wire = msgspec.convert(planned.document, Wire)
-    assert planned.statistics["notes"] == []
+    # small sections turn on their own ground, so a part stays untreated and is told; anything else would be a fault
+    assert all("stays untreated" in note for note in planned.statistics["notes"])
     assert (wire.segments[0].kind, wire.segments[-1].kind) == ("approach", "exit")
     assert wire.segments[0].points[0] == wire.home == wire.segments[-1].points[-1]
 
