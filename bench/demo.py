@@ -160,7 +160,7 @@ def _cpu_pct(running: Installation) -> float:
     console = psutil.Process(running.pid("console"))
     before, begun_s = sum(console.cpu_times()[:2]), time.monotonic()
     time.sleep(CPU_S)
-    return 100 * (sum(console.cpu_times()[:2]) - before) / (time.monotonic() - begun_s)
+    return float(100 * (sum(console.cpu_times()[:2]) - before) / (time.monotonic() - begun_s))
 
 
 def _come(browser: Browser, running: Installation) -> Page:

@@ -10,8 +10,6 @@ from __future__ import annotations
 import argparse
 import asyncio
 import json
-import re
-import secrets
 import socket
 import subprocess
 import sys
@@ -20,8 +18,10 @@ from collections.abc import Iterator
 from datetime import UTC, datetime
 from typing import Any
 
-import httpx
 from websockets.asyncio.client import ClientConnection, connect
+
+from bench.broker import free_port
+from bench.nicegui_browser import nicegui_browser
 
 ROBOTS, RATE_HZ, LANES, SECONDS = 1000, 10, 100, 10
 NAIVE_ROBOTS, NAIVE_LANES = 100, 4
@@ -142,7 +142,7 @@ async def _ours() -> None:
         def get(self, _session_id: str) -> SessionInfo:
             return one
 
-    route = lane_route(hub, Gate(), same_origin_or(), lambda _who, _frame: None, clock)
+    route = lane_route(hub, Gate(), same_origin_or(), lambda _who, _lane, _frame: None, clock)
     config = uvicorn.Config(Starlette(routes=[route]), log_level="error", ws="websockets-sansio")
     config.ws_per_message_deflate = False
     server, listener = uvicorn.Server(config), _listener()
@@ -226,7 +226,7 @@ async def _ping(ws: ClientConnection, newest: dict[int, float], number: int) -> 
 def _naive() -> None:
     from nicegui import app, ui
 
-    port = _free_port()
+    port = free_port()
 
     @ui.page("/")
     def page() -> None:
@@ -259,20 +259,9 @@ async def _naive_browsers(port: int, lanes: int) -> None:
 
     async def browse() -> None:
         nonlocal values
-        async with httpx.AsyncClient(trust_env=False) as http:
-            html = (await http.get(f"http://127.0.0.1:{port}/")).text
-        client = re.search(r'client_id["\']?\s*[:=]\s*["\']([0-9a-f-]{36})', html)
-        assert client is not None, "no client id in the page"
-        query = f"client_id={client[1]}&tab_id={secrets.token_hex(8)}&document_id={secrets.token_hex(8)}"
-        path = f"_nicegui_ws/socket.io/?EIO=4&transport=websocket&{query}&next_message_id=0&implicit_handshake=true"
-        own = f"http://127.0.0.1:{port}"
-        async with connect(f"ws://127.0.0.1:{port}/{path}", origin=own, compression=None) as ws:  # type: ignore[arg-type]
-            async for frame in ws:
-                if frame.startswith("0"):
-                    await ws.send("40")
-                elif frame == "2":
-                    await ws.send("3")
-                elif is_counting:
+        async with nicegui_browser(port) as browser:
+            async for frame in browser.frames():
+                if is_counting:
                     values += frame.count('"text"')
 
     browsing = [asyncio.create_task(browse()) for _ in range(lanes)]
@@ -294,11 +283,6 @@ def _listener() -> socket.socket:
     listener = socket.socket()
     listener.bind(("127.0.0.1", 0))
     return listener
-
-
-def _free_port() -> int:
-    with _listener() as probe:
-        return int(probe.getsockname()[1])
 
 
 def main() -> None:

@@ -20,7 +20,9 @@ from tests.find_browser import find_browser
 OUT = ROOT / "docs" / "screens"
 SIZES = {"landscape": (1280, 800), "portrait": (800, 1280), "desk": (1920, 1080)}
 THEMES = ("day", "night", "sunlight")
-SCREENS = {"operate": "/operate/weeder-01", "fleet": "/fleet", "missions": "/missions", "admin": "/admin"}
+ROBOT, MISSION, ROW = "weeder-03", "site-wheat-2-05", 14  # a section of the experimental site, half done
+SCREENS = {"operate": f"/operate/{ROBOT}", "fleet": "/fleet", "missions": "/missions"}
+ADMIN_SCREENS = {"admin": "/admin"}
 COLOURS = 96  # flat surfaces and text lose nothing visible, files shrink to a third
 SETTLE_MS = 2500
 
@@ -34,7 +36,7 @@ def main() -> int:
             path = find_browser()
             options: dict[str, Any] = {"executable_path": path} if path else {}
             browser = playwright.chromium.launch(args=[*BROWSER_FLAGS, *SOFTWARE_GL], **options)
-            for name in [*_signed_out(browser, running), *_screens(browser, running), *_situations(browser, running)]:
+            for name in [*_signed_out(browser, running), *_screens(browser, running)]:
                 print(name)
             browser.close()
         finally:
@@ -50,48 +52,56 @@ def _signed_out(browser: Browser, running: Installation) -> Iterator[str]:
 
 
 def _screens(browser: Browser, running: Installation) -> Iterator[str]:
-    _start_mission(browser, running)
-    for size in SIZES:
-        someone = _come(browser, running, "admin", size)
-        someone.sign_in()
-        for theme in THEMES:
-            someone.page.evaluate(f"localStorage.setItem('headland.theme', '{theme}')")
-            for screen, path in SCREENS.items():
-                someone.page.goto(path)
-                yield _shoot(someone, f"{screen}-{size}-{theme}")
-        someone.context.close()
-
-
-def _situations(browser: Browser, running: Installation) -> Iterator[str]:
     martha = _come(browser, running, "operator", "landscape")
     martha.sign_in()
-    martha.operate("weeder-01")
-    running.fault("weeder-01", "silence", http=True, deaf=True)
+    _start_mission(martha, running)
+    yield from _all_looks(martha, SCREENS)
+    yield from _situations(martha, running)
+    martha.context.close()
+    jonas = _come(browser, running, "admin", "landscape")
+    jonas.sign_in()
+    yield from _all_looks(jonas, ADMIN_SCREENS)
+    jonas.context.close()
+
+
+def _all_looks(someone: Person, screens: dict[str, str]) -> Iterator[str]:
+    for size, (width, height) in SIZES.items():
+        someone.page.set_viewport_size({"width": width, "height": height})
+        for theme in THEMES:
+            someone.page.evaluate(f"localStorage.setItem('headland.theme', '{theme}')")
+            for screen, path in screens.items():
+                someone.page.goto(path)
+                yield _shoot(someone, f"{screen}-{size}-{theme}")
+
+
+def _start_mission(martha: Person, running: Installation) -> None:
+    martha.page.goto("/missions")
+    martha.hook(f"mission-row-{MISSION}").click()
+    martha.hook("plan-send").click()
+    martha.sees(f"mission-row-{MISSION}", "sent|accepted", within_s=30)
+    martha.operate(ROBOT)
+    running.simulator("POST", "/_world", {"speed": 20})
+    martha.slide("mission-start")
+    martha.page.wait_for_function(
+        f"() => Number(document.querySelector('[data-testid=value-row]')?.dataset.value) >= {ROW}", timeout=300_000
+    )
+    running.simulator("POST", "/_world", {"speed": 1})
+
+
+def _situations(martha: Person, running: Installation) -> Iterator[str]:
+    width, height = SIZES["landscape"]
+    martha.page.set_viewport_size({"width": width, "height": height})
+    martha.page.evaluate("localStorage.setItem('headland.theme', 'day')")
+    martha.page.goto(f"/operate/{ROBOT}")
+    running.fault(ROBOT, "silence", http=True, deaf=True)
     martha.sees("link-banner", "robot-lost", within_s=10)
     yield _shoot(martha, "operate-no-link")
     martha.press_stop()
     martha.sees("stop", "not-confirmed", within_s=10)
     yield _shoot(martha, "operate-stop-not-confirmed")
-    running.mend("weeder-01")
+    running.mend(ROBOT)
     martha.sees("stop", "standstill", within_s=20)
     yield _shoot(martha, "operate-stop-latched")
-    martha.context.close()
-
-
-def _start_mission(browser: Browser, running: Installation) -> None:
-    martha = _come(browser, running, "operator", "landscape")
-    martha.sign_in()
-    martha.page.goto("/missions")
-    martha.hook("mission-row-trial-strip").click()
-    martha.hook("plan-send").click()
-    martha.sees("mission-row-trial-strip", "sent|accepted", within_s=30)
-    martha.operate("weeder-01")
-    running.simulator("POST", "/_world", {"speed": 20})
-    martha.slide("mission-start")
-    martha.page.wait_for_function(
-        "() => Number(document.querySelector('[data-testid=value-row]')?.dataset.value) >= 4", timeout=120_000
-    )
-    running.simulator("POST", "/_world", {"speed": 1})
 
 
 def _come(browser: Browser, running: Installation, name: str, size: str) -> Person:

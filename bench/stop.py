@@ -50,29 +50,22 @@ LOADS = {
 
 
 def run() -> Iterator[dict[str, Any]]:
-    """Measure under each load and yield the figures; ``naive`` comes from the same run where it can be measured."""
+    """Measure both ways under each load and yield the figures."""
+    from bench.stop_naive import p99_ms  # here, because it measures with what is in this module
+
     for name, load in LOADS.items():
         times_ms = asyncio.run(measure(name))
-        naive_ms = naive(name)
+        naive_ms = p99_ms(name)
         value = percentile(times_ms, 99)
         yield {
             "name": name,
             "value": value,
             "unit": "ms",
             "naive": naive_ms,
-            "ratio": None if naive_ms is None else round(naive_ms / value, 1),
+            "ratio": round(naive_ms / value, 1),
             "conditions": f"p99 of {len(times_ms)} presses, {BROWSERS} browsers, {load}; "
             f"p50 {percentile(times_ms, 50)} ms, worst {max(times_ms):.1f} ms",
         }
-
-
-def naive(name: str) -> float | None:
-    """Return the p99 of the naive way under the same load, ``None`` while it is not measured here."""
-    try:
-        from bench.stop_naive import p99_ms
-    except ImportError:
-        return None
-    return float(p99_ms(name))
 
 
 def percentile(times_ms: list[float], share: int) -> float:
@@ -92,29 +85,31 @@ async def measure(name: str) -> list[float]:
             "HEADLAND_BROKER_URL": f"mqtt://127.0.0.1:{port}",
             "HEADLAND_STOP_PORT": "0",
         }
-        parts.enter_context(_process("bench.stop", "--robot", str(port)))
-        parts.enter_context(_process("hmi.stop_gateway", env=env))
-        for arguments in _load(name, port):
-            parts.enter_context(_process(*arguments))
+        parts.enter_context(process("bench.stop", "--robot", str(port)))
+        parts.enter_context(process("hmi.stop_gateway", env=env))
+        for arguments in loads(name, port):
+            parts.enter_context(process(*arguments))
         return await _press(await _address(data / "run" / "stop.json"))
 
 
-def _load(name: str, port: int) -> list[list[str]]:
+def loads(name: str, port: int) -> list[list[str]]:
+    """Return the processes, as arguments of Python's ``-m``, that make the load called ``name``."""
     if name == "stop_loaded_p99_ms":
         return [["bench.mqtt_load", "--port", str(port), "--robots", "200", "--rate", "4000", "--seconds", "120"]]
     return [["bench.stop", "--storm"]] if name == "stop_storm_p99_ms" else []
 
 
 @contextlib.contextmanager
-def _process(module: str, *arguments: str, env: dict[str, str] | None = None) -> Iterator[None]:
-    process = subprocess.Popen(
+def process(module: str, *arguments: str, env: dict[str, str] | None = None) -> Iterator[None]:
+    """Run one of our modules as long as the context lives."""
+    running = subprocess.Popen(
         [sys.executable, "-m", module, *arguments], env={**os.environ, **(env or {})}, stdout=subprocess.DEVNULL
     )
     try:
         yield
     finally:
-        process.kill()
-        process.wait()
+        running.kill()
+        running.wait()
 
 
 async def _address(note: Path) -> str:

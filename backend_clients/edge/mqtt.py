@@ -20,7 +20,7 @@ import paho.mqtt.client as paho
 from paho.mqtt.enums import CallbackAPIVersion
 from paho.mqtt.reasoncodes import ReasonCode
 
-from backend_clients.edge.buffered import BufferedClient
+from backend_clients.edge.buffered import BufferedClient, Publication
 
 OnMessage = Callable[[str, bytes, bool], None]
 OnLink = Callable[["LinkState", str], None]
@@ -120,6 +120,7 @@ class MqttLink:
         self._client.on_disconnect = self._disconnected
         self._client.on_connect_fail = self._connect_failed
         self._client.on_message = self._received
+        self._client.on_publication = self._published
 
     @property
     def state(self) -> LinkState:
@@ -187,10 +188,16 @@ class MqttLink:
         self._set(LinkState.DOWN, f"no answer from {self.url}")
 
     def _received(self, _client: paho.Client, _data: Any, message: paho.MQTTMessage) -> None:
+        self._hand_on(lambda: message.topic, bytes(message.payload), message.retain)
+
+    def _published(self, publication: Publication) -> None:
+        self._hand_on(publication.topic.decode, publication.payload, publication.is_retained)
+
+    def _hand_on(self, topic: Callable[[], str], payload: bytes, is_retained: bool) -> None:
         if self._on_message is None:
             return
         try:
-            self._on_message(message.topic, bytes(message.payload), message.retain)
+            self._on_message(topic(), payload, is_retained)  # a topic may be no text
         except Exception as error:  # noqa: BLE001 - an exception here would end paho's thread silently
             self._fault(error)
 

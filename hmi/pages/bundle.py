@@ -24,7 +24,7 @@ SCRIPTS = {
         "core", "glyphs", "words", "preferences", "units", "port", "stops", "sheet",
         "banner", "top_bar", "menus", "telemetry_tile", "mission_card", "state_path", "why",
         "slide_to_confirm", "lease", "hold_to_drive", "stop_card", "action_dock",
-        "sign_in", "fleet_list", "records", "screen", "keys",
+        "sign_in", "fleet_list", "records", "screen", "keys", "stay_awake",
     ),
     "admin": ("admin_forms",),
     "missions": ("field_picture", "mission_numbers", "mission_form", "missions"),

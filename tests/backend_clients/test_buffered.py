@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from backend_clients.edge.buffered import READ_BYTES, BufferedSocket
+from backend_clients.edge.buffered import READ_BYTES, BufferedSocket, Publication
 from backend_clients.edge.mqtt import MqttLink
 
 CONNACK, SUBACK_HEAD = b"\x20\x02\x00\x00", b"\x90"
@@ -51,15 +51,80 @@ def test_a_socket_without_data_says_so_and_stays_usable() -> None:
         assert (buffered.recv(1), buffered.pending(), buffered.recv(10)) == (b"a", 2, b"bc")
 
 
-def publish(topic: bytes, payload: bytes) -> bytes:
-    """Return an MQTT PUBLISH of QoS 0."""
+def publish(topic: bytes, payload: bytes, first: bytes = b"\x30") -> bytes:
+    """Return an MQTT PUBLISH, of QoS 0 unless ``first`` says otherwise."""
     body = len(topic).to_bytes(2, "big") + topic + payload
     length, size = len(body), b""
     while True:
         length, digit = divmod(length, 128)
         size += bytes([digit | (0x80 if length else 0)])
         if not length:
-            return b"\x30" + size + body
+            return first + size + body
+
+
+def publications(stream: bytes) -> tuple[list[Publication], int]:
+    """Return what a buffer that holds ``stream`` takes out at once, and how much it leaves."""
+    near, far = socket.socketpair()
+    with near, far:
+        buffered = BufferedSocket(near)
+        far.sendall(b"." + stream)
+        assert buffered.recv(1) == b"."
+        taken = []
+        while publication := buffered.take_publication():
+            taken.append(publication)
+        return taken, buffered.pending()
+
+
+@given(messages=st.lists(st.tuples(st.binary(max_size=200), st.binary(max_size=300), st.booleans()), min_size=1))
+def test_whole_publications_are_taken_out_and_a_cut_one_is_left(messages: list[tuple[bytes, bytes, bool]]) -> None:
+    packets = [publish(t, p, b"\x31" if kept else b"\x30") for t, p, kept in messages]
+    assert publications(b"".join(packets)) == ([Publication(*one) for one in messages], 0)
+    cut = b"".join(packets)[:-1]
+    assert publications(cut) == ([Publication(*one) for one in messages[:-1]], len(packets[-1]) - 1)
+
+
+@pytest.mark.parametrize(
+    "stream",
+    [
+        publish(b"a/b", b"\x00\x01needs an answer", b"\x32"),
+        b"\xd0\x00",
+        b"\x30\x00",
+        b"\x30\x01\x00",
+        b"\x30\x04\x00\x09ab",
+        b"\x30\xff\xff\xff\xff\x01",
+        b"\x30\xff",
+        b"\x30",
+    ],
+    ids=["qos 1", "ping", "no body", "half a topic length", "topic longer than packet", "length", "cut length", "cut"],
+)
+def test_what_is_not_a_whole_qos_0_publication_is_left_to_paho(stream: bytes) -> None:
+    assert publications(stream) == ([], len(stream))
+
+
+def test_a_topic_that_is_no_text_is_a_fault_and_harms_nothing_after_it() -> None:
+    stream = b"".join(
+        [publish(b"\xff\xfe", b"1"), publish(b"a/b", b"2"), publish(b"\xff", b"3"), publish(b"a/b", b"4", b"\x31")]
+    )
+    got: list[tuple[str, bytes, bool]] = []
+    faults: list[Exception] = []
+    done = threading.Event()
+
+    def on_message(topic: str, payload: bytes, is_retained: bool) -> None:
+        got.append((topic, payload, is_retained))
+        if payload == b"4":
+            done.set()
+
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        broker = threading.Thread(target=serve, args=(listener, stream, len(stream)))
+        broker.start()
+        url = f"mqtt://127.0.0.1:{listener.getsockname()[1]}"
+        link = MqttLink(url, "test", subscriptions=[("a/b", 0)], on_message=on_message, on_fault=faults.append)
+        link.start()
+        assert done.wait(20)
+        link.stop()
+        broker.join(5)
+    assert got == [("a/b", b"2", False), ("a/b", b"4", True)]
+    assert [type(fault) for fault in faults] == [UnicodeDecodeError, UnicodeDecodeError]
 
 
 def serve(listener: socket.socket, stream: bytes, piece: int) -> None:

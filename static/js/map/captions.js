@@ -5,6 +5,7 @@ import { clockTime, upTo } from './robots.js';
 
 const NAMED = new Set(['parcel', 'home', 'obstacle', 'building', 'no-go', 'no_go']);
 const MOST_GHOST_NAMES = 30;
+const BODY_PX = 26; // around the chosen robot no name of the farm may stand
 
 /** Field area as a person says it: "17.26 ha", small ones in m2. */
 export function areaText(m2) {
@@ -55,6 +56,7 @@ export function robotLabels(robots, look) {
     if (!robot.pose) continue;
     const pose = robot.drawn(look.now);
     const at = { mx: pose.mx, my: pose.my, isFixed: robot.id === look.selected };
+    if (robot.id === look.selected) labels.push({ ...at, lines: [], clearPx: BODY_PX, priority: 95 });
     if (robot.stop === 'not-confirmed') labels.push(...dangerLabels(robot, at, look));
     else if (robot.isStale && (robot.id === look.selected || ghosts < MOST_GHOST_NAMES)) {
       ghosts += 1;

@@ -2,6 +2,7 @@
 
 const MOST_LABELS = 80; // more cannot be read
 const HALO = 0.28; // of the type size
+const ASIDE_PX = [0, -60, 60, -104, 104]; // where the name of a place may go when something stands on it
 
 /** The layer of texts; `draw` is called after each frame of the engine. */
 export class LabelLayer {
@@ -16,6 +17,7 @@ export class LabelLayer {
   /**
    * Draw labels by falling priority; one that would cover another is left out unless `isFixed`.
    *
+   * label without lines: keeps `clearPx` around its place free of texts; else
    * label: {mx, my, lines: [{text, size, weight}], dx, dy, align, priority, isFixed, pill: {fill, ink} | null, icon}
    */
   draw(camera, labels, palette) {
@@ -42,12 +44,19 @@ export class LabelLayer {
       if (taken.length >= MOST_LABELS) break;
       const [x, y] = camera.project(label.mx, label.my);
       if (x < -200 || y < -100 || x > camera.width + 200 || y > camera.height + 100) continue;
-      this.#one(label, x + (label.dx ?? 0), y + (label.dy ?? 0), palette, taken);
+      const shifts = label.kind ? ASIDE_PX : [0];
+      shifts.some((shift) => this.#one(label, x + (label.dx ?? 0), y + (label.dy ?? 0) + shift * palette.scale, palette, taken));
     }
   }
 
+  /** Draw one label; false if something else is there. */
   #one(label, x, y, palette, taken) {
     const { context } = this;
+    if (label.clearPx) {
+      const clear = label.clearPx * palette.scale;
+      taken.push([x - clear, y - clear, x + clear, y + clear]);
+      return true;
+    }
     const lines = label.lines.map((line) => ({ ...line, px: line.size * palette.scale }));
     const font = (line) => `${line.weight ?? 600} ${line.px}px ${palette.font}`;
     let wide = 0;
@@ -61,7 +70,7 @@ export class LabelLayer {
     const left = label.align === 'left' ? x : label.align === 'right' ? x - wide : x - wide / 2;
     const box = [left - 4, y - high / 2 - 2, left + wide + 4, y + high / 2 + 2];
     const overlaps = (o) => box[0] < o[2] && o[0] < box[2] && box[1] < o[3] && o[1] < box[3];
-    if (!label.isFixed && taken.some(overlaps)) return;
+    if (!label.isFixed && taken.some(overlaps)) return false;
     taken.push(box);
     this.texts.push(...lines.map((line) => line.text));
     if (label.pill) {
@@ -84,6 +93,7 @@ export class LabelLayer {
       context.fillStyle = label.pill ? label.pill.ink : palette.label;
       context.fillText(line.text, at, baseline);
     }
+    return true;
   }
 
   destroy() {

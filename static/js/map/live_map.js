@@ -6,6 +6,7 @@ import { laneRevision } from './feed.js';
 import { boxOf, mercPerMetre, mercX, mercY } from './geometry.js';
 import { Intake } from './intake.js';
 import { LabelLayer } from './labels.js';
+import { LAYERS, keepLayers, readLayers } from './layers.js';
 import { noticeOf } from './notice.js';
 import { RobotList } from './robot_list.js';
 import { Scene } from './scene.js';
@@ -21,11 +22,11 @@ const FRAME_MS = 40; // 25 pictures a second while gliding
 const MOST_GLIDING = 50;
 const TAP_PX = 28;
 const ROBOT_ZOOM = 16.8; // 2.3 px per metre at 52 degrees north: a field of a hectare fills the screen
+const FIELD_ZOOMS = [16.2, 19.5]; // a large field keeps its rows apart, a small one its surroundings in sight
+const FIELD_MARGIN_PX = 40;
 const NAMES_ZOOM = 15.5;
 const LOST_CONTEXT_MS = 3000;
 const RING_MARGIN = 1.5;
-const LAYERS = [['rows', 'Rows'], ['plan', 'Planned path'], ['trail', 'Trail'], ['labels', 'Names'], ['surroundings', 'Roads, trees, buildings']];
-const LAYER_KEY = 'headland.map.layers';
 const USUAL = {
   mode: 'robot', hasButtons: true, engine: 'auto',
   featuresUrl: '/api/v1/features', missionUrl: '/api/v1/robots/{id}/mission.geojson',
@@ -62,8 +63,8 @@ export class LiveMap {
       layers: LAYERS.map(([name, label]) => ({ name, label, isOn: this.shown[name] })),
       act: {
         follow: () => this.follow(!this.isFollowing),
-        fit: () => this.fit(),
-        zoom: (step) => this.engine?.ease({ zoom: this.engine.camera.zoom + step }),
+        fit: () => this.#fit(),
+        zoom: (step) => this.#zoom(step),
         north: () => this.engine?.ease({ bearing: 0 }),
         layer: (name, isOn) => this.#layer(name, isOn),
         retry: () => this.intake.retry(),
@@ -82,7 +83,7 @@ export class LiveMap {
 
   async #start(wanted) {
     const hooks = {
-      moved: () => this.#moved(),
+      moved: (isByHand) => { this.isZoomChosen ||= isByHand; this.#moved(); },
       panned: () => this.follow(false),
       framed: () => this.#framed(),
       tapped: (x, y) => this.#tapped(x, y),
@@ -147,6 +148,7 @@ export class LiveMap {
       if (first) this.scene.settle(first[0], first[1]);
       this.scene.setMission(this.intake.model);
       this.engine?.setMission(this.intake.parcels);
+      this.#showField();
     }
     if (what === 'state') this.#notice();
     else this.#update();
@@ -244,8 +246,7 @@ export class LiveMap {
     if (isFollowing && this.engine) this.#lay(performance.now());
   }
 
-  /** Show all robots and the farm. */
-  fit() {
+  #fit() {
     this.isPlaced = false;
     this.#place();
   }
@@ -256,7 +257,7 @@ export class LiveMap {
     const pose = this.intake.selected?.pose;
     if (this.options.mode === 'robot' && pose) {
       this.isPlaced = true;
-      this.engine.jump({ mx: pose.mx, my: pose.my, zoom: ROBOT_ZOOM });
+      this.engine.jump({ mx: pose.mx, my: pose.my, zoom: this.#fieldZoom() });
       return;
     }
     const box = this.#everything();
@@ -264,6 +265,24 @@ export class LiveMap {
     this.isPlaced = this.options.mode === 'fleet' && this.intake.placed > 0 && this.intake.farmState !== 'loading';
     const zoom = Math.min(this.engine.camera.zoomFor(box, 48), ROBOT_ZOOM);
     this.engine.jump({ mx: (box[0] + box[2]) / 2, my: (box[1] + box[3]) / 2, zoom });
+  }
+
+  /** Come as near as the field of a new mission allows, unless a zoom was chosen by hand. */
+  #showField() {
+    if (!this.isPlaced || !this.isFollowing || this.isZoomChosen || !this.intake.model) return;
+    this.engine?.jump({ zoom: this.#fieldZoom() });
+  }
+
+  #fieldZoom() {
+    const box = boxOf(this.intake.parcels.features);
+    if (!box) return ROBOT_ZOOM;
+    const [least, most] = FIELD_ZOOMS;
+    return Math.min(Math.max(this.engine.camera.zoomFor(box, FIELD_MARGIN_PX), least), most);
+  }
+
+  #zoom(step) {
+    this.isZoomChosen = true;
+    this.engine?.ease({ zoom: this.engine.camera.zoom + step });
   }
 
   #everything() {
@@ -329,8 +348,8 @@ export class LiveMap {
     if (event.target.closest('.hl-map-menu, button') || !this.engine) return;
     const { camera } = this.engine;
     const step = { ArrowLeft: [-80, 0], ArrowRight: [80, 0], ArrowUp: [0, -80], ArrowDown: [0, 80] }[event.key];
-    if (event.key === '+' || event.key === '=') this.engine.ease({ zoom: camera.zoom + 1 });
-    else if (event.key === '-') this.engine.ease({ zoom: camera.zoom - 1 });
+    if (event.key === '+' || event.key === '=') this.#zoom(1);
+    else if (event.key === '-') this.#zoom(-1);
     else if (step && event.shiftKey) { // plain arrows drive the robot
       this.follow(false);
       const [mx, my] = camera.unproject(camera.width / 2 + step[0], camera.height / 2 + step[1]);
@@ -358,22 +377,5 @@ export class LiveMap {
     this.controls.destroy();
     this.list.destroy();
     this.surface.remove();
-  }
-}
-
-function readLayers() {
-  const usual = Object.fromEntries(LAYERS.map(([name]) => [name, true]));
-  try {
-    return { ...usual, ...JSON.parse(localStorage.getItem(LAYER_KEY) ?? '{}') };
-  } catch {
-    return usual; // private mode, or a value of an older version
-  }
-}
-
-function keepLayers(shown) {
-  try {
-    localStorage.setItem(LAYER_KEY, JSON.stringify(shown));
-  } catch {
-    // a full or forbidden storage only means that the choice is not remembered
   }
 }

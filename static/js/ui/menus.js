@@ -104,6 +104,7 @@
         el("hr"),
         el("div", { "data-testid": "units" }, ...UNITS.map(([key, label]) => choice(key, label, `units-${key}`))),
         choice("confirm", "Confirm by", "confirm-by"),
+        el("div", { class: "line h-2 h-t14", "data-testid": "stay-awake" }, HL.awake.line()),
         el("hr"),
         rights.includes("enrol_device") ? item("tablet", device ? `Enrolled as ${device}` : "Enrol this tablet", HL.enrol, "enrol") : "",
         item("keyboard", "Keys", HL.showKeys, "keys"),

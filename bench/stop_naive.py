@@ -1,0 +1,179 @@
+"""STOP the naive way: a button of the console's own page, sent by its loop, answered on labels.
+
+One NiceGUI process is the console: it reads the broker, shows 200 robots on labels and carries STOP as a NiceGUI
+event. The measure is the one of ``bench.stop``: from the press until the last of 20 browsers was told of the robot's
+acknowledgement.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import contextlib
+import json
+import random
+import secrets
+import time
+from typing import Any
+
+from backend_clients.edge import messages_down as down
+from backend_clients.edge.codec import decode_body, encode
+from backend_clients.edge.mqtt import MqttLink
+from backend_clients.edge.topics import Down, Up, every_robot, parse, topic
+from bench.broker import free_port, mosquitto
+from bench.nicegui_browser import NiceGuiBrowser, nicegui_browser
+from bench.stop import BROWSERS, ROBOT, loads, percentile, process
+
+PRESSES = 60  # a press under load takes a second
+LABELS = 200
+SHOW_S = 0.5
+
+
+def p99_ms(name: str) -> float:
+    """Return the p99 of the naive way under the load called ``name`` in ``bench.stop``, in ms."""
+    return percentile(asyncio.run(_measure(name)), 99)
+
+
+async def _measure(name: str) -> list[float]:
+    with mosquitto() as broker, contextlib.ExitStack() as parts:
+        parts.enter_context(process("bench.stop", "--robot", str(broker)))
+        port = free_port()
+        is_storm = ["--storm"] if name == "stop_storm_p99_ms" else []
+        parts.enter_context(process("bench.stop_naive", "--broker", str(broker), "--port", str(port), *is_storm))
+        await _answers(port)
+        if not is_storm:
+            for arguments in loads(name, broker):
+                parts.enter_context(process(*arguments))
+        async with contextlib.AsyncExitStack() as pages:
+            browsers = [await pages.enter_async_context(nicegui_browser(port)) for _ in range(BROWSERS)]
+            return await _press(browsers)
+
+
+async def _answers(port: int) -> None:
+    async with asyncio.timeout(30):
+        while True:
+            with contextlib.suppress(OSError):
+                _reader, writer = await asyncio.open_connection("127.0.0.1", port)
+                writer.close()
+                return
+            await asyncio.sleep(0.1)
+
+
+async def _press(browsers: list[NiceGuiBrowser]) -> list[float]:
+    waiting: set[int] = set()
+    done = asyncio.Event()
+    number = 0
+
+    async def read(place: int) -> None:
+        async for frame in browsers[place].frames():
+            if f'answered {number}"' in frame.replace("\\", ""):
+                waiting.discard(place)
+                if not waiting:
+                    done.set()
+
+    reading = [asyncio.create_task(read(place)) for place in range(len(browsers))]
+    await asyncio.sleep(3)  # until the load runs
+    times_ms = []
+    for number in range(1, PRESSES + 1):
+        await asyncio.sleep(random.uniform(0.03, 0.07))
+        waiting.update(range(len(browsers)))
+        done.clear()
+        began = time.perf_counter()
+        await browsers[number % len(browsers)].click(BUTTON_ID)
+        async with asyncio.timeout(60):
+            await done.wait()
+        times_ms.append((time.perf_counter() - began) * 1000)
+    for task in reading:
+        task.cancel()
+    return times_ms
+
+
+BUTTON_ID = 4  # of the first element that a page makes
+
+
+def _serve(broker: int, port: int, *, is_storm: bool) -> None:
+    from nicegui import Client, app, ui
+    from nicegui.page import page as page_of
+
+    newest: dict[str, Any] = {}
+    answers: list[Any] = []
+    pressed = 0
+    loop: asyncio.AbstractEventLoop | None = None
+
+    def heard(name: str, data: bytes, _retained: bool) -> None:
+        assert loop is not None
+        loop.call_soon_threadsafe(told, name, data)
+
+    def told(name: str, data: bytes) -> None:
+        address = parse(name)
+        message = decode_body(address, data)
+        if address.kind is Up.ACK and address.robot == ROBOT:
+            for label in answers:
+                label.text = f"answered {pressed}"
+        elif address.kind is Up.TELEMETRY:
+            newest[address.robot] = message
+
+    link = MqttLink(
+        f"mqtt://127.0.0.1:{broker}",
+        "bench-naive",
+        subscriptions=[(every_robot(kind), 1) for kind in (Up.ACK, Up.TELEMETRY, Up.HEARTBEAT, Up.SAFETY)],
+        on_message=heard,
+    )
+
+    def press() -> None:
+        nonlocal pressed
+        pressed += 1
+        message = down.Stop(robot=ROBOT, stop_id=secrets.token_hex(16), by="Bench")
+        link.publish(topic(ROBOT, Down.STOP), encode(message), qos=1)
+
+    @ui.page("/")
+    def page() -> None:
+        ui.button("STOP", on_click=press)
+        answers.append(ui.label("ready"))
+        labels = [ui.label() for _ in range(LABELS)]
+
+        def show() -> None:
+            for label, (robot_id, state) in zip(labels, newest.items(), strict=False):
+                label.text = f"{robot_id}: {state.speed_mps} m/s, {state.battery.soc:.0%}"
+
+        ui.timer(SHOW_S, show)
+
+    async def storm() -> None:
+        while True:
+            began = time.monotonic()
+            with Client(page_of("/storm"), request=None):
+                for number in range(3000):
+                    with ui.row():
+                        ui.label(f"row {number}")
+                        ui.button(f"button {number}")
+            await asyncio.sleep(max(0.01, 0.5 - (time.monotonic() - began)))
+
+    tasks = []
+
+    async def begin() -> None:
+        nonlocal loop
+        loop = asyncio.get_running_loop()
+        link.start()
+        if is_storm:
+            tasks.append(asyncio.create_task(storm()))
+
+    app.on_startup(begin)
+    ui.run(port=port, host="127.0.0.1", show=False, reload=False, show_welcome_message=False)
+
+
+def main() -> None:
+    """Be the naive console, or print the figure of one load."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--broker", type=int)
+    parser.add_argument("--port", type=int)
+    parser.add_argument("--storm", action="store_true")
+    parser.add_argument("--measure")
+    options = parser.parse_args()
+    if options.measure:
+        print(json.dumps(p99_ms(options.measure)))
+    else:
+        _serve(options.broker, options.port, is_storm=options.storm)
+
+
+if __name__ in {"__main__", "__mp_main__"}:
+    main()
