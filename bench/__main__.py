@@ -36,6 +36,8 @@ def main(arguments: list[str]) -> int:
         for figure in importlib.import_module(module).run():
             if wanted is None or figure["name"] == wanted:
                 print(json.dumps(figure), flush=True)
+            if figure["name"] == wanted:
+                return 0
     return 0
 
 

@@ -34,6 +34,7 @@ from backend_clients.edge.codec import decode_body, encode
 from backend_clients.edge.mqtt import MqttLink
 from backend_clients.edge.topics import Address, Down, Up, topic
 from bench.broker import mosquitto
+from bench.storm import PERIOD_S, heavy_page
 from hmi.domain.stop_token import StopToken
 
 BROWSERS = 20
@@ -222,18 +223,11 @@ def robot(port: int) -> None:
 
 
 def storm() -> None:
-    """Be a console that builds a heavy page every half second: what blocks its loop must not reach STOP."""
-    from nicegui import Client, ui
-    from nicegui.page import page
-
+    """Be a console that builds heavy pages: what blocks its loop must not reach STOP."""
     while True:
         began = time.monotonic()
-        with Client(page("/storm"), request=None):
-            for number in range(3000):
-                with ui.row():
-                    ui.label(f"row {number}")
-                    ui.button(f"button {number}")
-        time.sleep(max(0.0, 0.5 - (time.monotonic() - began)))
+        heavy_page()
+        time.sleep(max(0.0, PERIOD_S - (time.monotonic() - began)))
 
 
 def main() -> None:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import signal
+import threading
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
+from multiprocessing.process import BaseProcess
 from typing import ParamSpec, TypeVar
 
 P = ParamSpec("P")
@@ -34,7 +37,7 @@ class SideProcess:
             raise TypeError("work takes positional arguments only")
         if self._pool is None:
             # spawned, not forked: the parent has threads and sockets that must not be copied
-            self._pool = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=_leave_signals_alone)
+            self._pool = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=_live_with_the_parent)
         try:
             return await asyncio.get_running_loop().run_in_executor(self._pool, work, *args)
         except BrokenProcessPool as error:
@@ -58,6 +61,14 @@ class SideProcess:
             process.join(1.0)
 
 
-def _leave_signals_alone() -> None:
-    """Ctrl+C reaches the whole process group; the parent ends this process itself."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _live_with_the_parent() -> None:
+    """End when the parent does, and only then."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C reaches the whole process group
+    parent = parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_after, args=(parent,), daemon=True, name="parent-watch").start()
+
+
+def _end_after(parent: BaseProcess) -> None:
+    parent.join()  # a parent that was killed cannot end us
+    os._exit(1)

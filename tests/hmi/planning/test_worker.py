@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import os
+import subprocess
+import sys
 import time
 from collections.abc import AsyncIterator
+from pathlib import Path
 
+import psutil
 import pytest
 
 from hmi.domain.mission_plan import PlanRefused
@@ -74,3 +78,29 @@ async def test_closing_does_not_wait_for_work(side: SideProcess) -> None:
     assert time.monotonic() - begin < 10
     with pytest.raises(ProcessLookupError):
         os.kill(own, 0)
+
+
+PARENT = """
+import asyncio, os, time
+from hmi.planning.side_process import SideProcess
+
+async def main():
+    side = SideProcess()
+    print(await side.run(os.getpid), flush=True)
+    await side.run(time.sleep, 60)
+
+if __name__ == "__main__":
+    asyncio.run(main())
+"""
+
+
+def test_a_parent_that_is_killed_leaves_no_process_behind(tmp_path: Path) -> None:
+    script = tmp_path / "parent.py"
+    script.write_text(PARENT)
+    env = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
+    with subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True, env=env) as parent:
+        assert parent.stdout is not None
+        child = psutil.Process(int(parent.stdout.readline()))
+        parent.kill()
+    _gone, alive = psutil.wait_procs([child], timeout=20)
+    assert alive == []
