@@ -111,9 +111,8 @@
       const result = el("div", { class: "h-t14 h-b", role: "status", "data-testid": "mission-result" });
       const back = el("button", { type: "button", class: "h-btn q ico h-mback", "aria-label": "All missions", onclick: () => this.close() }, icon("arrow_back"));
       return [
-        el("div", { class: "h-row" }, back, el("div", { class: "h-sp" }, el("h2", { "data-testid": "mission-name" }, mission.name), el("div", { class: "h-t14 h-2" }, `${mission.field_name} · ${robotName(mission.robot_id)}`)), el("span", { class: "h-chip dark", "data-testid": "mission-status", "data-state": mission.status }, HL.plan.status(mission.status))),
-        el("div", { class: "h-row h-wrap" }, ...this.buttons(mission, result)),
-        el("div", { class: "h-t13 h-2" }, this.may.send ? "Sending does not move the robot." : this.dataset.noSend),
+        el("div", { class: "h-row" }, back, el("div", { class: "h-sp" }, el("h2", { "data-testid": "mission-name" }, mission.name), el("div", { class: "h-t14 h-2" }, `${mission.field_name} · ${robotName(mission.robot_id)}`)), el("span", { class: "h-chip dark", "data-testid": "mission-status", "data-state": mission.status }, HL.plan.status(mission.status)), ...this.edits(mission)),
+        el("div", { class: "h-row h-wrap" }, ...this.buttons(mission, result), el("span", { class: "h-t13 h-2" }, this.may.send ? "Sending does not move the robot." : this.dataset.noSend)),
         result,
         el("div", { class: "h-mpicture" }, shape ? HL.fieldPicture(shape, `${mission.name}, ${mission.field_name}`) : el("div", { class: "h-notice" }, "The picture did not load.")),
         Object.keys(mission.statistics ?? {}).length ? HL.plan.cards(mission.statistics) : "",
@@ -128,14 +127,18 @@
       const target = el("select", { class: "h-select", "aria-label": "Robot", "data-testid": "mission-robot" }, ...robots.map(([id, robot]) => el("option", { value: id }, robot.name)));
       if (robots.some(([id]) => id === mission.robot_id)) target.value = mission.robot_id;
       const label = () => [icon("route", "m"), `Send to ${robotName(target.value || mission.robot_id)}`];
-      const send = el("button", { type: "button", class: "h-btn pri", "data-testid": "plan-send", disabled: !this.may.send, onclick: () => this.send(mission, target.value || mission.robot_id, send, result) }, ...label());
-      target.addEventListener("change", () => send.replaceChildren(...label()));
-      const edit = (name, run, sign) => el("button", { type: "button", class: "h-btn", "data-testid": `mission-${name.toLowerCase()}`, disabled: !this.may.edit, onclick: run }, icon(sign, "m"), name);
       const isOnRobot = ["sent", "accepted", "running", "paused", "resuming"].includes(mission.status);
+      const send = el("button", { type: "button", class: isOnRobot ? "h-btn" : "h-btn pri", "data-testid": "plan-send", disabled: !this.may.send, onclick: () => this.send(mission, target.value || mission.robot_id, send, result) }, ...label());
+      target.addEventListener("change", () => send.replaceChildren(...label()));
+      const operate = el("a", { class: "h-btn pri", href: `/operate/${mission.robot_id}`, "data-testid": "mission-operate" }, icon("gamepad", "m"), "Operate");
+      return [isOnRobot ? operate : "", robots.length > 1 ? target : "", send];
+    }
+
+    // signs only, beside the name: what is done with a mission every day stands in words below
+    edits(mission) {
+      const edit = (name, run, sign) => el("button", { type: "button", class: "h-btn ico", "data-testid": `mission-${name.toLowerCase()}`, disabled: !this.may.edit, title: name, "aria-label": `${name} ${mission.name}`, onclick: run }, icon(sign, "m"));
       return [
-        robots.length > 1 ? target : "", send,
-        isOnRobot ? el("a", { class: "h-btn", href: `/operate/${mission.robot_id}`, "data-testid": "mission-operate" }, icon("gamepad", "m"), "Operate") : "",
-        edit("Copy", () => this.change(HL.port.api("POST", `${of(mission.id)}/copy`, {}), "Copied"), "add"),
+        edit("Copy", () => this.change(HL.port.api("POST", `${of(mission.id)}/copy`, {}), "Copied"), "content_copy"),
         edit("Rename", () => this.rename(mission), "edit"),
         edit("Delete", () => this.remove(mission), "delete"),
       ];

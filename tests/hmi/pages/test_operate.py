@@ -325,3 +325,22 @@ def heres(theatre: Theatre) -> int:
     """Return how many proofs of an open page were heard."""
     with urllib.request.urlopen(f"{theatre.url}/stage-heard") as reply:
         return int(json.loads(reply.read())["heres"])
+
+
+WAKE_LOCK = """window.locks = []; Object.defineProperty(navigator, 'wakeLock', {value: {request: async (kind) => {
+    const lock = new EventTarget(); lock.kind = kind; lock.isOn = true;
+    lock.release = async () => { lock.isOn = false; lock.dispatchEvent(new Event('release')); };
+    window.locks.push(lock); return lock; }}})"""
+
+
+def test_the_screen_stays_on_exactly_while_one_has_control(look: Look, theatre: Theatre) -> None:
+    theatre.play("paused", owner="operator")
+    page = look()
+    page.context.add_init_script(WAKE_LOCK)
+    page.reload()
+    expect(page.get_by_test_id("lease-owner")).to_have_text("You have control")
+    page.wait_for_function("window.locks.some((lock) => lock.isOn)")
+    theatre.play("paused", owner="supervisor")
+    page.wait_for_function("window.locks.every((lock) => !lock.isOn)")
+    page.get_by_test_id("user-menu").click()
+    expect(page.get_by_test_id("stay-awake")).to_have_text("This screen stays on while you have control.")

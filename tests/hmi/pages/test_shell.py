@@ -46,11 +46,47 @@ def test_stop_is_on_top_in_every_size_and_theme(look: Look, theatre: Theatre, si
     page.evaluate(f"HL.preferences.set('theme', '{theme}')")
     page.keyboard.press("?")
     expect(page.get_by_test_id("keys-list")).to_be_visible()
+    assert is_stop_on_top(page)
+
+
+LONG = """HL.sheet({title: 'A long one', buttons: [['Leave it', (close) => close()]],
+    body: [...Array(200).keys()].map((n) => Object.assign(document.createElement('p'), {textContent: `line ${n}`}))})"""
+OPENERS: dict[str, Callable[[Page], object]] = {
+    "robot menu": lambda page: page.get_by_test_id("robot-switch").click(),
+    "user menu": lambda page: page.get_by_test_id("user-menu").click(),
+    "layers of the map": lambda page: page.get_by_test_id("map-layers").click(),
+    "take control": lambda page: page.get_by_test_id("lease-take").click(),
+    "enrol": lambda page: (page.get_by_test_id("user-menu").click(), page.get_by_test_id("enrol").click()),
+    "abort slide": lambda page: page.get_by_test_id("mission-abort").click(),
+    "a sheet longer than the screen": lambda page: page.evaluate(LONG),
+    "toasts": lambda page: page.evaluate("for (let n = 0; n < 5; n += 1) HL.toast('Something happened '.repeat(12))"),
+}
+
+
+@pytest.mark.parametrize("size", ["landscape", "portrait"])
+def test_stop_is_on_top_of_everything_that_opens(look: Look, theatre: Theatre, size: str) -> None:
+    theatre.play("paused", owner="supervisor")
+    page = look(role="admin", size=size)
+    covered = []
+    for name, open_it in OPENERS.items():
+        page.goto("/operate/weeder-07")
+        expect(page.get_by_test_id("value-speed")).to_have_attribute("data-state", "fresh")
+        before = page.locator("body").inner_text()
+        open_it(page)
+        page.wait_for_function("(before) => document.body.innerText !== before", arg=before)
+        if not is_stop_on_top(page):
+            covered.append(name)
+    assert covered == []
+
+
+def is_stop_on_top(page: Page) -> bool:
+    """Say whether the slab is what a finger meets at five points of it."""
     box = page.get_by_test_id("stop").bounding_box()
     assert box is not None
-    for x, y in [(0.02, 0.03), (0.98, 0.03), (0.5, 0.5), (0.02, 0.97), (0.98, 0.97)]:
-        at = [box["x"] + box["width"] * x, box["y"] + box["height"] * y]
-        assert page.evaluate("([x, y]) => Boolean(document.elementFromPoint(x, y)?.closest('#headland-stop'))", at)
+    points = [(0.02, 0.03), (0.98, 0.03), (0.5, 0.5), (0.02, 0.97), (0.98, 0.97)]
+    places = [[box["x"] + box["width"] * x, box["y"] + box["height"] * y] for x, y in points]
+    is_slab = "([x, y]) => Boolean(document.elementFromPoint(x, y)?.closest('#headland-stop'))"
+    return all(page.evaluate(is_slab, place) for place in places)
 
 
 def test_keys_move_between_screens_but_not_while_typing(look: Look, theatre: Theatre) -> None:
