@@ -12,7 +12,7 @@ from hmi.security.errors import BadToken
 from hmi.security.session_info import SessionInfo
 from hmi.store.devices import Device
 
-UNNAMED_DEVICE = "browser"  # what a robot and a log read where the tablet is not enrolled
+UNNAMED_DEVICE = "a browser"  # what a robot and a log read where the tablet is not enrolled
 
 
 class StopTokens:

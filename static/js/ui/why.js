@@ -3,6 +3,9 @@
   "use strict";
   const { el, icon, text, attr, LiveElement, define } = HL;
 
+  const RIGHT_OF = { operator: "lease", admin: "manage_robots" };
+  const isMe = (who) => HL.config.rights.includes(RIGHT_OF[who]);
+
   class Why extends LiveElement {
     build() {
       this.head = el("b");
@@ -17,7 +20,7 @@
       attr(this, "data-value", why?.code ?? "");
       if (!why) return;
       text(this.head, why.text);
-      text(this.line, [why.clears, why.who].filter(Boolean).join(" · "));
+      text(this.line, [why.clears, why.who && !isMe(why.who) ? `Who: ${why.who}.` : ""].filter(Boolean).join(" "));
     }
   }
 
