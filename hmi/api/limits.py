@@ -9,7 +9,9 @@ from hmi.api.errors import answer
 
 MAX_BODY_BYTES = 64 * 1024  # the largest honest body of these routes is under 4 KB
 MAX_UPLOAD_BYTES = 16 * 1024 * 1024  # missions and maps, on the routes that take them
-UPLOADS = ("/missions", "/features", "/imports")
+MAX_FILE_BYTES = 50 * 1024 * 1024  # a map file to import
+UPLOADS = ("/missions", "/features", "/map/draft")
+FILES = "/map/imports"
 
 
 class BodyLimit:
@@ -44,6 +46,8 @@ class BodyLimit:
 def limit_of(scope: Scope) -> int:
     """Return how many bytes a request may carry."""
     path: str = scope["path"].removeprefix(scope.get("root_path", ""))
+    if path == FILES:
+        return MAX_FILE_BYTES
     return MAX_UPLOAD_BYTES if path.startswith(UPLOADS) else MAX_BODY_BYTES
 
 

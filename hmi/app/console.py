@@ -10,6 +10,7 @@ from hmi.api.health import KeeperReport
 from hmi.api.metrics import ConsoleMetrics
 from hmi.app.chores import Chores
 from hmi.app.edge import Edge
+from hmi.app.maps import MapDesk
 from hmi.app.missions import MissionDesk
 from hmi.app.records import Records
 from hmi.app.stops import StopDesk
@@ -36,6 +37,7 @@ class Console:
         self.settings, self.clock, self.records, self.edge = settings, clock, records, edge
         self.authorize = Authorizer(records.robots.of_any_farm)
         self.missions = MissionDesk(settings, clock, records, edge.fleet, self.authorize, self._lane_event)
+        self.maps = MapDesk(settings, records, clock, self.authorize, self._lane_event)
         self.hub = LiveHub(edge.fleet, edge.ticks, clock, self.missions.title_of)
         self.keeper = KeeperReport(settings.data)
         self.metrics = ConsoleMetrics()
@@ -95,6 +97,7 @@ class Console:
         for undo in self._undo:
             undo()
         await self.missions.stop()
+        await self.maps.stop()
         await self.stops.stop()
         await self.desk.close()
         await self.hub.stop()

@@ -18,6 +18,7 @@ from hmi.store.devices import Devices
 from hmi.store.farms import Farms
 from hmi.store.features import Features
 from hmi.store.history import History
+from hmi.store.maps import Maps
 from hmi.store.missions import Missions
 from hmi.store.recorder import Recorder
 from hmi.store.robots import Robots
@@ -51,6 +52,7 @@ class Records:
         self.history = History(self.database, farm)
         self.counters = Counters(self.database, farm)
         self.features = Features(self.database, clock)
+        self.maps = Maps(self.database, clock)
         self.missions = Missions(self.database, clock)
         self.thinning = Thinning(self.database)
         self.passwords = Passwords(settings.secret)

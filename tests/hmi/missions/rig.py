@@ -152,21 +152,27 @@ class Rig:
         """Return a browser of somebody, or of nobody."""
         app = FastAPI()
         app.state.access = Access(
-            _Door(None if role is None else self.person(role, farm_id)), _NoTokens(), self.authorize
+            Door(None if role is None else self.person(role, farm_id)), NoTokens(), self.authorize
         )
         app.include_router(mission_routes(self.book, self.fleet))
         errors.install(app)
         return httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://console.local")
 
 
-class _Door:
+class Door:
+    """Lets one person in, or nobody."""
+
     def __init__(self, session: SessionInfo | None) -> None:
         self._session = session
 
     def of_headers(self, _headers: Iterable[tuple[bytes, bytes]]) -> SessionInfo | None:
+        """Return who it is."""
         return self._session
 
 
-class _NoTokens:
+class NoTokens:
+    """Knows no stop token."""
+
     def read_stop_token(self, _text: str) -> StopToken:
+        """Refuse."""
         raise BadToken("There are no tokens here.")

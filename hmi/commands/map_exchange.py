@@ -1,0 +1,119 @@
+"""Map files in and out: a file is read beside this process, looked at by a person, and taken over in one step."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections import OrderedDict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from hmi.commands.map_book import MapBook
+from hmi.domain.ids import new_id
+from hmi.domain.map_log import FeatureChange, MapFeatures
+from hmi.domain.role import Permission
+from hmi.map_files.errors import BadMapFile
+from hmi.map_files.exported import MapFile
+from hmi.map_files.imported import Imported, MapItem
+from hmi.map_files.writer import write_map
+from hmi.mapping.feature import parse_feature
+from hmi.security.authorization import Authorize
+from hmi.security.session_info import SessionInfo
+from hmi.store.errors import NotFound
+from hmi.store.maps import MapDraft
+
+KEPT = 4  # read files a farm may have waiting for a choice
+_NO_ID = re.compile(r"[^a-z0-9]+")
+
+
+class Reader(Protocol):
+    """Reads a map file in bounded time and memory; ``hmi.map_files.worker.MapReader`` is one."""
+
+    async def read(self, data: bytes, name: str) -> Imported:
+        """Return what the file holds; raises ``BadMapFile``."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Waiting:
+    """A read file of which somebody has still to choose."""
+
+    id: str
+    farm_id: str
+    name: str
+    content: Imported
+
+
+class MapExchange:
+    """Imports and exports.
+
+    Raises (every method): ``NotSignedIn``, ``NotAllowed``, ``StoreError``, ``BadMapFile`` and what it names itself.
+    """
+
+    def __init__(self, book: MapBook, reader: Reader, authorize: Authorize, farm_name: str) -> None:
+        self._book, self._reader, self._authorize, self._farm_name = book, reader, authorize, farm_name
+        self._waiting: OrderedDict[str, Waiting] = OrderedDict()
+
+    async def read(self, session: SessionInfo, data: bytes, name: str) -> Waiting:
+        """Read a file; nothing of it is in the map yet."""
+        self._authorize(session, Permission.EDIT_MAP)
+        content = await self._reader.read(data, name)
+        waiting = Waiting(new_id()[:16], session.farm_id, name, content)
+        self._waiting[waiting.id] = waiting
+        own = [one.id for one in self._waiting.values() if one.farm_id == session.farm_id]
+        for key in own[:-KEPT]:
+            del self._waiting[key]
+        return waiting
+
+    async def take(
+        self, session: SessionInfo, import_id: str, ref: str, chosen: Sequence[int], kinds: Mapping[str, str]
+    ) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
+        """Put the chosen items into the draft as one step; a name that the map has already gets a number.
+
+        Raises:
+            NotFound: this import is not there any more, or there is no draft.
+            BadFeature, MapLocked, ChangedMeanwhile: see ``MapBook.change``.
+        """
+        self._authorize(session, Permission.EDIT_MAP)
+        waiting = self._waiting.get(import_id)
+        draft = await self._book.draft(session)
+        if waiting is None or waiting.farm_id != session.farm_id or draft is None:
+            raise NotFound("this import is not there any more")
+        items = {one.n: one for one in waiting.content.items}
+        taken = [items[n] for n in dict.fromkeys(chosen) if n in items]
+        if not taken:
+            raise BadMapFile("nothing_chosen", "Nothing was chosen to take over.")
+        used = set(draft.features)
+        changes = [_change(one, kinds.get(str(one.n), one.kind), draft.features, used) for one in taken]
+        what = "1 feature" if len(changes) == 1 else f"{len(changes)} features"
+        return await self._book.change(session, ref, f"Imported {what}, {waiting.name}"[:200], changes)
+
+    async def export(self, session: SessionInfo, file_format: str, *, is_draft: bool) -> MapFile:
+        """Return the published map or the draft as a file; raises ``NotFound`` without a draft."""
+        self._authorize(session, Permission.WATCH)
+        if is_draft:
+            draft = await self._book.draft(session)
+            if draft is None:
+                raise NotFound("there is no draft of this map")
+            raw = draft.features
+        else:
+            raw = (await self._book.published(session))[1]
+        return await asyncio.to_thread(self._written, raw, file_format, session.farm_id)
+
+    def _written(self, raw: MapFeatures, file_format: str, farm_id: str) -> MapFile:
+        features = [parse_feature(one) for one in raw.values()]
+        return write_map(features, file_format, farm_id, self._farm_name)
+
+
+def _change(item: MapItem, kind: str, there: MapFeatures, used: set[str]) -> FeatureChange:
+    feature_id = _free_id(item.id or item.name or kind, kind, used)
+    used.add(feature_id)
+    properties: dict[str, Any] = {**item.properties, "id": feature_id, "kind": kind, "name": item.name[:80]}
+    raw = {"type": "Feature", "id": feature_id, "properties": properties, "geometry": item.geometry}
+    return FeatureChange(feature_id, there.get(feature_id), raw)
+
+
+def _free_id(wish: str, kind: str, used: set[str]) -> str:
+    base = _NO_ID.sub("-", wish.lower()).strip("-")[:56] or kind
+    return next(one for one in (base, *(f"{base}-{n}" for n in range(2, len(used) + 3))) if one not in used)

@@ -1,0 +1,296 @@
+"""The farm's map over time: what is published, one draft beside it, and every version before.
+
+Features are GeoJSON objects by id. Blocking; call through ``Database.run``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from typing import Any
+
+from sqlalchemy import delete, select
+from sqlalchemy.orm import Session
+
+from hmi.clock import Clock
+from hmi.domain.map_log import (
+    FeatureChange,
+    MapFeatures,
+    Transaction,
+    applied,
+    next_redo,
+    next_undo,
+    taken_back,
+)
+from hmi.store.database import Database
+from hmi.store.errors import NotFound
+from hmi.store.features import Feature, feature_collection
+from hmi.store.map_tables import MapChangeRow, MapDraftRow, MapVersionRow
+from hmi.store.tables import FeatureRow
+
+LOCK = timedelta(minutes=30)  # a tablet that was left behind must not keep a season's map closed
+FIRST_NOTE = "First map."
+SYSTEM = "Headland"
+
+
+@dataclass(frozen=True, slots=True)
+class MapVersion:
+    """One published map without its features; number 0 is a farm that has none yet."""
+
+    number: int
+    by: str
+    note: str
+    published_at: datetime | None
+    size: int
+
+
+@dataclass(frozen=True, slots=True)
+class MapDraft:
+    """A draft as it is now; ``log`` is oldest first."""
+
+    farm_id: str
+    base_version: int
+    features: MapFeatures
+    editor_id: str
+    editor_name: str
+    locked_until: datetime
+    saved_at: datetime
+    log: tuple[Transaction, ...]
+
+
+class MapLocked(Exception):
+    """Somebody else edits the draft."""
+
+    def __init__(self, by: str, until: datetime) -> None:
+        super().__init__(f"locked by {by} until {until.isoformat()}")
+        self.by, self.until = by, until
+
+
+class MapOutdated(Exception):
+    """Somebody published since the draft was begun; ``number`` is the version now."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(f"version {number} was published meanwhile")
+        self.number = number
+
+
+class Maps:
+    """Published maps and drafts of every farm."""
+
+    def __init__(self, database: Database, clock: Clock) -> None:
+        self._database = database
+        self._clock = clock
+
+    def published(self, farm_id: str) -> MapVersion:
+        """Return the newest version; a map that came without versions becomes the first."""
+        with self._database.write() as session:
+            return _version(self._newest(session, farm_id))
+
+    def versions(self, farm_id: str) -> list[MapVersion]:
+        """Return all versions, newest first."""
+        with self._database.write() as session:
+            self._newest(session, farm_id)
+            query = select(MapVersionRow).filter_by(farm_id=farm_id).order_by(MapVersionRow.number.desc())
+            return [_version(row) for row in session.scalars(query)]
+
+    def features_of(self, farm_id: str, number: int) -> MapFeatures:
+        """Return the features of one version; raises ``NotFound``."""
+        with self._database.write() as session:
+            newest = self._newest(session, farm_id)
+            if number == 0 and newest is None:
+                return {}
+            row = session.get(MapVersionRow, (farm_id, number))
+            if row is None:
+                raise NotFound(f"there is no map version {number}")
+            return dict(row.features)
+
+    def draft(self, farm_id: str) -> MapDraft | None:
+        """Return the farm's draft, if there is one."""
+        with self._database.read() as session:
+            row = session.get(MapDraftRow, farm_id)
+            return None if row is None else _draft(session, row)
+
+    def open(self, farm_id: str, editor_id: str, editor_name: str, *, is_taking: bool = False) -> MapDraft:
+        """Begin a draft or go on with the one there is, and hold its lock.
+
+        Raises:
+            MapLocked: somebody else holds it and ``is_taking`` is not said.
+        """
+        now = self._clock.utc()
+        with self._database.write() as session:
+            row = session.get(MapDraftRow, farm_id)
+            if row is None:
+                newest = self._newest(session, farm_id)
+                row = MapDraftRow(farm_id=farm_id, base_version=newest.number if newest else 0, saved_at=now)
+                row.features = dict(newest.features) if newest else {}
+                session.add(row)
+            elif not is_taking:
+                _check_lock(row, editor_id, now)
+            row.editor_id, row.editor_name, row.locked_until = editor_id, editor_name, now + LOCK
+            session.flush()
+            return _draft(session, row)
+
+    def append(self, farm_id: str, editor_id: str, transaction: Transaction) -> MapDraft:
+        """Make one transaction; the same ``ref`` again changes nothing.
+
+        Raises:
+            NotFound: there is no draft.
+            MapLocked: somebody else edits it.
+            ChangedMeanwhile: the draft does not hold what the editor saw.
+        """
+        with self._database.write() as session:
+            row = self._held(session, farm_id, editor_id)
+            known = session.scalar(select(MapChangeRow.id).filter_by(farm_id=farm_id, ref=transaction.ref))
+            if known is None:
+                row.features = applied(row.features, transaction.changes)
+                session.execute(delete(MapChangeRow).filter_by(farm_id=farm_id, is_undone=True))
+                session.add(_change_row(farm_id, transaction))
+                self._saved(row)
+            session.flush()
+            return _draft(session, row)
+
+    def undo(self, farm_id: str, editor_id: str) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
+        """Take the newest transaction back; nothing changes when there is none. Raises as ``append``."""
+        return self._walk(farm_id, editor_id, is_back=True)
+
+    def redo(self, farm_id: str, editor_id: str) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
+        """Make the transaction again that was taken back last. Raises as ``append``."""
+        return self._walk(farm_id, editor_id, is_back=False)
+
+    def discard(self, farm_id: str, editor_id: str) -> None:
+        """Throw the draft away; raises as ``append``."""
+        with self._database.write() as session:
+            self._held(session, farm_id, editor_id)
+            _end_draft(session, farm_id)
+
+    def publish(self, farm_id: str, editor_id: str, by: str, note: str) -> MapVersion:
+        """Make the draft the newest version and what every screen shows, and end it.
+
+        Raises:
+            NotFound, MapLocked: as ``append``.
+            MapOutdated: somebody published since the draft was begun.
+        """
+        now = self._clock.utc()
+        with self._database.write() as session:
+            row = self._held(session, farm_id, editor_id)
+            newest = self._newest(session, farm_id)
+            number = newest.number if newest else 0
+            if number != row.base_version:
+                raise MapOutdated(number)
+            features = dict(row.features)
+            version = MapVersionRow(
+                farm_id=farm_id, number=number + 1, by=by, note=note, published_at=now, features=features
+            )
+            session.add(version)
+            session.execute(delete(FeatureRow).filter_by(farm_id=farm_id))
+            session.add_all(_feature_row(farm_id, number + 1, one, now) for one in features.values())
+            _end_draft(session, farm_id)
+            session.flush()
+            return _version(version)
+
+    def _walk(self, farm_id: str, editor_id: str, *, is_back: bool) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
+        with self._database.write() as session:
+            row = self._held(session, farm_id, editor_id)
+            log = _log(session, farm_id)
+            step = next_undo(log) if is_back else next_redo(log)
+            changes: tuple[FeatureChange, ...] = ()
+            if step is not None:
+                changes = taken_back(step.changes) if is_back else step.changes
+                row.features = applied(row.features, changes)
+                change = session.scalars(select(MapChangeRow).filter_by(farm_id=farm_id, ref=step.ref)).one()
+                change.is_undone = is_back
+                self._saved(row)
+            session.flush()
+            return _draft(session, row), changes
+
+    def _held(self, session: Session, farm_id: str, editor_id: str) -> MapDraftRow:
+        row = session.get(MapDraftRow, farm_id)
+        if row is None:
+            raise NotFound("there is no draft of this map")
+        _check_lock(row, editor_id, self._clock.utc())
+        if row.editor_id != editor_id:  # its lock ran out, but nobody opened it: not taken by the way
+            raise MapLocked(row.editor_name, row.locked_until)
+        return row
+
+    def _saved(self, row: MapDraftRow) -> None:
+        now = self._clock.utc()
+        row.saved_at, row.locked_until = now, now + LOCK
+
+    def _newest(self, session: Session, farm_id: str) -> MapVersionRow | None:
+        query = select(MapVersionRow).filter_by(farm_id=farm_id).order_by(MapVersionRow.number.desc()).limit(1)
+        newest = session.scalar(query)
+        if newest is not None:
+            return newest
+        rows = list(session.scalars(select(FeatureRow).filter_by(farm_id=farm_id).order_by(FeatureRow.id)))
+        if not rows:
+            return None
+        parts = [Feature(r.id, farm_id, r.kind, r.name, dict(r.geometry), dict(r.properties or {})) for r in rows]
+        features = {one["id"]: one for one in feature_collection(parts)["features"]}
+        first = MapVersionRow(
+            farm_id=farm_id, number=1, by=SYSTEM, note=FIRST_NOTE, published_at=self._clock.utc(), features=features
+        )
+        session.add(first)
+        session.flush()
+        return first
+
+
+def _check_lock(row: MapDraftRow, editor_id: str, now: datetime) -> None:
+    if row.editor_id != editor_id and row.locked_until > now:
+        raise MapLocked(row.editor_name, row.locked_until)
+
+
+def _version(row: MapVersionRow | None) -> MapVersion:
+    if row is None:
+        return MapVersion(0, "", "", None, 0)
+    return MapVersion(row.number, row.by, row.note, row.published_at, len(row.features))
+
+
+def _draft(session: Session, row: MapDraftRow) -> MapDraft:
+    return MapDraft(
+        row.farm_id,
+        row.base_version,
+        dict(row.features),
+        row.editor_id,
+        row.editor_name,
+        row.locked_until,
+        row.saved_at,
+        tuple(_log(session, row.farm_id)),
+    )
+
+
+def _log(session: Session, farm_id: str) -> Sequence[Transaction]:
+    rows = session.scalars(select(MapChangeRow).filter_by(farm_id=farm_id).order_by(MapChangeRow.id))
+    return [
+        Transaction(r.ref, r.label, r.by, r.at, tuple(_change(one) for one in r.changes), r.is_undone) for r in rows
+    ]
+
+
+def _change(raw: dict[str, Any]) -> FeatureChange:
+    return FeatureChange(raw["id"], raw["before"], raw["after"])
+
+
+def _change_row(farm_id: str, one: Transaction) -> MapChangeRow:
+    changes = [{"id": c.id, "before": c.before, "after": c.after} for c in one.changes]
+    return MapChangeRow(
+        farm_id=farm_id, ref=one.ref, label=one.label, by=one.by, at=one.at, changes=changes, is_undone=False
+    )
+
+
+def _feature_row(farm_id: str, number: int, raw: dict[str, Any], now: datetime) -> FeatureRow:
+    own = {key: value for key, value in raw["properties"].items() if key not in ("id", "kind", "name")}
+    return FeatureRow(
+        id=raw["id"],
+        farm_id=farm_id,
+        kind=raw["properties"]["kind"],
+        name=raw["properties"].get("name", ""),
+        properties=own,
+        geometry=raw["geometry"],
+        map_version=number,
+        created_at=now,
+    )
+
+
+def _end_draft(session: Session, farm_id: str) -> None:
+    session.execute(delete(MapChangeRow).filter_by(farm_id=farm_id))
+    session.execute(delete(MapDraftRow).filter_by(farm_id=farm_id))

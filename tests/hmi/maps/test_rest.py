@@ -1,0 +1,237 @@
+"""The map over REST: drafts, transactions, operations, checks, publishing, versions."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import httpx
+import pytest
+
+from hmi.domain.role import Role
+from tests.hmi.maps.conftest import MapRig
+from tests.hmi.missions.rig import OTHER_FARM, lon_lat
+
+
+def parcel(feature_id: str, x_m: float, *, side_m: float = 40.0, **own: Any) -> dict[str, Any]:
+    """Return a square parcel, metres east of the farm's middle."""
+    corners = lon_lat((x_m, 100), (x_m + side_m, 100), (x_m + side_m, 140), (x_m, 140), (x_m, 100))
+    properties = {"id": feature_id, "kind": "parcel", "name": feature_id.title(), **own}
+    return {
+        "type": "Feature", "id": feature_id, "properties": properties,
+        "geometry": {"type": "Polygon", "coordinates": [corners]},
+    }  # fmt: skip
+
+
+async def opened(client: httpx.AsyncClient) -> dict[str, dict[str, Any]]:
+    """Begin a draft; return its features by id."""
+    draft = (await client.post("/map/draft", json={})).json()
+    return {one["id"]: one for one in draft["features"]["features"]}
+
+
+def one_change(ref: str, before: Any, after: Any, label: str = "A change") -> dict[str, Any]:
+    """Return a transaction of one feature."""
+    return {"id": ref, "label": label, "changes": [{"id": (before or after)["id"], "before": before, "after": after}]}
+
+
+async def without_bow_tie(client: httpx.AsyncClient) -> None:
+    """Take out the field that crosses itself and keeps the map from being published."""
+    there = await opened(client)
+    answer = await client.post("/map/draft/transactions", json=one_change("ref-bowtie", there["bow-tie"], None))
+    assert answer.status_code == 200, answer.text
+
+
+async def test_what_was_there_before_is_version_1_and_nothing_is_a_draft_yet(rig: MapRig) -> None:
+    async with rig.browser(Role.VIEWER) as client:
+        whole = (await client.get("/map")).json()
+    assert (whole["version"], whole["draft"]) == (1, None)
+    assert {one["id"] for one in whole["features"]["features"]} >= {"field-1", "road-1", "home-1"}
+
+
+async def test_a_planner_changes_takes_back_does_again_and_publishes(rig: MapRig) -> None:
+    async with rig.browser(Role.PLANNER) as client:
+        await without_bow_tie(client)
+        new = parcel("west", -200, crop="Maize")
+        answer = (
+            await client.post("/map/draft/transactions", json=one_change("ref-west", None, new, "Drew West"))
+        ).json()
+        [stored] = answer["changes"]
+        assert stored["after"]["properties"]["crop"] == "Maize"
+        assert answer["draft"]["undo"] == "Drew West"
+        taken = (await client.post("/map/draft/undo")).json()
+        assert taken["changes"] == [{"id": "west", "before": stored["after"], "after": None}]
+        assert taken["draft"]["redo"] == "Drew West"
+        again = (await client.post("/map/draft/redo")).json()
+        assert again["changes"] == [stored]
+        diff = (await client.get("/map/draft/diff")).json()
+        assert (diff["base_version"], {(d["id"], d["what"]) for d in diff["differences"]}) == (
+            1, {("bow-tie", "removed"), ("west", "added")},
+        )  # fmt: skip
+        published = (await client.post("/map/draft/publish", json={"note": "West  added"})).json()
+        assert (published["version"], published["note"]) == (2, "West added")
+        whole = (await client.get("/map")).json()
+        assert (whole["version"], whole["draft"]) == (2, None)
+        assert "west" in {one["id"] for one in whole["features"]["features"]}
+    assert [entry.outcome for entry in rig.audit.entries] == ["published"]
+    assert rig.events[-1] == {"kind": "map", "what": "published", "version": 2}
+    assert "west" in {one.id for one in rig.features.all("farm")}
+
+
+async def test_a_blocking_finding_keeps_the_map_back_and_its_fix_is_an_operation(rig: MapRig) -> None:
+    async with rig.browser(Role.PLANNER) as client:
+        await opened(client)
+        checks = (await client.get("/map/draft/checks")).json()
+        assert checks["blocks"] >= 1
+        [crossing] = [one for one in checks["findings"] if one["feature_id"] == "bow-tie" and one["level"] == 2]
+        refused = await client.post("/map/draft/publish", json={})
+        assert refused.status_code == 409
+        assert refused.json()["code"] == "blocked"
+        fix = crossing["fix"]
+        body = {"id": "ref-untangle", "op": fix["op"], "features": fix["features"], "args": fix["args"]}
+        fixed = await client.post("/map/draft/operations", json=body)
+        assert fixed.status_code == 200, fixed.text
+        assert (await client.post("/map/draft/operations", json=body)).json()["changes"] == fixed.json()["changes"]
+        assert (await client.get("/map/draft/checks")).json()["blocks"] == 0
+        assert (await client.post("/map/draft/publish", json={})).status_code == 200
+
+
+async def test_what_the_editor_saw_must_be_there(rig: MapRig) -> None:
+    async with rig.browser(Role.PLANNER) as client:
+        there = await opened(client)
+        field = there["field-1"]
+        old = {**field, "properties": {**field["properties"], "name": "Something older"}}
+        refused = await client.post("/map/draft/transactions", json=one_change("ref-00001", old, None))
+        assert (refused.status_code, refused.json()["code"], refused.json()["ids"]) == (409, "changed", ["field-1"])
+
+
+async def test_one_person_edits_and_a_supervisor_may_take_over(rig: MapRig) -> None:
+    async with rig.browser(Role.PLANNER) as planner, rig.browser(Role.SUPERVISOR) as supervisor:
+        await opened(planner)
+        refused = await supervisor.post("/map/draft", json={})
+        assert (refused.status_code, refused.json()["by"]) == (423, "Planner Person")
+        assert "Planner Person edits this map" in refused.json()["text"]
+        shown = (await supervisor.get("/map")).json()["draft"]
+        assert (shown["is_mine"], shown["editor"]["name"]) == (False, "Planner Person")
+        taken = (await supervisor.post("/map/draft", json={"take": True})).json()
+        assert taken["is_mine"] is True
+        late = await planner.post("/map/draft/transactions", json=one_change("ref-00001", None, parcel("west", -200)))
+        assert late.status_code == 423
+        assert (await planner.post("/map/draft", json={"take": True})).status_code == 403
+
+
+async def test_a_shrunken_map_is_published_only_when_that_is_meant(rig: MapRig) -> None:
+    async with rig.browser(Role.PLANNER) as client:
+        there = await opened(client)
+        gone = [{"id": key, "before": raw, "after": None} for key, raw in there.items()]
+        body = {"id": "ref-00001", "label": "All gone", "changes": gone}
+        assert (await client.post("/map/draft/transactions", json=body)).status_code == 200
+        refused = await client.post("/map/draft/publish", json={})
+        assert (refused.status_code, refused.json()["code"]) == (409, "shrinks")
+        assert "0 features" in refused.json()["text"]
+        assert (await client.post("/map/draft/publish", json={"is_shrinking_ok": True})).status_code == 200
+
+
+async def test_an_older_version_comes_back_as_a_draft(rig: MapRig) -> None:
+    async with rig.browser(Role.PLANNER) as client:
+        await without_bow_tie(client)
+        await client.post("/map/draft/publish", json={"note": "No bow tie"})
+        versions = (await client.get("/map/versions")).json()["versions"]
+        assert [one["version"] for one in versions] == [2, 1]
+        draft = (await client.post("/map/versions/1/restore")).json()
+        assert "bow-tie" in {one["id"] for one in draft["features"]["features"]}
+        assert draft["undo"] == "Back to version 1"
+        assert (await client.post("/map/versions/9/restore")).status_code == 404
+
+
+async def test_a_discarded_draft_changes_nothing(rig: MapRig) -> None:
+    async with rig.browser(Role.PLANNER) as client:
+        await without_bow_tie(client)
+        assert (await client.delete("/map/draft")).status_code == 204
+        whole = (await client.get("/map")).json()
+        assert whole["draft"] is None
+        assert "bow-tie" in {one["id"] for one in whole["features"]["features"]}
+        assert (await client.delete("/map/draft")).status_code == 404
+
+
+@pytest.mark.parametrize(
+    ("change", "status"),
+    [
+        ({"kind": "rocket"}, 422),
+        ({"row_spacing_m": -1}, 422),
+        ({"id": "another"}, 422),
+    ],
+)
+async def test_what_is_no_feature_is_refused_with_a_sentence(rig: MapRig, change: dict[str, Any], status: int) -> None:
+    async with rig.browser(Role.PLANNER) as client:
+        await opened(client)
+        new = parcel("west", -200)
+        new = {**new, "properties": {**new["properties"], **change}}
+        answer = await client.post("/map/draft/transactions", json=one_change("ref-00001", None, new))
+        assert answer.status_code == status
+        assert answer.json()["text"].endswith(".")
+
+
+@pytest.mark.parametrize("role", [Role.VIEWER, Role.OPERATOR])
+async def test_who_may_not_edit_only_looks(rig: MapRig, role: Role) -> None:
+    async with rig.browser(role) as client:
+        assert (await client.get("/map")).status_code == 200
+        assert (await client.get("/map/draft/checks")).status_code == 200
+        for path, body in {
+            "/map/draft": {},
+            "/map/draft/undo": {},
+            "/map/draft/publish": {},
+            "/map/versions/1/restore": {},
+            "/map/draft/transactions": one_change("ref-00001", None, parcel("west", -200)),
+            "/map/draft/operations": {"id": "ref-00001", "op": "clean", "features": ["field-1"], "args": {}},
+        }.items():
+            assert (await client.post(path, json=body)).status_code == 403, path
+        assert (await client.delete("/map/draft")).status_code == 403
+
+
+async def test_another_farm_has_its_own_map(rig: MapRig) -> None:
+    async with rig.browser(Role.PLANNER) as client, rig.browser(Role.PLANNER, OTHER_FARM) as other:
+        await opened(client)
+        whole = (await other.get("/map")).json()
+        assert (whole["version"], whole["draft"], whole["features"]["features"]) == (0, None, [])
+
+
+async def test_a_file_is_read_looked_at_and_taken_in_one_step(rig: MapRig) -> None:
+    far = parcel("field-1", -200, crop="Maize")
+    bad = {"type": "Feature", "properties": {"name": "Nothing"}, "geometry": None}
+    file = json.dumps({"type": "FeatureCollection", "features": [far, bad]}).encode()
+    async with rig.browser(Role.PLANNER) as client:
+        read = await client.post("/map/imports?name=farm.geojson", content=file)
+        assert read.status_code == 201, read.text
+        found = read.json()
+        [item], [skipped] = found["items"], found["skipped"]
+        assert (found["format"], item["kind"], round(item["area_m2"])) == ("geojson", "parcel", 1600)
+        assert skipped["why"].endswith(".")
+        await opened(client)
+        body = {"id": "ref-import", "items": [item["n"]], "kinds": {}}
+        taken = (await client.post(f"/map/imports/{found['id']}/take", json=body)).json()
+        [change] = taken["changes"]
+        assert (change["id"], change["before"]) == ("field-1-2", None), "the map has a field-1 already"
+        assert change["after"]["properties"]["crop"] == "Maize"
+        assert taken["draft"]["undo"] == "Imported 1 feature, farm.geojson"
+        undone = (await client.post("/map/draft/undo")).json()
+        assert [one["after"] for one in undone["changes"]] == [None]
+        assert (await client.post("/map/imports/none/take", json={**body, "id": "ref-00002"})).status_code == 404
+
+
+async def test_a_bad_file_is_one_sentence(rig: MapRig) -> None:
+    async with rig.browser(Role.PLANNER) as client:
+        answer = await client.post("/map/imports?name=farm.kml", content=b"<kml>")
+    assert answer.status_code == 422
+    assert answer.json()["text"].endswith(".")
+
+
+@pytest.mark.parametrize("file_format", ["geojson", "kml", "kmz", "shapefile", "isoxml", "gpx", "fiware"])
+async def test_the_map_goes_out_as_a_file_and_comes_back(rig: MapRig, file_format: str) -> None:
+    async with rig.browser(Role.PLANNER) as client:
+        await without_bow_tie(client)
+        answer = await client.get(f"/map/export?format={file_format}&of=draft")
+        assert answer.status_code == 200, answer.text
+        name = answer.headers["content-disposition"].split('"')[1]
+        read = await client.post(f"/map/imports?name={name}", content=answer.content)
+        assert read.status_code == 201, read.text
+        assert "Home field" in {item["name"] for item in read.json()["items"]}

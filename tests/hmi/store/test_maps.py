@@ -1,0 +1,155 @@
+"""Published maps, the draft and its lock."""
+
+from __future__ import annotations
+
+from datetime import timedelta
+from typing import Any
+
+import pytest
+
+from hmi.clock import FakeClock
+from hmi.domain.map_log import ChangedMeanwhile, FeatureChange, Transaction
+from hmi.store.database import Database
+from hmi.store.errors import NotFound
+from hmi.store.features import Feature, Features
+from hmi.store.maps import LOCK, MapLocked, MapOutdated, Maps
+from tests.hmi.store.conftest import FARM
+
+SQUARE = {"type": "Polygon", "coordinates": [[[5.0, 52.0], [5.001, 52.0], [5.001, 52.001], [5.0, 52.0]]]}
+
+
+def raw(feature_id: str, name: str = "North", **own: Any) -> dict[str, Any]:
+    """Return a parcel as GeoJSON."""
+    properties = {"id": feature_id, "kind": "parcel", "name": name, **own}
+    return {"type": "Feature", "id": feature_id, "properties": properties, "geometry": SQUARE}
+
+
+def step(clock: FakeClock, ref: str, *changes: FeatureChange) -> Transaction:
+    """Return a transaction of Anna's."""
+    return Transaction(ref, f"Step {ref}", "Anna", clock.utc(), changes)
+
+
+def add(clock: FakeClock, ref: str, feature_id: str) -> Transaction:
+    """Return a transaction that adds a parcel."""
+    return step(clock, ref, FeatureChange(feature_id, None, raw(feature_id)))
+
+
+@pytest.fixture
+def maps(database: Database, clock: FakeClock) -> Maps:
+    """Return the maps of an installation."""
+    return Maps(database, clock)
+
+
+def test_a_farm_without_features_has_version_0(maps: Maps) -> None:
+    assert maps.published(FARM).number == 0
+    assert maps.features_of(FARM, 0) == {}
+    assert maps.versions(FARM) == []
+
+
+def test_features_that_came_without_a_version_become_the_first(
+    maps: Maps, database: Database, clock: FakeClock
+) -> None:
+    Features(database, clock).put([Feature("north", FARM, "parcel", "North", SQUARE, {"crop": "Maize"})])
+    assert (maps.published(FARM).number, maps.published(FARM).size) == (1, 1)
+    assert maps.features_of(FARM, 1) == {"north": raw("north", crop="Maize")}
+
+
+def test_a_draft_is_published_whole_and_ends(maps: Maps, database: Database, clock: FakeClock) -> None:
+    maps.open(FARM, "anna", "Anna")
+    maps.append(FARM, "anna", add(clock, "ref-1", "north"))
+    version = maps.publish(FARM, "anna", "Anna", "Two fields")
+    assert (version.number, version.by, version.note, version.size) == (1, "Anna", "Two fields", 1)
+    assert maps.draft(FARM) is None
+    [feature] = Features(database, clock).all(FARM)
+    assert (feature.id, feature.kind, feature.name, feature.map_version) == ("north", "parcel", "North", 1)
+    maps.open(FARM, "anna", "Anna")
+    maps.append(FARM, "anna", step(clock, "ref-2", FeatureChange("north", raw("north"), None)))
+    assert maps.publish(FARM, "anna", "Anna", "").size == 0
+    assert Features(database, clock).all(FARM) == []
+    assert [one.number for one in maps.versions(FARM)] == [2, 1]
+    assert maps.features_of(FARM, 1) == {"north": raw("north")}
+
+
+def test_undo_and_redo_survive_and_a_new_step_cuts_off_what_was_undone(maps: Maps, clock: FakeClock) -> None:
+    maps.open(FARM, "anna", "Anna")
+    for number in (1, 2, 3):
+        maps.append(FARM, "anna", add(clock, f"ref-{number}", f"field-{number}"))
+    draft, changes = maps.undo(FARM, "anna")
+    assert set(draft.features) == {"field-1", "field-2"}
+    assert changes == (FeatureChange("field-3", raw("field-3"), None),)
+    maps.undo(FARM, "anna")
+    draft, changes = maps.redo(FARM, "anna")
+    assert set(draft.features) == {"field-1", "field-2"}
+    assert [one.id for one in changes] == ["field-2"]
+    draft = maps.append(FARM, "anna", add(clock, "ref-4", "field-4"))
+    assert [one.ref for one in draft.log] == ["ref-1", "ref-2", "ref-4"]
+    draft, changes = maps.redo(FARM, "anna")
+    assert changes == ()
+
+
+def test_the_same_step_twice_is_one_and_a_stale_one_is_refused_whole(maps: Maps, clock: FakeClock) -> None:
+    maps.open(FARM, "anna", "Anna")
+    maps.append(FARM, "anna", add(clock, "ref-1", "north"))
+    assert len(maps.append(FARM, "anna", add(clock, "ref-1", "north")).log) == 1
+    stale = step(
+        clock, "ref-2", FeatureChange("south", None, raw("south")), FeatureChange("north", raw("north", "Old"), None)
+    )
+    with pytest.raises(ChangedMeanwhile):
+        maps.append(FARM, "anna", stale)
+    draft = maps.draft(FARM)
+    assert draft is not None
+    assert set(draft.features) == {"north"}
+
+
+def test_one_person_edits_and_the_lock_is_renewed_by_each_step(maps: Maps, clock: FakeClock) -> None:
+    maps.open(FARM, "anna", "Anna")
+    with pytest.raises(MapLocked) as refused:
+        maps.open(FARM, "ben", "Ben")
+    assert refused.value.by == "Anna"
+    clock.advance((LOCK - timedelta(minutes=1)).total_seconds())
+    maps.append(FARM, "anna", add(clock, "ref-1", "north"))
+    clock.advance(120)
+    with pytest.raises(MapLocked):
+        maps.open(FARM, "ben", "Ben")
+    clock.advance(LOCK.total_seconds())
+    assert maps.open(FARM, "ben", "Ben").editor_name == "Ben"
+    with pytest.raises(MapLocked):
+        maps.append(FARM, "anna", add(clock, "ref-2", "south"))
+
+
+def test_a_draft_is_taken_only_when_that_is_said(maps: Maps, clock: FakeClock) -> None:
+    maps.open(FARM, "anna", "Anna")
+    assert maps.open(FARM, "ben", "Ben", is_taking=True).editor_id == "ben"
+    with pytest.raises(MapLocked):
+        maps.publish(FARM, "anna", "Anna", "")
+
+
+def test_nobody_publishes_over_a_version_that_the_draft_does_not_know(
+    maps: Maps, database: Database, clock: FakeClock
+) -> None:
+    maps.open(FARM, "anna", "Anna")
+    Features(database, clock).put([Feature("east", FARM, "parcel", "East", SQUARE)])
+    maps.published(FARM)
+    with pytest.raises(MapOutdated) as refused:
+        maps.publish(FARM, "anna", "Anna", "")
+    assert refused.value.number == 1
+
+
+def test_without_a_draft_nothing_can_be_changed(maps: Maps, clock: FakeClock) -> None:
+    for work in (
+        lambda: maps.append(FARM, "anna", add(clock, "ref-1", "north")),
+        lambda: maps.undo(FARM, "anna"),
+        lambda: maps.publish(FARM, "anna", "Anna", ""),
+        lambda: maps.discard(FARM, "anna"),
+        lambda: maps.features_of(FARM, 7),
+    ):
+        with pytest.raises(NotFound):
+            work()
+
+
+def test_a_discarded_draft_leaves_nothing(maps: Maps, clock: FakeClock) -> None:
+    maps.open(FARM, "anna", "Anna")
+    maps.append(FARM, "anna", add(clock, "ref-1", "north"))
+    maps.discard(FARM, "anna")
+    assert maps.draft(FARM) is None
+    assert maps.open(FARM, "anna", "Anna").log == ()
