@@ -28,6 +28,9 @@ export class Intake {
     this.features = new Geometry((state, data) => this.#farm(state, data));
     this.lines = new Geometry((state, data) => this.#lines(state, data));
     this.features.load(featuresUrl);
+    this.unsubscribe = window.headland?.on?.('event', (event) => {
+      if (event?.kind === 'map' && event.what === 'published') this.features.load(featuresUrl, { key: `${featuresUrl} v${event.version}` });
+    });
     this.topics = [new LaneTopic('hello', () => this.#newClock())];
     if (mode === 'fleet') {
       this.topics.push(new LaneTopic('fleet', (state) => this.#fleet(state)));
@@ -152,6 +155,7 @@ export class Intake {
   destroy() {
     this.topics?.forEach((topic) => topic.destroy());
     this.stops?.destroy();
+    this.unsubscribe?.();
     this.features?.stop();
     this.lines?.stop();
   }
