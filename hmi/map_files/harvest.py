@@ -1,0 +1,154 @@
+"""From what a file tells to what can be taken over: shape by shape, a bad one never takes the good ones along."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from statistics import median
+from typing import Any
+
+from hmi.map_files import attributes
+from hmi.map_files.coordinate_system import WGS84, CoordinateSystem
+from hmi.map_files.errors import BadMapFile
+from hmi.map_files.imported import Geometry, Imported, MapItem, Skipped
+from hmi.map_files.kind_guess import ALL_KINDS, guess, possible
+from hmi.map_files.limits import Allowance
+from hmi.map_files.own_words import settled
+from hmi.map_files.shape import BadShape, fit, lines_of, simple_parts
+from hmi.map_files.source import Source, SourceFeature, SourceLayer
+
+FAR_DEG = 5.0  # about 500 km: no farm is that large
+_ASSUMED = "The file does not name its coordinate system; WGS84 was assumed. Check the place on the map."
+_EXCHANGED = "It lies far from the rest of the file: latitude and longitude may be exchanged."
+
+
+def harvest(source: Source) -> Imported:
+    """Return the items and what was skipped.
+
+    Raises:
+        BadMapFile: nothing in it, too much in it, or no coordinate system that could be meant.
+    """
+    reaper = _Reaper(source.skipped)
+    for layer in source.layers:
+        try:
+            reaper.layer(layer)
+        except BadMapFile as error:
+            if error.code != "no_coordinate_system" or len(source.layers) == 1:
+                raise
+            reaper.skipped.append(Skipped(layer.name, error.text, "Export this layer once more."))
+    items = tuple(_looked_at(reaper.items))
+    if not items and not reaper.skipped:
+        raise BadMapFile("nothing_in_it", "The file holds no shapes. Export it again with the fields in it.")
+    return Imported(source.format, ", ".join(reaper.systems) or WGS84.label, items, tuple(reaper.skipped))
+
+
+class _Reaper:
+    def __init__(self, skipped: list[Skipped]) -> None:
+        self.items: list[MapItem] = []
+        self.skipped = list(skipped)
+        self.systems: list[str] = []
+        self._allowance = Allowance()
+
+    def layer(self, layer: SourceLayer) -> None:
+        """Take what is in one layer.
+
+        Raises:
+            BadMapFile: too much in it, or coordinates that are not degrees and nobody says what.
+        """
+        crs, notes = layer.crs, []
+        if crs is None:
+            _check_degrees(layer)
+            crs, notes = WGS84, [_ASSUMED]
+        for feature in layer.features:
+            self._allowance.feature()
+            self._feature(layer.name, feature, feature.crs or crs, notes)
+
+    def _feature(self, layer: str, feature: SourceFeature, crs: CoordinateSystem, notes: list[str]) -> None:
+        if crs.label not in self.systems:
+            self.systems.append(crs.label)
+        found: list[tuple[Geometry, list[str]]] = []
+        which = f"{layer}: {feature.which}" if layer else feature.which
+        try:
+            parts = simple_parts(feature.geometry)
+        except BadShape as error:
+            self.skipped.append(Skipped(which, error.why, error.mend))
+            return
+        for i, part in enumerate(parts):
+            problems = [*notes, *feature.problems]
+            try:
+                found.append((fit(part, crs, self._allowance, problems), problems))
+            except BadShape as error:
+                of = f", part {i + 1}" if len(parts) > 1 else ""
+                self.skipped.append(Skipped(which + of, error.why, error.mend))
+        self._items(layer, feature, found)
+
+    def _items(self, layer: str, feature: SourceFeature, found: list[tuple[Geometry, list[str]]]) -> None:
+        told: list[str] = []
+        name, kind, properties = _told(feature, told)
+        shapes = [(one, problems) for shape, problems in found for one in _by_kind(shape, kind, layer, name, feature)]
+        for i, (shape, problems) in enumerate(shapes):
+            named = f"{name} ({i + 1})" if name and len(shapes) > 1 else name
+            best = guess(shape["type"], kind, feature.properties, [layer, name or ""])
+            kinds = (best, *(k for k in possible(shape["type"]) if k != best))
+            if kind in ALL_KINDS and kind not in kinds:
+                problems.append(f"A {shape['type']} cannot be a {kind}; choose what it is.")
+            kept = settled(best, shape, properties, said := [*problems, *told])
+            n = len(self.items)
+            is_named = feature.is_exact and name is not None
+            title = named if named or is_named else f"{best.capitalize()} {n + 1}"
+            own_id = feature.id if len(shapes) == 1 else None
+            self.items.append(MapItem(n, title or "", best, kinds, shape, kept, tuple(dict.fromkeys(said)), own_id))
+
+
+def _told(feature: SourceFeature, problems: list[str]) -> tuple[str | None, str | None, dict[str, Any]]:
+    """Return name, kind and properties; those of our own files stand as they are."""
+    if feature.is_exact:
+        return feature.name, feature.kind, attributes.tidy(feature.properties, problems)
+    name, properties = attributes.mapped(feature.properties, problems)
+    return attributes.clean_name(feature.name or name or "") or None, feature.kind, properties
+
+
+def _by_kind(shape: Geometry, kind: str | None, layer: str, name: str | None, feature: SourceFeature) -> list[Geometry]:
+    """Keep several lines together only where they are rows."""
+    if shape["type"] != "MultiLineString":
+        return [shape]
+    if guess("LineString", kind, feature.properties, [layer, name or ""]) == "rows":
+        return [shape]
+    return [{"type": "LineString", "coordinates": line} for line in shape["coordinates"]]
+
+
+def _check_degrees(layer: SourceLayer) -> None:
+    """Refuse positions that cannot be degrees where nobody says what else they are."""
+    for feature in layer.features:
+        try:
+            parts = simple_parts(feature.geometry)
+            places = [place for part in parts for line in lines_of(part) for place in line]
+        except BadShape:
+            continue
+        if any(_is_no_degree(place) for place in places):
+            text = (
+                f"{layer.name or 'The file'} does not name its coordinate system, and its numbers are not degrees. "
+                "Export it in WGS84 (EPSG:4326), or add the .prj file."
+            )
+            raise BadMapFile("no_coordinate_system", text)
+
+
+def _is_no_degree(place: Any) -> bool:
+    numbers = place[:2] if isinstance(place, list) else []
+    return all(isinstance(n, (int, float)) and math.isfinite(n) for n in numbers) and any(abs(n) > 180 for n in numbers)
+
+
+def _looked_at(items: list[MapItem]) -> list[MapItem]:
+    """Add a problem to items that would lie with the others if their axes were exchanged."""
+    if len(items) < 3:
+        return items
+    places = [lines_of(item.geometry)[0][0] for item in items]
+    lon, lat = median(p[0] for p in places), median(p[1] for p in places)
+    return [
+        replace(item, problems=(*item.problems, _EXCHANGED)) if _is_exchanged(place, (lon, lat)) else item
+        for item, place in zip(items, places, strict=True)
+    ]
+
+
+def _is_exchanged(place: list[float], middle: tuple[float, float]) -> bool:
+    return math.dist(place, middle) > FAR_DEG and math.dist(place[::-1], middle) < FAR_DEG

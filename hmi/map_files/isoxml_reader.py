@@ -1,0 +1,147 @@
+"""ISOXML task data (ISO 11783-10, annex D): partfields with what lies in them, and guidance lines.
+
+Read are PFD with PLN, LSG and PNT, GGP with GPN, and CTP, CVT and FRM for names, of versions 2 to 4; files that an XFR
+element names are read from the same archive.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any
+from xml.etree.ElementTree import Element
+
+from hmi.map_files import guidance_reader
+from hmi.map_files.archive import Archive
+from hmi.map_files.coordinate_system import WGS84
+from hmi.map_files.errors import BadMapFile
+from hmi.map_files.imported import Skipped
+from hmi.map_files.isoxml_line import Places, is_inside, place, places, ring, width_m
+from hmi.map_files.source import Source, SourceFeature, SourceLayer
+from hmi.map_files.xml_tree import children, local, parse
+
+ROOT = "ISO11783_TaskData"
+EXTERNAL_ROOT = "XFC"
+# attribute A of PLN, LSG and PNT
+KIND_OF_POLYGON = {"1": "parcel", "2": "parcel", "3": "water", "4": "building", "5": "road", "6": "obstacle",
+                   "9": "parcel", "10": "parcel", "11": "no-go", "12": "hedge"}  # fmt: skip
+KIND_OF_LINE = {"3": "road", "4": "road", "6": "water", "7": "hedge", "8": "road", "9": "tree"}
+KIND_OF_POINT = {"1": "obstacle", "2": "tree", "3": "gate", "4": "home", "5": "obstacle", "11": "home"}
+EXTERIOR, INTERIOR = "1", "2"  # attribute A of an LSG in a PLN
+GUIDANCE = "5"  # attribute A of an LSG in a GPN
+_EXTERNAL = re.compile(r"^[A-Z]{3}[0-9]{5}$")  # attribute A of XFR
+_PART = {"2": "treatment zone", "7": "flagged area", "8": "area", "9": "main field", "10": "headland"}
+
+
+def read(root: Element, archive: Archive | None = None, path: str = "") -> Source:
+    """Return the partfields of task data.
+
+    Args:
+        archive, path: where the task data lies, for the files it refers to.
+
+    Raises:
+        BadMapFile: a file it refers to is broken.
+    """
+    source = Source("isoxml", [])
+    roots = [root, *_external(root, archive, path, source.skipped)]
+    elements = [element for one in roots for element in one]
+    names = {element.get("A", ""): element.get("B", "") for element in _all(elements, "CTP", "FRM")}
+    names |= {cvt.get("A", ""): cvt.get("B", "") for ctp in _all(elements, "CTP") for cvt in children(ctp, "CVT")}
+    for i, partfield in enumerate(_all(elements, "PFD"), start=1):
+        source.layers.append(_partfield(i, partfield, names, source.skipped))
+    return source
+
+
+def task_data_path(archive: Archive) -> str | None:
+    """Return the path of TASKDATA.XML, in any case and folder, the least deep first."""
+    found = [name for name in archive.ending("taskdata.xml") if _base(name).lower() == "taskdata.xml"]
+    return min(found, key=lambda name: (name.count("/"), name)) if found else None
+
+
+def _all(elements: list[Element], *names: str) -> Iterator[Element]:
+    return (element for element in elements if local(element) in names)
+
+
+def _base(path: str) -> str:
+    return path.replace("\\", "/").rsplit("/", 1)[-1]
+
+
+def _external(root: Element, archive: Archive | None, path: str, skipped: list[Skipped]) -> Iterator[Element]:
+    folder = path[: len(path) - len(_base(path))]
+    seen: set[str] = set()
+    for reference in children(root, "XFR"):
+        stem = reference.get("A", "").upper().removesuffix(".XML")
+        if not _EXTERNAL.match(stem) or stem in seen:
+            continue
+        seen.add(stem)
+        names = archive.names if archive is not None else []
+        found = [name for name in names if name.lower() == f"{folder}{stem}.xml".lower()]
+        if found and archive is not None:
+            external = parse(archive.read(found[0]))
+            if local(external) != EXTERNAL_ROOT:
+                raise BadMapFile("not_a_map", f"{stem}.XML is not part of task data. Export it once more.")
+            yield external
+        elif stem.startswith("PFD"):
+            why = "The task data refers to this file, and it is not there."
+            skipped.append(Skipped(f"{stem}.XML", why, "Pack the whole TASKDATA folder into one zip."))
+
+
+def _partfield(n: int, pfd: Element, names: dict[str, str], skipped: list[Skipped]) -> SourceLayer:
+    title = pfd.get("C") or pfd.get("B") or f"Field {n}"
+    layer = SourceLayer(f"field {n} ({title[:40]})", WGS84, [])
+    for i, pln in enumerate(children(pfd, "PLN"), start=1):
+        layer.features.append(_polygon(i, pln, title, _crop(pfd, names)))
+    for i, lsg in enumerate(children(pfd, "LSG"), start=1):
+        layer.features.append(_line(i, lsg))
+    for i, pnt in enumerate(children(pfd, "PNT"), start=1):
+        if pnt.get("A") != "10":  # the reference point of the field is no thing on it
+            layer.features.append(_point(i, pnt))
+    for i, ggp in enumerate(children(pfd, "GGP"), start=1):
+        layer.features += guidance_reader.group(i, ggp, layer.name, skipped)
+    return layer
+
+
+def _crop(pfd: Element, names: dict[str, str]) -> dict[str, str]:
+    told = {"crop": names.get(pfd.get("G", "")), "species": names.get(pfd.get("H", "")), "field_code": pfd.get("B")}
+    return {key: value for key, value in told.items() if value}
+
+
+def _polygon(n: int, pln: Element, title: str, crop: dict[str, str]) -> SourceFeature:
+    told = pln.get("A", EXTERIOR)
+    name = pln.get("B") or (title if told in {"1", "9"} else None)
+    feature = SourceFeature(f"area {n}", _rings(pln), name=name, kind=KIND_OF_POLYGON.get(told))
+    if feature.kind == "parcel":
+        feature.properties = dict(crop)
+    if told in _PART:
+        feature.problems.append(f"The file calls it a {_PART[told]}; choose what it is.")
+    return feature
+
+
+def _rings(pln: Element) -> Any:
+    """Return a polygon, or several where version 3 puts several outlines into one PLN."""
+    outer = [ring(lsg) for lsg in children(pln, "LSG") if lsg.get("A") != INTERIOR]
+    holes = [ring(lsg) for lsg in children(pln, "LSG") if lsg.get("A") == INTERIOR]
+    if len(outer) == 1:
+        return {"type": "Polygon", "coordinates": [outer[0], *holes]}
+    if not outer:
+        return None
+    return {"type": "MultiPolygon", "coordinates": [[o, *(h for h in holes if _owner(h, outer) is o)] for o in outer]}
+
+
+def _owner(hole: Places, outer: list[Places]) -> Places | None:
+    return next((outline for outline in outer if hole and is_inside(hole[0], outline)), None)
+
+
+def _line(n: int, lsg: Element) -> SourceFeature:
+    kind = "rows" if lsg.get("A") == GUIDANCE else KIND_OF_LINE.get(lsg.get("A", ""))
+    geometry = {"type": "LineString", "coordinates": places(lsg)}
+    feature = SourceFeature(f"line {n}", geometry, name=lsg.get("B"), kind=kind)
+    wide_m = width_m(lsg)
+    if wide_m is not None:
+        feature.properties["width_m"] = wide_m
+    return feature
+
+
+def _point(n: int, pnt: Element) -> SourceFeature:
+    kind = KIND_OF_POINT.get(pnt.get("A", ""))
+    return SourceFeature(f"point {n}", {"type": "Point", "coordinates": place(pnt)}, name=pnt.get("B"), kind=kind)

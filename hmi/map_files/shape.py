@@ -1,0 +1,169 @@
+"""Geometry from files made fit for the map: finite, closed, wound (RFC 7946 section 3.1.6), in WGS84."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from typing import Any
+
+from shapely import Polygon, is_valid
+
+from hmi.map_files import limits
+from hmi.map_files.coordinate_system import NOTABLE_ERROR_M, CoordinateSystem, UnknownSystem
+from hmi.map_files.imported import Geometry
+from hmi.map_files.limits import Allowance
+
+Line = list[list[float]]
+_DEPTH_OF = {"Point": 0, "MultiPoint": 1, "LineString": 1, "MultiLineString": 2, "Polygon": 2, "MultiPolygon": 3}
+_SINGLE_OF = {"MultiPoint": "Point", "MultiPolygon": "Polygon"}
+_DECIMALS = 8  # a millimetre, as hmi.mapping keeps it
+
+
+class BadShape(Exception):
+    """A shape that cannot be taken.
+
+    Attributes:
+        why, mend: sentences for the operator.
+    """
+
+    def __init__(self, why: str, mend: str) -> None:
+        super().__init__(why, mend)
+        self.why = why
+        self.mend = mend
+
+
+def simple_parts(raw: Any, depth: int = 0) -> list[Geometry]:
+    """Return the points, lines and polygons of a GeoJSON geometry; a multi-line stays one.
+
+    Raises:
+        BadShape: it is not a geometry.
+    """
+    if raw is None:
+        raise BadShape("It has no shape.", "Draw it, or take it out of the file.")
+    kind = raw.get("type") if isinstance(raw, dict) else None
+    if kind == "GeometryCollection" and isinstance(raw.get("geometries"), list) and depth < limits.DEPTH:
+        return [part for inner in raw["geometries"] for part in simple_parts(inner, depth + 1)]
+    if not isinstance(kind, str) or kind not in _DEPTH_OF:
+        raise BadShape("Its geometry is not one of GeoJSON's.", "Export it as point, line or polygon.")
+    coordinates = raw.get("coordinates")
+    if not isinstance(coordinates, list) or not coordinates:
+        raise BadShape("It has no coordinates.", "Draw it, or take it out of the file.")
+    if kind in {"MultiPoint", "MultiPolygon"}:
+        return [{"type": _SINGLE_OF[kind], "coordinates": part} for part in coordinates]
+    return [{"type": kind, "coordinates": coordinates}]
+
+
+def fit(part: Geometry, crs: CoordinateSystem, allowance: Allowance, problems: list[str]) -> Geometry:
+    """Return one part of ``simple_parts`` in WGS84, closed and wound; append what was mended or should be looked at.
+
+    Raises:
+        BadShape: it cannot be taken.
+        BadMapFile: the file has too many corners.
+    """
+    kind = part["type"]
+    lines = [_finite(line, allowance) for line in _lines(part["coordinates"], _DEPTH_OF[kind])]
+    lines = _converted(lines, crs, problems)
+    _check_places([position for line in lines for position in line])
+    if kind == "Point":
+        return {"type": kind, "coordinates": lines[0][0]}
+    if kind == "Polygon":
+        rings = [_ring(line, problems, is_hole=i > 0) for i, line in enumerate(lines)]
+        if not is_valid(Polygon(rings[0], rings[1:])):
+            problems.append("An edge crosses or touches itself, or a hole leaves the outline. Look at it before use.")
+        return {"type": kind, "coordinates": rings}
+    for line in lines:
+        if all(position == line[0] for position in line):
+            raise BadShape("It is a line of one place only.", "Draw it again with two points or more.")
+    return {"type": kind, "coordinates": lines[0] if kind == "LineString" else lines}
+
+
+def lines_of(geometry: Geometry) -> list[Line]:
+    """Return the lines or rings of a fit geometry; a point is a line of one position."""
+    return _lines(geometry["coordinates"], _DEPTH_OF[geometry["type"]])
+
+
+def _lines(coordinates: Any, depth: int) -> list[Any]:
+    if depth == 0:
+        return [[coordinates]]
+    lines = [coordinates] if depth == 1 else coordinates
+    if not isinstance(lines, list) or not all(isinstance(line, list) and line for line in lines):
+        raise BadShape("Its coordinates are not nested as its type wants.", "Export it again.")
+    return lines
+
+
+def _finite(line: list[Any], allowance: Allowance) -> Line:
+    allowance.vertices(len(line))
+    return [_position(position) for position in line]
+
+
+def _position(raw: Any) -> list[float]:
+    if not isinstance(raw, (list, tuple)) or len(raw) < 2:
+        raise BadShape("A position has less than two numbers.", "Export it again.")
+    for number in raw[:2]:
+        if isinstance(number, bool) or not isinstance(number, (int, float)):
+            raise BadShape(f"{str(number)[:20]!r} stands where a coordinate should be.", "Export it again.")
+        if (isinstance(number, float) and not math.isfinite(number)) or abs(number) > 1e9:
+            raise BadShape("A coordinate is not a number on earth (NaN or infinite).", "Draw this shape again.")
+    return [float(raw[0]), float(raw[1])]
+
+
+def _converted(lines: list[Line], crs: CoordinateSystem, problems: list[str]) -> list[Line]:
+    if crs.is_wgs84:
+        return [[_rounded(position) for position in line] for line in lines]
+    flat = [position for line in lines for position in line]
+    try:
+        lons, lats, error_m = crs.to_wgs84([p[0] for p in flat], [p[1] for p in flat])
+    except UnknownSystem as error:
+        raise BadShape(str(error), "Export the file again in WGS84 (EPSG:4326).") from error
+    if not all(math.isfinite(n) for n in (*lons, *lats)):
+        raise BadShape(f"A position lies outside of what {crs.label} covers.", "Check the coordinate system.")
+    if error_m > NOTABLE_ERROR_M:
+        problems.append(f"Converted from {crs.label}: positions may be off by {error_m:g} m. Check them on the field.")
+    places = iter(zip(lons, lats, strict=True))
+    return [[_rounded(next(places)) for _ in line] for line in lines]
+
+
+def _rounded(place: Sequence[float]) -> list[float]:
+    return [round(place[0], _DECIMALS) + 0.0, round(place[1], _DECIMALS) + 0.0]  # no negative zero
+
+
+def _check_places(places: Line) -> None:
+    for lon, lat in places:
+        if abs(lon) <= 180 and abs(lat) <= 90:
+            continue
+        if abs(lat) <= 180 and abs(lon) <= 90:
+            why = f"Latitude {lat:g} is beyond 90: latitude and longitude are likely exchanged."
+            raise BadShape(why, "Export it with longitude first.")
+        why = f"{lon:g}, {lat:g} is not a longitude and latitude."
+        raise BadShape(why, "Export the file in WGS84 (EPSG:4326), or with its coordinate system.")
+    lons = [lon for lon, _ in places]
+    if max(lons) - min(lons) > 180:
+        raise BadShape("It crosses the 180° meridian, which the map cannot show.", "Cut it there into two.")
+
+
+def _ring(line: Line, problems: list[str], *, is_hole: bool) -> Line:
+    ring = line
+    if ring[0] != ring[-1]:
+        problems.append("A ring was open and was closed.")
+        ring = [*ring, list(ring[0])]
+    if len(ring) < 4 or len({tuple(position) for position in ring}) < 3:
+        raise BadShape("A polygon needs three corners or more.", "Draw it again.")
+    area = _signed_area(ring)
+    if area == 0:
+        raise BadShape("The polygon has no area: its corners lie in one line.", "Draw it again.")
+    return ring[::-1] if (area > 0) == is_hole else ring
+
+
+def _signed_area(ring: Line) -> float:
+    """Return the area in square degrees, positive if counter-clockwise; seen from a corner to keep its digits."""
+    lon, lat = ring[0]
+    return sum(_cross(a, b, lon, lat) for a, b in _edges(ring)) / 2
+
+
+def _cross(a: list[float], b: list[float], lon: float, lat: float) -> float:
+    return (a[0] - lon) * (b[1] - lat) - (b[0] - lon) * (a[1] - lat)
+
+
+def _edges(ring: Line) -> Iterator[tuple[list[float], list[float]]]:
+    return pairwise(ring)

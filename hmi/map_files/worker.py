@@ -1,0 +1,142 @@
+"""Reading a stranger's file in a process of its own, with a bound on time and memory, that can be killed."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import gc
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from hmi.map_files import limits
+from hmi.map_files.errors import BadMapFile
+from hmi.map_files.imported import Imported
+from hmi.map_files.reader import read_map
+from hmi.planning.side_process import SideProcess, SideProcessDied
+
+READ_LIMIT_S = 60.0  # the largest file that is allowed takes a quarter of it
+MEMORY_BYTES = 2 * 1024**3  # address space of the process; libraries alone take half a GB of it
+WAITING_LIMIT = 4  # files that may wait for the one at work
+PROGRESS_S = 0.25  # how often the share that is done is looked at
+
+_TOO_LARGE = "The file needs more memory than there is for one import. Split it, or simplify its shapes."
+
+
+class MapReader:
+    """Reads one file at a time. Close it: a process at work does not end by itself.
+
+    Each file gets a process of its own, so that nothing of it stays behind.
+
+    Args:
+        limit_s: a file that takes longer is given up.
+    """
+
+    def __init__(self, limit_s: float = READ_LIMIT_S, memory_bytes: int = MEMORY_BYTES) -> None:
+        self._limit_s = limit_s
+        self._memory_bytes = memory_bytes
+        self._turn = asyncio.Lock()
+        self._waiting = 0
+        self._work: asyncio.Task[Imported] | None = None
+
+    async def read(self, data: bytes, name: str, on_progress: Callable[[float], None] | None = None) -> Imported:
+        """Return what the file holds.
+
+        Args:
+            on_progress: called on this loop with the share that is done, 0 to 1, rising.
+
+        Raises:
+            BadMapFile: see ``read_map``; and ``too_long``, ``too_large``, ``cancelled``, ``busy``.
+        """
+        if len(data) > limits.FILE_BYTES:
+            raise BadMapFile("too_large", f"The file is larger than {limits.FILE_BYTES // 1_000_000} MB. Split it.")
+        if self._waiting >= WAITING_LIMIT:
+            raise BadMapFile("busy", "Other files are being read. Try again in a minute.")
+        self._waiting += 1
+        try:
+            async with self._turn:
+                return await self._read(data, name, on_progress or (lambda share: None))
+        finally:
+            self._waiting -= 1
+
+    def cancel(self) -> None:
+        """Give up the file at work; its ``read`` raises ``BadMapFile`` with the code ``cancelled``."""
+        if self._work is not None:
+            self._work.cancel()
+
+    async def close(self) -> None:
+        """Give up the file at work and wait until its process is gone."""
+        self.cancel()
+        if self._work is not None:
+            await asyncio.wait({self._work})
+
+    async def _read(self, data: bytes, name: str, on_progress: Callable[[float], None]) -> Imported:
+        with tempfile.TemporaryDirectory(prefix="headland-import-") as folder:
+            share = Path(folder) / "share"
+            work = asyncio.create_task(self._run(data, name, share), name="map-read")
+            self._work = work
+            watch = asyncio.create_task(_watch(share, on_progress), name="map-read-progress")
+            try:
+                await asyncio.wait({work}, timeout=self._limit_s)
+                is_late = not work.done()
+                return await _outcome(work, is_late=is_late, limit_s=self._limit_s)
+            finally:
+                work.cancel()
+                watch.cancel()
+                await asyncio.wait({work, watch})
+                self._work = None
+
+    async def _run(self, data: bytes, name: str, share: Path) -> Imported:
+        process = SideProcess()
+        try:
+            return await process.run(_read_bounded, data, name, str(share), self._memory_bytes)
+        except SideProcessDied as error:
+            raise BadMapFile("too_large", _TOO_LARGE) from error
+        finally:
+            await asyncio.shield(asyncio.to_thread(process.close))
+
+
+async def _outcome(work: asyncio.Task[Imported], *, is_late: bool, limit_s: float) -> Imported:
+    if is_late:
+        text = f"Reading the file took more than {limit_s:g} s. Split it, or simplify its shapes."
+        raise BadMapFile("too_long", text)
+    if work.cancelled():
+        raise BadMapFile("cancelled", "The import was given up.")
+    return work.result()
+
+
+async def _watch(share: Path, on_progress: Callable[[float], None]) -> None:
+    told = 0.0
+    while True:
+        await asyncio.sleep(PROGRESS_S)
+        with contextlib.suppress(OSError, ValueError):
+            now = float(await asyncio.to_thread(share.read_text, encoding="ascii"))
+            if now > told:
+                told = now
+                on_progress(told)
+
+
+def _read_bounded(data: bytes, name: str, share: str, memory_bytes: int) -> Imported:
+    """Read within the memory allowed; runs in the side process."""
+    _limit_memory(memory_bytes)
+    gc.disable()  # the process ends with the file; collecting would take most of the time of a large one
+    try:
+        return read_map(data, name, lambda done: _tell(share, done))
+    except MemoryError as error:
+        raise BadMapFile("too_large", _TOO_LARGE) from error
+
+
+def _tell(share: str, done: float) -> None:
+    with contextlib.suppress(OSError):
+        Path(share).write_text(f"{done:.3f}", encoding="ascii")
+
+
+def _limit_memory(memory_bytes: int) -> None:
+    """Bound the address space of this process where the system can (setrlimit, POSIX.1-2017)."""
+    try:
+        import resource
+    except ImportError:
+        return  # Windows; time and size are bounded there
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    most = memory_bytes if hard == resource.RLIM_INFINITY else min(memory_bytes, hard)
+    resource.setrlimit(resource.RLIMIT_AS, (most, hard))

@@ -1,0 +1,57 @@
+"""Exports to context brokers fit the published schemas; entities of others are read."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from hypothesis import given, settings
+from jsonschema import Draft202012Validator, FormatChecker
+from referencing import Registry, Resource
+
+from hmi.map_files.reader import read_map
+from hmi.map_files.writer import write_map
+from hmi.mapping.feature import MapFeature
+from tests.hmi.map_files.features import maps
+from tests.hmi.map_files.samples import SQUARE
+
+SCHEMAS = {
+    path.stem: json.loads(path.read_text(encoding="utf-8"))
+    for path in (Path(__file__).parent / "schemas").glob("*.json")
+}
+REGISTRY: Registry[Any] = Registry().with_resources([(s["$id"], Resource.from_contents(s)) for s in SCHEMAS.values()])
+
+
+@given(written=maps)
+@settings(max_examples=40, deadline=None)
+def test_every_entity_fits_its_schema(written: list[MapFeature]) -> None:
+    file = write_map(written, "fiware", "hof", "Hof Älmhult")
+    entities = json.loads(file.data)
+    assert len({entity["id"] for entity in entities}) == len(entities)
+    for entity in entities:
+        checker = Draft202012Validator(SCHEMAS[entity["type"]], registry=REGISTRY, format_checker=FormatChecker())
+        checker.validate(entity)
+
+
+@given(written=maps)
+@settings(max_examples=20, deadline=None)
+def test_what_has_no_model_is_named(written: list[MapFeature]) -> None:
+    file = write_map(written, "fiware", "hof", "Hof")
+    assert {f.title for f in written if f.kind in {"home", "gate", "obstacle", "no-go", "rows"}} <= set(file.left_out)
+
+
+def test_entities_of_others_are_read_plain_and_normalized() -> None:
+    polygon = {"type": "Polygon", "coordinates": SQUARE}
+    entities = [
+        {"id": "urn:ngsi-ld:AgriCrop:1", "type": "AgriCrop", "name": {"type": "Property", "value": "Wheat"}},
+        {"id": "urn:ngsi-ld:AgriParcel:1", "type": "AgriParcel", "location": {"type": "GeoProperty", "value": polygon},
+         "hasAgriCrop": {"type": "Relationship", "object": "urn:ngsi-ld:AgriCrop:1"}, "name": "North"},
+        {"id": "b", "type": "Building", "location": polygon, "category": ["barn"]},
+        {"id": "w", "type": "WeatherObserved"},
+    ]  # fmt: skip
+    imported = read_map(json.dumps(entities).encode(), "entities.json")
+    assert imported.format == "fiware"
+    parcel, building = imported.items
+    assert (parcel.name, parcel.kind, parcel.properties["crop"]) == ("North", "parcel", "Wheat")
+    assert (building.kind, building.properties["category"]) == ("building", "barn")

@@ -1,0 +1,259 @@
+"""What a farmer gets from files of other programs."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from hmi.map_files.errors import BadMapFile
+from hmi.map_files.imported import Imported, MapItem
+from hmi.map_files.kind_guess import KINDS_OF, possible
+from hmi.map_files.reader import read_map
+from hmi.mapping.feature import parse_feature
+from hmi.mapping.kinds import KINDS
+from tests.hmi.map_files import samples
+
+
+def read(name: str, data: bytes | None = None) -> Imported:
+    return read_map(samples.file(name) if data is None else data, name)
+
+
+def named(imported: Imported, name: str) -> MapItem:
+    return next(item for item in imported.items if item.name == name)
+
+
+def collection(*features: object, **members: object) -> bytes:
+    return json.dumps({"type": "FeatureCollection", "features": features, **members}).encode()
+
+
+def shape(kind: str, coordinates: object, **properties: object) -> dict[str, object]:
+    return {"type": "Feature", "properties": properties, "geometry": {"type": kind, "coordinates": coordinates}}
+
+
+@pytest.mark.parametrize("name", sorted(samples.good()))
+def test_every_item_can_be_taken_as_it_is(name: str) -> None:
+    imported = read_map(samples.good()[name], name)
+    assert imported.items
+    for n, item in enumerate(imported.items):
+        assert item.n == n
+        assert item.kind == item.kinds[0]
+        head = {"id": "x", "kind": item.kind, "name": item.name}
+        feature = {"type": "Feature", "properties": {**item.properties, **head}, "geometry": item.geometry}
+        assert parse_feature(feature).geometry == item.geometry
+
+
+@pytest.mark.parametrize("name", sorted(samples.good()))
+def test_the_name_of_the_file_does_not_matter_where_its_content_tells(name: str) -> None:
+    data = samples.good()[name]
+    assert read_map(data, "file.bin").items == read_map(data, name).items
+
+
+def test_the_possible_kinds_are_those_of_the_map() -> None:
+    allowed = {shape: {kind for kind, rule in KINDS.items() if shape in rule.geometries} for shape in KINDS_OF}
+    assert {shape: set(possible(shape)) for shape in KINDS_OF} == allowed
+
+
+def test_geojson_of_2008_is_moved_from_its_coordinate_system() -> None:
+    imported = read("fields-2008.geojson")
+    assert imported.crs == "ETRS89 / UTM zone 32N (EPSG:25832)"
+    first = imported.items[0]
+    assert first.geometry["coordinates"][0][0] == pytest.approx([9.0, 52.350], abs=1e-3)
+
+
+def test_a_multipolygon_becomes_an_item_a_part() -> None:
+    imported = read("fields-2008.geojson")
+    assert [item.name for item in imported.items] == ["Hinterm Haus (1)", "Hinterm Haus (2)"]
+    assert all(item.geometry["type"] == "Polygon" for item in imported.items)
+
+
+def test_attributes_of_others_get_the_names_and_units_of_the_map() -> None:
+    assert read("fields-2008.geojson").items[0].properties == {
+        "FLIK": "DENILI0512", "crop": "Zuckerrübe", "row_spacing_m": 0.45, "seeded": "2026-04-08",
+    }  # fmt: skip
+
+
+def test_a_feature_without_a_shape_is_skipped_and_named() -> None:
+    (skipped,) = read("fields-2008.geojson").skipped
+    assert (skipped.which, skipped.why) == ("Schlaege: shape 2", "It has no shape.")
+
+
+def test_outer_rings_run_counter_clockwise_and_holes_clockwise() -> None:
+    clockwise = [ring[::-1] for ring in samples.SQUARE]
+    hole = [[5.662, 51.982], [5.664, 51.982], [5.664, 51.984], [5.662, 51.982]]
+    (item,) = read("a.json", collection(shape("Polygon", [*clockwise, hole]))).items
+    assert item.geometry["coordinates"] == [*samples.SQUARE, hole[::-1]]
+
+
+def test_a_broken_line_of_newline_delimited_geojson_leaves_the_others() -> None:
+    imported = read("fields.ndjson")
+    assert [(item.name, item.kind, item.id) for item in imported.items] == [
+        ("North", "parcel", "north"), ("Lane", "road", None),
+    ]  # fmt: skip
+    assert [skipped.which for skipped in imported.skipped] == ["line 2"]
+
+
+def test_bad_shapes_are_skipped_with_reasons_and_good_ones_stay() -> None:
+    imported = read("bad-shapes.geojson")
+    assert [item.name for item in imported.items] == ["good", "open", "bow"]
+    assert named(imported, "open").problems == ("A ring was open and was closed.",)
+    assert named(imported, "bow").problems[0].startswith("An edge crosses")
+    whys = {skipped.which.split("(")[-1].rstrip(")"): skipped.why for skipped in imported.skipped}
+    assert whys["nan"] == "A coordinate is not a number on earth (NaN or infinite)."
+    assert whys["swapped"] == "Latitude 105.66 is beyond 90: latitude and longitude are likely exchanged."
+    assert whys["metres"] == "500000, 5.8e+06 is not a longitude and latitude."
+    assert whys["flat"] == "The polygon has no area: its corners lie in one line."
+    assert whys["date line"].startswith("It crosses the 180° meridian")
+    assert len(imported.skipped) == 15
+    assert all(skipped.mend.endswith(".") for skipped in imported.skipped)
+
+
+def test_an_item_with_exchanged_axes_stands_out_among_the_others() -> None:
+    points = [shape("Point", [5.66, 51.98]), shape("Point", [5.67, 51.98]), shape("Point", [51.98, 5.66])]
+    items = read("a.json", collection(*points)).items
+    assert [any("exchanged" in problem for problem in item.problems) for item in items] == [False, False, True]
+
+
+def test_features_may_each_name_their_own_coordinate_system() -> None:
+    utm = {"type": "name", "properties": {"name": "EPSG:25832"}}
+    mixed = collection(shape("Point", [9.0, 52.35]), {**shape("Point", [500000, 5800000]), "crs": utm})
+    imported = read("a.json", mixed)
+    assert imported.items[1].geometry["coordinates"] == pytest.approx([9.0, 52.35], abs=1e-3)
+    assert imported.crs == "WGS84, ETRS89 / UTM zone 32N (EPSG:25832)"
+
+
+def test_epsg_4326_keeps_longitude_first() -> None:
+    crs = {"type": "name", "properties": {"name": "urn:ogc:def:crs:EPSG::4326"}}
+    (item,) = read("a.json", collection(shape("Point", [5.66, 51.98]), crs=crs)).items
+    assert item.geometry["coordinates"] == [5.66, 51.98]
+
+
+def test_a_linked_coordinate_system_is_not_fetched() -> None:
+    crs = {"type": "link", "properties": {"href": "http://example.com/crs"}}
+    with pytest.raises(BadMapFile, match="nothing is fetched"):
+        read("a.json", collection(shape("Point", [5.66, 51.98]), crs=crs))
+
+
+def test_degrees_without_a_coordinate_system_are_assumed_to_be_wgs84() -> None:
+    (item,) = read("a.json", collection(shape("Point", [5.66, 51.98]), crs=None)).items
+    assert item.problems[0].startswith("The file does not name its coordinate system")
+
+
+def test_metres_without_a_coordinate_system_are_refused() -> None:
+    with pytest.raises(BadMapFile, match="its numbers are not degrees") as caught:
+        read("a.json", collection(shape("Point", [500000, 5800000]), crs=None))
+    assert caught.value.code == "no_coordinate_system"
+
+
+def test_a_point_obstacle_without_a_radius_gets_one_and_says_so() -> None:
+    (item,) = read("a.json", collection(shape("Point", [5.66, 51.98], type="obstacle"))).items
+    assert (item.kind, item.properties["radius_m"]) == ("obstacle", 1.0)
+    assert "The file gives no radius; 1 m was assumed. Check it." in item.problems
+
+
+def test_a_value_that_cannot_be_is_put_aside() -> None:
+    (item,) = read("a.json", collection(shape("Polygon", samples.SQUARE, row_spacing=75))).items
+    assert item.properties == {"row_spacing_m_as_given": 75}
+    assert item.problems == ("Row spacing is 75 m. It was put aside.",)
+
+
+def test_long_texts_are_cut_and_it_says_so() -> None:
+    (item,) = read("a.json", collection(shape("Polygon", samples.SQUARE, notes="x" * 900))).items
+    assert len(item.properties["notes"]) == 500
+    assert item.problems == ("notes was cut to 500 characters.",)
+
+
+def test_kml_folders_names_and_attributes_are_read() -> None:
+    imported = read("farm.kml")
+    found = {item.name: (item.kind, item.geometry["type"]) for item in imported.items}
+    assert found == {
+        "Oben & unten": ("parcel", "Polygon"), "Barn": ("building", "Polygon"), "AB lines": ("rows", "MultiLineString"),
+        "Drive": ("road", "LineString"), "Charging station": ("home", "Point"),
+    }  # fmt: skip
+    field = named(imported, "Oben & unten")
+    assert field.properties == {"crop": "onion", "description": "clay"}
+    assert len(field.geometry["coordinates"]) == 2
+
+
+def test_kml_links_and_pictures_are_skipped_and_not_fetched() -> None:
+    assert [skipped.which for skipped in read("farm.kml").skipped] == [
+        "link (Parcels online)", "picture (Drone picture)", "Stuff: shape 5 (Nowhere)",
+    ]  # fmt: skip
+
+
+def test_a_gpx_walk_that_closes_is_an_outline_and_one_that_does_not_is_a_road() -> None:
+    imported = read("walk.gpx")
+    found = {item.name: (item.kind, item.geometry["type"]) for item in imported.items}
+    assert found == {
+        "Gate south": ("gate", "Point"), "Big stone": ("obstacle", "Point"), "To town": ("road", "LineString"),
+        "Around": ("parcel", "Polygon"), "Lane": ("road", "LineString"),
+    }  # fmt: skip
+    assert [skipped.which for skipped in imported.skipped] == ["waypoint 3"]
+
+
+def test_task_data_gives_fields_with_holes_and_what_lies_in_them() -> None:
+    imported = read("task.zip", samples.task_data())
+    field = named(imported, "Home field")
+    assert field.properties == {"crop": "Carrot", "species": "Nairobi", "field_code": "0815"}
+    assert [len(ring) for ring in field.geometry["coordinates"]] == [5, 4]
+    assert named(imported, "Pylon").kind == "obstacle"
+    assert (named(imported, "Tram").kind, named(imported, "Tram").properties) == ("road", {"width_m": 3.0})
+    assert named(imported, "Gate").kind == "gate"
+
+
+def test_guidance_lines_are_rows() -> None:
+    imported = read("task.zip", samples.task_data())
+    rows = {item.name: item for item in imported.items if item.kind == "rows"}
+    assert {name: item.properties["type"] for name, item in rows.items()} == {
+        "AB 1": "a-b",
+        "A+": "a-b",
+        "Bend": "curve",
+    }
+    start, end = rows["A+"].geometry["coordinates"]
+    assert end[0] > start[0]
+    assert end[1] == pytest.approx(start[1], abs=1e-6)
+    assert any("pivot" in skipped.why for skipped in imported.skipped)
+
+
+def test_external_files_of_task_data_are_read_and_missing_ones_named() -> None:
+    imported = read("task.zip", samples.task_data())
+    assert named(imported, "Far field (1)").geometry["coordinates"][0][0] == [5.66, 52.08]
+    assert "PFD00002.XML" in {skipped.which for skipped in imported.skipped}
+
+
+def test_one_map_in_an_ordinary_zip_is_read() -> None:
+    assert read("a.zip", samples.packed({"x/walk.gpx": samples.file("walk.gpx")})).format == "gpx"
+
+
+@pytest.mark.parametrize(
+    ("data", "code", "words"),
+    [
+        (b"", "empty", "empty"),
+        (b" \n\0", "empty", "empty"),
+        (b"name;lon;lat\nA;1;2\n", "not_a_map", "Export it as"),
+        (b"%PDF-1.7", "not_a_map", "PDF"),
+        (b"\x1f\x8b\x08", "not_a_map", "gzip"),
+        (b"\x00\x00\x27\x0a" + bytes(96), "not_a_map", "Pack .shp, .shx, .dbf and .prj"),
+        (b'{"type": "Topology"}', "not_a_map", "TopoJSON"),
+        (b'{"type": "FeatureCollection", "features": {}}', "not_a_map", "no list of features"),
+        (b'{"type": "FeatureCollection", "features": []}', "nothing_in_it", "no shapes"),
+        (b'{"type": "FeatureCollection", "feat', "broken_json", "line 1"),
+        (b"[" * 100_000, "broken_json", "nested"),
+        (b"<kml><Document>", "broken_xml", "cut off"),
+        (b"<svg/>", "not_a_map", "svg"),
+        (b"<ISO11783_TaskData/>", "nothing_in_it", "PFD"),
+        (b"\xff\xfe<\0k\0m\0l\0/\0>\0", "nothing_in_it", "no shapes"),
+    ],
+)
+def test_a_file_that_is_no_map_is_refused_with_what_to_do(data: bytes, code: str, words: str) -> None:
+    with pytest.raises(BadMapFile) as caught:
+        read_map(data, "map.geojson")
+    assert caught.value.code == code
+    assert words in caught.value.text
+
+
+def test_too_many_shapes_and_corners_are_refused() -> None:
+    with pytest.raises(BadMapFile, match="5,000"):
+        read("a.json", collection(*[shape("Point", [5, 52])] * 5001))
+    with pytest.raises(BadMapFile, match="200,000"):
+        read("a.json", collection(shape("LineString", [[5, 52], [5, 53]] * 100_001)))

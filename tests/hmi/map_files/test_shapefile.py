@@ -1,0 +1,81 @@
+"""Zipped shapefiles as they come from offices and machines."""
+
+from __future__ import annotations
+
+import pytest
+
+from hmi.map_files.errors import BadMapFile
+from hmi.map_files.reader import read_map
+from tests.hmi.map_files.samples import SQUARE, UTM_SQUARE, layer, packed
+
+DEGREES = [ring[::-1] for ring in SQUARE]
+
+
+def test_a_layer_is_moved_from_the_system_of_its_prj_file() -> None:
+    imported = read_map(packed(layer("felder", [UTM_SQUARE], [{"Schlag": "A", "Gewas": "ui"}], 25832)), "felder.zip")
+    (item,) = imported.items
+    assert (item.name, item.kind, item.properties) == ("A", "parcel", {"crop": "ui"})
+    assert item.geometry["coordinates"][0][0] == pytest.approx([9.0, 52.35], abs=1e-3)
+    assert imported.crs == "ETRS89 / UTM zone 32N (EPSG:25832)"
+
+
+def test_several_layers_each_have_their_own_system_and_kind() -> None:
+    files = layer("sub/fields", [UTM_SQUARE], [{"name": "A"}], 25832)
+    files |= layer("sub/buildings", [DEGREES], [{"name": "B"}], 4326)
+    imported = read_map(packed(files), "all.zip")
+    assert {(item.name, item.kind) for item in imported.items} == {("A", "parcel"), ("B", "building")}
+
+
+def test_degrees_without_a_prj_file_are_assumed_to_be_wgs84() -> None:
+    (item,) = read_map(packed(layer("a", [DEGREES], [{"name": "A"}])), "a.zip").items
+    assert item.problems[0].startswith("The file does not name its coordinate system")
+
+
+def test_metres_without_a_prj_file_are_refused() -> None:
+    with pytest.raises(BadMapFile, match=r"add the \.prj file"):
+        read_map(packed(layer("a", [UTM_SQUARE], [{"name": "A"}])), "a.zip")
+
+
+def test_a_layer_without_a_coordinate_system_does_not_take_the_other_along() -> None:
+    files = layer("a", [DEGREES], [{"name": "A"}], 4326) | layer("b", [UTM_SQUARE], [{"name": "B"}])
+    imported = read_map(packed(files), "a.zip")
+    assert [item.name for item in imported.items] == ["A"]
+    assert [skipped.which for skipped in imported.skipped] == ["b"]
+
+
+def test_a_prj_file_that_is_not_understood_is_refused() -> None:
+    files = layer("a", [UTM_SQUARE], [{"name": "A"}]) | {"a.prj": b"PROJCS[what]"}
+    with pytest.raises(BadMapFile, match="not understood"):
+        read_map(packed(files), "a.zip")
+
+
+def test_a_null_shape_is_skipped_and_the_others_stay() -> None:
+    imported = read_map(packed(layer("a", [None, DEGREES], [{"name": "A"}, {"name": "B"}], 4326)), "a.zip")
+    assert [item.name for item in imported.items] == ["B"]
+    assert [skipped.which for skipped in imported.skipped] == ["a: shape 1"]
+
+
+@pytest.mark.parametrize(
+    ("encoding", "cpg"), [("cp1252", None), ("utf-8", None), ("cp1252", b"ANSI 1252"), ("utf-8", b"UTF-8")]
+)
+def test_umlauts_survive(encoding: str, cpg: bytes | None) -> None:
+    files = layer("a", [DEGREES], [{"name": "Brühl"}], 4326, encoding)
+    imported = read_map(packed(files | ({"a.cpg": cpg} if cpg else {})), "a.zip")
+    assert imported.items[0].name == "Brühl"
+
+
+@pytest.mark.parametrize("missing", ["a.dbf", "a.shx"])
+def test_shapes_are_read_without_their_index_or_attributes(missing: str) -> None:
+    files = layer("a", [DEGREES], [{"name": "A"}], 4326)
+    del files[missing]
+    (item,) = read_map(packed(files), "a.zip").items
+    assert item.geometry["coordinates"] == SQUARE
+    assert any("attributes are missing" in problem for problem in item.problems) == (missing == "a.dbf")
+
+
+def test_a_layer_that_is_cut_off_does_not_take_the_other_along() -> None:
+    files = layer("a", [DEGREES], [{"name": "A"}], 4326) | layer("b", [DEGREES], [{"name": "B"}], 4326)
+    files["b.shp"] = files["b.shp"][:150]
+    imported = read_map(packed(files), "a.zip")
+    assert [item.name for item in imported.items] == ["A"]
+    assert imported.skipped
