@@ -17,7 +17,10 @@ from starlette.routing import Route
 STATIC = Path(__file__).resolve().parents[2] / "static"
 
 STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
-"""Cascade order: tokens first, screens last."""
+"""Cascade order of what every page carries: tokens first, screens last."""
+
+SCREEN_STYLES = ("maps",)
+"""Styles that a screen fetches with its scripts."""
 
 SCRIPTS = {
     "headland": (
@@ -27,6 +30,11 @@ SCRIPTS = {
         "sign_in", "fleet_list", "records", "screen", "keys", "stay_awake",
     ),
     "admin": ("admin_forms",),
+    "maps": (
+        "maps_kinds", "maps_measure", "maps_queue", "maps_client", "maps_menu", "maps_tools", "maps_fields",
+        "maps_feature", "maps_checks", "maps_changes", "maps_upload", "maps_import", "maps_versions", "maps_publish",
+        "maps_dock", "maps_chips", "maps_walk", "maps_surface", "maps_edits", "maps_screen",
+    ),
     "missions": ("field_picture", "mission_numbers", "mission_form", "missions"),
 }  # fmt: skip
 """Scripts by file, in load order: each uses only names of those before it.
@@ -49,7 +57,17 @@ def versioned(path: str) -> str:
 @cache
 def style_sheet() -> bytes:
     """Return all styles; the fonts they name carry their hashes."""
-    text = "\n".join((STATIC / "css" / f"{name}.css").read_text("utf-8") for name in STYLES)
+    return _styles(STYLES)
+
+
+@cache
+def screen_style(name: str) -> bytes:
+    """Return one of ``SCREEN_STYLES``."""
+    return _styles((name,))
+
+
+def _styles(names: tuple[str, ...]) -> bytes:
+    text = "\n".join((STATIC / "css" / f"{name}.css").read_text("utf-8") for name in names)
     lean = _lean(_CSS_COMMENT.sub("", text))
     return _URL.sub(lambda found: f"url({versioned(found[1])})", lean).encode()
 
@@ -66,6 +84,11 @@ def style_url() -> str:
     return f"/static/bundle/headland.css?v={_digest(style_sheet())}"
 
 
+def screen_style_url(name: str) -> str:
+    """Return the versioned address of one of ``SCREEN_STYLES``."""
+    return f"/static/bundle/{name}.css?v={_digest(screen_style(name))}"
+
+
 def script_url(name: str = "headland") -> str:
     """Return the versioned address of one of ``SCRIPTS``."""
     return f"/static/bundle/{name}.js?v={_digest(script(name))}"
@@ -74,11 +97,16 @@ def script_url(name: str = "headland") -> str:
 def routes() -> list[Route]:
     """Return the routes that serve the files; they come before the mount of ``/static``."""
     scripts = [Route(f"/static/bundle/{name}.js", partial(_script, name)) for name in SCRIPTS]
-    return [Route("/static/bundle/headland.css", _style), *scripts]
+    styles = [Route(f"/static/bundle/{name}.css", partial(_screen_style, name)) for name in SCREEN_STYLES]
+    return [Route("/static/bundle/headland.css", _style), *styles, *scripts]
 
 
 def _style(_request: Request) -> Response:
     return Response(style_sheet(), media_type="text/css")
+
+
+def _screen_style(name: str, _request: Request) -> Response:
+    return Response(screen_style(name), media_type="text/css")
 
 
 def _script(name: str, _request: Request) -> Response:

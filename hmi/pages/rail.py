@@ -25,6 +25,7 @@ class Destination:
 DESTINATIONS = (
     Destination("operate", "Operate", "gamepad", "/operate", Permission.WATCH),
     Destination("fleet", "Fleet", "lists", "/fleet", Permission.WATCH),
+    Destination("maps", "Maps", "polyline", "/maps", Permission.WATCH),
     Destination("missions", "Missions", "route", "/missions", Permission.WATCH),
     Destination("admin", "Admin", "tune", "/admin", Permission.MANAGE_USERS),
 )

@@ -13,7 +13,7 @@ from nicegui import ui
 from components import stop_slab
 from components.live_element import LiveElement
 from hmi.domain.role import PERMISSIONS
-from hmi.pages import admin, bundle, fleet, login, missions, operate, rail, top_bar
+from hmi.pages import admin, bundle, fleet, login, maps, missions, operate, rail, top_bar
 from hmi.pages.services import PageServices
 from hmi.security.session_info import SessionInfo
 
@@ -50,11 +50,18 @@ def _screens(services: PageServices, session: SessionInfo | None) -> None:
             "/operate": lambda: operate.pick(services, session),
             "/operate/{robot}": lambda robot: operate.build(services, session, robot),
             "/fleet": lambda: fleet.build(services, session),
+            "/maps": lambda: _maps(services, session),
             "/missions": lambda: _missions(services, session),
             "/admin": lambda: admin.build(services, session),
             "/login": lambda: operate.pick(services, session),
         }
     )
+
+
+def _maps(services: PageServices, session: SessionInfo) -> None:
+    code = bundle.script_url("maps")
+    with LiveElement("hl-screen", classes="h-screen", data_screen="maps", data_title="Maps", data_code=code):
+        maps.build(services, session)
 
 
 def _missions(services: PageServices, session: SessionInfo) -> None:

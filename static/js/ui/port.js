@@ -55,11 +55,18 @@
 
   function watch() {
     if (!config.user) return;
-    const wanted = ["fleet", ...new Set([HL.view?.robot, ...held].filter(Boolean).map((id) => `robot/${id}`))];
+    const wanted = ["fleet", ...new Set([HL.view?.robot, followed, ...held].filter(Boolean).map((id) => `robot/${id}`))];
     if (wanted.join() === topics) return;
     topics = wanted.join();
     lane.sub(wanted);
     for (const topic of wanted) listenTo(topic);
+  }
+
+  // a robot that is watched without being the one on the screen; null ends it
+  let followed = null;
+  function follow(id) {
+    followed = id;
+    watch();
   }
 
   const heard = new Set();
@@ -129,5 +136,5 @@
   window.addEventListener("headland:dropped", () => HL.toast("Not sent: no connection. Try again when it is back.", "cloud_off"));
   setInterval(here, HERE_MS);
 
-  HL.port = { robot, fleet, age, server, delayMs, watch, command, lease, reset, seen, sendMission, drive, api, tickInfo: () => lane.state("tick") };
+  HL.port = { robot, fleet, age, server, delayMs, watch, follow, command, lease, reset, seen, sendMission, drive, api, tickInfo: () => lane.state("tick") };
 })();

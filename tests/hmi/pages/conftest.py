@@ -34,6 +34,16 @@ class Theatre:
         if changes:
             self._post("/stage-set", changes)
 
+    def play_map(self, **wish: Any) -> None:
+        """Set the farm map; ``anew=True`` begins with the published one."""
+        self._post("/stage-map", wish)
+
+    def heard_map(self) -> dict[str, Any]:
+        """Return what reached the farm map, and what it is now."""
+        with urllib.request.urlopen(f"{self.url}/stage-map") as reply:
+            answer: dict[str, Any] = json.loads(reply.read())
+            return answer
+
     def heard(self) -> dict[str, Any]:
         """Return what reached the console since the scene began."""
         with urllib.request.urlopen(f"{self.url}/stage-heard") as reply:

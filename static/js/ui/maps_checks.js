@@ -1,0 +1,52 @@
+// What is wrong with the draft: what blocks publishing, what is to look at, each with a way to mend or see it.
+(() => {
+  "use strict";
+  const { el, icon, alarm, text, attr } = HL;
+  const { count } = HL.maps;
+
+  class Checks {
+    // act: {fix(finding), show(finding)}
+    constructor(act) {
+      this.act = act;
+      this.sum = el("span", { class: "h-row h-t13 h-b m-sum", role: "status" });
+      this.list = el("div", { class: "m-findings" });
+      this.node = el("section", { class: "m-checks", "data-testid": "editor-checks", "aria-label": "Checks" }, el("div", { class: "h-row" }, el("h3", { class: "h-t16 h-b" }, "Checks"), this.sum), this.list);
+      this.key = null;
+    }
+    // checks: {findings, blocks, looks}, null while the first answer is on its way, or {error}
+    paint(checks, canEdit, nameOf) {
+      const key = JSON.stringify([checks, canEdit]);
+      if (key === this.key) return;
+      this.key = key;
+      attr(this.node, "data-blocks", checks?.blocks ?? null);
+      attr(this.node, "data-looks", checks?.looks ?? null);
+      this.sum.replaceChildren(...this.summary(checks));
+      this.list.replaceChildren(...(checks?.findings ?? []).toSorted((a, b) => a.level - b.level).map((one) => this.card(one, canEdit, nameOf)));
+    }
+    summary(checks) {
+      if (!checks) return ["Checking"];
+      if (checks.error) return [el("span", { class: "h-2" }, `Not checked: ${checks.error}`)];
+      const part = (level, words) => el("span", { class: "h-row m-count" }, alarm(level, 22), words);
+      const parts = [];
+      if (checks.blocks) parts.push(part(2, `${checks.blocks} ${checks.blocks === 1 ? "blocks" : "block"} publishing`));
+      if (checks.looks) parts.push(part(3, `${checks.looks} to look at`));
+      return parts.length ? parts : [el("span", { class: "h-2" }, "Nothing found")];
+    }
+    card(one, canEdit, nameOf) {
+      const name = nameOf(one.feature_id);
+      const head = name && !one.text.includes(name) ? `${name}: ${one.text[0].toLowerCase()}${one.text.slice(1)}` : one.text;
+      const fix = one.fix ? el("button", { type: "button", class: "h-btn", "data-testid": "finding-fix", disabled: !canEdit, onclick: (event) => this.fix(one, event.currentTarget) }, one.fix.label) : "";
+      const show = el("button", { type: "button", class: one.fix ? "h-btn ico" : "h-btn", "data-testid": "finding-show", "aria-label": `Show: ${head}`, onclick: () => this.act.show(one) }, one.fix ? icon("visibility", "m") : "Show");
+      return el("div", { class: "h-card m-finding", "data-testid": `finding-${one.code}`, "data-level": one.level }, alarm(one.level, 26), el("div", { class: "h-sp" }, el("div", { class: "h-t14 h-b" }, head), el("div", { class: "h-t13 h-2" }, one.advice)), show, fix);
+    }
+    async fix(one, button) {
+      attr(button, "disabled", true);
+      text(button, "Working");
+      await this.act.fix(one);
+      this.key = null; // what stays is drawn anew, with its button
+    }
+  }
+
+  HL.maps.Checks = Checks;
+  HL.maps.blockedWords = (n) => `Fix ${count(n, "blocking check")} first.`;
+})();

@@ -1,0 +1,134 @@
+// What a person does to the features of a draft: tools, merge, holes and cuts, copy, delete, import. The screen builds on it.
+(() => {
+  "use strict";
+  const M = HL.maps;
+  const COPY_M = 8; // a copy lies beside its original, not on it
+
+  // needs of the screen: client, editor, chosen, tool, changed(), commit(label, changes), operate(op, ids, args, what), open(isTaking)
+  class MapEdits extends HL.LiveElement {
+    take(name) {
+      if (this.tool === "merge" && name !== "merge") this.several(false);
+      this.measured = "";
+      if (name === "merge" && this.mergeable().length >= 2) return void this.merge();
+      this.tool = name;
+      this.editor?.setTool(name === "merge" ? "select" : name);
+      if (name === "merge") this.several(true);
+      this.changed();
+    }
+
+    several(isOn) {
+      this.isSeveral = isOn;
+      if (this.editor?.setSeveral) this.editor.setSeveral(isOn);
+      else if (this.editor) this.editor.several = isOn;
+      this.changed();
+    }
+
+    mergeable() {
+      return this.chosen.filter((id) => this.client.features.get(id)?.geometry.type === "Polygon");
+    }
+
+    async merge() {
+      const ids = this.mergeable();
+      if (ids.length < 2) return;
+      const answer = await this.operate("merge", ids, {}, "Merge");
+      if (!answer.ok) return;
+      this.take("select");
+      this.several(false);
+      this.select((answer.changes ?? []).filter((one) => one.after).map((one) => one.id));
+    }
+
+    async drawn({ tool, coordinates, target }) {
+      this.take("select");
+      if (tool !== "hole" && tool !== "split") return; // a new feature: it came as a change
+      const [op, args] = tool === "hole" ? ["add_hole", { ring: coordinates }] : ["split", { line: coordinates }];
+      const answer = await this.operate(op, [target].flat(), args, tool === "hole" ? "Hole" : "Split");
+      if (answer.ok) this.select((answer.changes ?? []).filter((one) => one.after).map((one) => one.id).slice(0, 1));
+    }
+
+    walked(ring, accuracyM, robot) {
+      const id = M.newId("parcel");
+      const name = `Walked with ${robot}`;
+      const after = { type: "Feature", id, properties: { id, kind: "parcel", name, ...(accuracyM === null ? {} : { accuracy_m: Number(accuracyM.toFixed(3)) }) }, geometry: { type: "Polygon", coordinates: [outward(ring)] } };
+      this.commit(`Edge walked with ${robot}`, [{ id, before: null, after }]);
+      this.select([id]);
+      this.editor?.fit([id]);
+    }
+
+    copy() {
+      const before = this.client.features.get(this.chosen[0]);
+      if (!before) return;
+      const id = M.newId(M.kindOf(before));
+      const after = M.moved({ ...before, id, properties: { ...before.properties, id, name: `${M.nameOf(before)} copy` } }, COPY_M, -COPY_M);
+      this.commit(`${M.nameOf(before)} copied`, [{ id, before: null, after }]);
+      this.select([id]);
+    }
+
+    // rows go with their parcel
+    remove() {
+      const found = this.chosen.filter((id) => this.client.features.has(id));
+      if (!found.length) return;
+      const rows = [...this.client.features].filter(([id, one]) => M.kindOf(one) === "rows" && found.includes(one.properties.parcel_id) && !found.includes(id)).map(([id]) => id);
+      const name = found.length === 1 ? M.nameOf(this.client.features.get(found[0])) : M.count(found.length, "shape");
+      this.commit(`${name} deleted`, [...found, ...rows].map((id) => ({ id, before: this.client.features.get(id), after: null })));
+      this.select([]);
+      HL.toast(`${name} deleted. Undo brings it back.`, "delete");
+    }
+
+    select(ids) {
+      this.chosen = ids;
+      this.point = null;
+      this.editor?.select(ids);
+      this.changed();
+    }
+
+    show(ids) {
+      const found = ids.filter((id) => id && this.client.features.has(id));
+      if (!found.length) return;
+      this.select(found.slice(0, 1));
+      this.editor?.fit(found);
+    }
+
+    // ---- import
+
+    drops() {
+      const isFile = (event) => this.may.edit && [...(event.dataTransfer?.types ?? [])].includes("Files");
+      this.field.addEventListener("dragover", (event) => isFile(event) && (event.preventDefault(), this.field.classList.add("drop")));
+      this.field.addEventListener("dragleave", () => this.field.classList.remove("drop"));
+      this.field.addEventListener("drop", (event) => {
+        this.field.classList.remove("drop");
+        if (!isFile(event)) return;
+        event.preventDefault();
+        if (event.dataTransfer.files[0]) this.import(event.dataTransfer.files[0]);
+      });
+    }
+
+    picked() {
+      const [file] = this.file.files;
+      this.file.value = "";
+      if (file) this.import(file);
+    }
+
+    import(file) {
+      M.importFile(file, { opened: () => this.open(false), take: (...chosen) => this.imported(...chosen) });
+    }
+
+    async imported(importId, items, kinds, limitMs) {
+      const answer = await this.client.ask(`/map/imports/${importId}/take`, { id: window.headland.uuid(), items, kinds }, limitMs);
+      if (!answer.ok) return answer;
+      const ids = (answer.changes ?? []).filter((one) => one.after).map((one) => one.id);
+      HL.toast(`${M.count(ids.length, "shape")} imported`, "check");
+      if (ids.length) this.editor?.fit(ids);
+      this.checkSoon();
+      return answer;
+    }
+  }
+
+  // outer rings run counter-clockwise
+  function outward(ring) {
+    let twice = 0;
+    for (let i = 0; i < ring.length - 1; i += 1) twice += ring[i][0] * ring[i + 1][1] - ring[i + 1][0] * ring[i][1];
+    return twice < 0 ? ring.toReversed() : ring;
+  }
+
+  M.MapEdits = MapEdits;
+})();

@@ -1,0 +1,94 @@
+// What stands on a farm map: kinds of features, what can be entered for each, and how a change of it reads.
+(() => {
+  "use strict";
+  const KINDS = {
+    parcel: "Parcel", farm: "Farm", obstacle: "Obstacle", "no-go": "No-go zone", slow: "Slow zone", building: "Building", road: "Road",
+    home: "Home", gate: "Gate", rows: "Rows", tree: "Tree", hedge: "Hedge", water: "Water",
+  };
+  const SHAPES = {
+    Polygon: ["parcel", "farm", "obstacle", "no-go", "slow", "building", "road", "tree", "hedge", "water"],
+    LineString: ["road", "rows", "tree", "hedge", "water"],
+    MultiLineString: ["rows"],
+    Point: ["home", "gate", "obstacle", "tree"],
+  };
+  const LAYERS = [
+    ["parcels", "Parcels", ["parcel", "farm"]], ["rows", "Rows", ["rows"]], ["obstacles", "Obstacles, no-go and slow zones", ["obstacle", "no-go", "slow"]],
+    ["roads", "Roads, homes, gates", ["road", "home", "gate"]], ["surroundings", "Buildings, trees, water", ["building", "tree", "hedge", "water"]],
+  ];
+
+  // unit is what the person reads, scale what SI is multiplied by to get there
+  const number = (key, label, unit, least, most, digits, scale = 1) => ({ key, label, type: "number", unit, least, most, digits, scale });
+  const text = (key, label, offers) => ({ key, label, type: "text", offers });
+  const choice = (key, label, options) => ({ key, label, type: "choice", options });
+  const CROPS = ["Sugar beet", "Maize", "Winter wheat", "Potatoes", "Onions", "Carrots", "Spinach", "Rapeseed", "Soy", "Grass"];
+  const WIDTH = number("width_m", "Width", "m", 0.1, 200, 1);
+  const RADIUS = number("radius_m", "Radius", "m", 0.05, 500, 2);
+  const FIELDS = {
+    parcel: [
+      text("crop", "Crop", CROPS), text("status", "Status", ["BBCH 10", "BBCH 12", "BBCH 14", "BBCH 16"]), { key: "seeded", label: "Seeding date", type: "date" },
+      number("row_spacing_m", "Row spacing", "cm", 1, 1000, 1, 100), number("row_bearing_deg", "Row direction", "° from north", -360, 360, 1), number("headland_m", "Headland width", "m", 0, 100, 1),
+    ],
+    obstacle: { Point: [RADIUS] },
+    road: { LineString: [WIDTH] },
+    building: [text("category", "Use", ["Barn", "House", "Hall", "Silo"])],
+    home: [
+      choice("type", "Type", [["home", "Home"], ["garage", "Garage"], ["charging", "Charging"]]), choice("robot", "Robot", () => [["", "Any robot"], ...Object.entries(HL.port.fleet()).map(([id, robot]) => [id, robot.name])]),
+      number("heading_deg", "Heading, 0 is east", "°", -360, 360, 1),
+    ],
+    gate: [WIDTH],
+    slow: [number("speed_mps", "Speed limit", "m/s", 0.01, 10, 2)],
+    rows: [choice("type", "Type", [["a-b", "Straight, A to B"], ["curve", "Curve"], ["recorded", "Recorded"]])],
+    tree: { LineString: [WIDTH], Point: [RADIUS] },
+    hedge: { LineString: [WIDTH] },
+    water: { LineString: [WIDTH] },
+  };
+  const MORE = { parcel: [text("species", "Variety"), text("category", "Category"), text("type", "Type")] };
+
+  const kindOf = (feature) => feature.properties?.kind ?? "";
+  const label = (kind) => KINDS[kind] ?? kind;
+  const nameOf = (feature) => feature.properties?.name || label(kindOf(feature));
+  const fieldsOf = (feature) => {
+    const fields = FIELDS[kindOf(feature)] ?? [];
+    return Array.isArray(fields) ? fields : fields[feature.geometry?.type] ?? [];
+  };
+  const moreOf = (feature) => MORE[kindOf(feature)] ?? [];
+  const kindsFor = (feature) => SHAPES[feature.geometry?.type] ?? [kindOf(feature)];
+
+  // what an input shows for a stored value, and back; undefined: not a value this field takes
+  function shown(field, value) {
+    if (value === null || value === undefined) return "";
+    if (field.type !== "number") return String(value);
+    const scaled = value * (field.scale ?? 1);
+    return field.key === "row_bearing_deg" ? scaled.toFixed(1) : String(Number(scaled.toFixed(field.digits)));
+  }
+
+  function stored(field, input) {
+    const string = input.trim();
+    if (string === "") return null;
+    if (field.type !== "number") return string.slice(0, 120);
+    const value = Number(string.replace(",", "."));
+    if (!Number.isFinite(value) || value < field.least || value > field.most) return undefined;
+    return Number((value / (field.scale ?? 1)).toFixed(6));
+  }
+
+  const bounds = (field) => `${field.label}: ${field.least} to ${field.most} ${field.unit}`;
+
+  // "Row direction 11.5 to 9.0", "Crop set to Maize", "Status removed"
+  function changeLabel(field, before, after) {
+    const [from, to] = [shown(field, before), shown(field, after)];
+    const unit = field.type === "number" && field.unit.length < 4 && !field.unit.startsWith("°") ? ` ${field.unit}` : "";
+    if (!to) return `${field.label} removed`;
+    return from ? `${field.label} ${from} to ${to}${unit}` : `${field.label} set to ${to}${unit}`;
+  }
+
+  // a feature with one property changed; null takes it away
+  function withProperty(feature, key, value) {
+    const properties = { ...feature.properties, [key]: value };
+    if (value === null) delete properties[key];
+    return { ...feature, properties };
+  }
+
+  const newId = (kind) => `${kind}-${window.headland.uuid().slice(0, 12)}`;
+
+  HL.maps = { KINDS, LAYERS, kindOf, label, nameOf, fieldsOf, moreOf, kindsFor, shown, stored, bounds, changeLabel, withProperty, newId };
+})();

@@ -1,0 +1,73 @@
+// The drawing surface: fetched when it is shown, made anew when the right to draw changes, and fed with changes.
+(() => {
+  "use strict";
+  const { el, icon } = HL;
+  const sheets = new Map();
+
+  function loadSheet(href) {
+    if (!sheets.has(href)) {
+      sheets.set(href, new Promise((resolve, reject) => {
+        const link = el("link", { rel: "stylesheet", href });
+        link.onload = resolve;
+        link.onerror = () => { sheets.delete(href); link.remove(); reject(new Error(`no style sheet ${href}`)); };
+        document.head.append(link);
+      }));
+    }
+    return sheets.get(href);
+  }
+
+  class Surface {
+    // address: {scripts, vendor}; on: what the editor tells
+    constructor(address, on) {
+      this.address = address;
+      this.on = on;
+      this.node = el("div", { class: "m-surface" });
+      this.editor = null;
+      this.isReadOnly = null;
+    }
+
+    // shows what on.features() gives; a later call wins over an earlier one that is still loading
+    async show(isReadOnly) {
+      if (this.isReadOnly === isReadOnly) return this.editor?.setFeatures(this.on.features());
+      this.isReadOnly = isReadOnly;
+      this.turn = (this.turn ?? 0) + 1;
+      const { turn } = this;
+      this.editor?.destroy();
+      this.editor = null;
+      const host = el("div", { class: "m-host", "data-testid": "map-editor" });
+      this.node.replaceChildren(host);
+      try {
+        const base = window.path_prefix ?? "";
+        const { scripts, vendor } = this.address;
+        const [{ MapEditor }] = await Promise.all([import(`${base}${scripts}/editor/map_editor.js`), loadSheet(`${base}${scripts}/map/map.css`), loadSheet(`${base}${scripts}/editor/editor.css`), loadSheet(`${base}${vendor}/maplibre-gl-core.css`)]);
+        if (turn !== this.turn) return undefined;
+        const editor = new MapEditor(host, { vendorUrl: `${base}${vendor}`, readOnly: isReadOnly, ...this.on });
+        await editor.start();
+        if (turn !== this.turn) return editor.destroy();
+        this.editor = editor;
+        editor.setFeatures(this.on.features());
+        editor.fit();
+        this.on.onReady();
+      } catch (error) {
+        console.error("map builder:", error);
+        if (turn === this.turn) this.fail();
+      }
+      return undefined;
+    }
+
+    fail() {
+      this.isReadOnly = null;
+      this.node.replaceChildren(el("div", { class: "h-card h-notice", role: "alert", "data-testid": "surface-error" }, icon("cloud_off", "l"), el("b", { class: "h-t18 h-b" }, "The map did not start"), el("span", { class: "h-2" }, "Its scripts did not load. The draft is kept."), el("button", { type: "button", class: "h-btn", onclick: () => this.show(this.on.isReadOnly()) }, icon("refresh", "m"), "Try again")));
+    }
+
+    destroy() {
+      this.turn = (this.turn ?? 0) + 1;
+      this.editor?.destroy();
+      this.editor = null;
+      this.isReadOnly = null;
+      this.node.replaceChildren();
+    }
+  }
+
+  Object.assign(HL.maps, { Surface, loadSheet });
+})();
