@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import time
 import urllib.request
 from collections.abc import Callable, Iterator
 from typing import Any
@@ -15,6 +16,7 @@ from playwright.sync_api import Browser, BrowserType, Page, expect
 from hmi.pages.bundle import STATIC
 
 expect.set_options(timeout=15_000)  # a busy machine is late, not wrong
+ARRIVAL_S = 15.0
 SIZES = {"landscape": (1280, 800), "portrait": (800, 1280), "desk": (1920, 1080)}
 
 
@@ -53,6 +55,13 @@ class Theatre:
     def orders(self, part: str) -> list[dict[str, Any]]:
         """Return the orders whose path contains ``part``."""
         return [order for order in self.heard()["orders"] if part in order["path"]]
+
+    def until_orders(self, part: str, count: int = 1) -> list[dict[str, Any]]:
+        """Return the orders whose path contains ``part`` when there are as many; a click is heard a moment later."""
+        end_s = time.monotonic() + ARRIVAL_S
+        while len(found := self.orders(part)) < count and time.monotonic() < end_s:
+            time.sleep(0.02)
+        return found
 
     def _post(self, path: str, body: dict[str, Any]) -> None:
         request = urllib.request.Request(f"{self.url}{path}", json.dumps(body).encode(), method="POST")

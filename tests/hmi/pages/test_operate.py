@@ -89,7 +89,7 @@ def test_pause_is_one_press(look: Look, theatre: Theatre) -> None:
     page = look()
     page.get_by_test_id("mission-pause").click()
     expect(page.get_by_test_id("mission-pause")).to_have_attribute("data-state", "accepted")
-    [order] = theatre.orders("weeder-07/commands")
+    [order] = theatre.until_orders("weeder-07/commands")
     assert order["action"] == "pause"
     assert order["tick"].startswith("stage-")
 
@@ -110,7 +110,7 @@ def test_a_slide_past_the_flag_sends_the_order_once(look: Look, theatre: Theatre
     assert theatre.orders("commands") == []
     page.mouse.up()
     expect(page.get_by_test_id("mission-resume")).to_have_attribute("data-state", "confirmed")
-    assert [order["action"] for order in theatre.orders("commands")] == ["resume"]
+    assert [order["action"] for order in theatre.until_orders("commands")] == ["resume"]
 
 
 def test_a_refused_slide_says_why(look: Look, theatre: Theatre) -> None:
@@ -140,7 +140,7 @@ def test_holding_enter_confirms_without_a_drag(look: Look, theatre: Theatre) -> 
     expect(page.get_by_test_id("mission-resume")).to_have_attribute("data-state", "armed")
     expect(page.get_by_test_id("mission-resume")).to_have_attribute("data-state", "confirmed", timeout=3000)
     page.keyboard.up("Enter")
-    assert [order["action"] for order in theatre.orders("commands")] == ["resume"]
+    assert [order["action"] for order in theatre.until_orders("commands")] == ["resume"]
 
 
 def test_abort_opens_a_slide_and_escape_closes_it(look: Look, theatre: Theatre) -> None:
@@ -155,7 +155,7 @@ def test_abort_opens_a_slide_and_escape_closes_it(look: Look, theatre: Theatre) 
     page.get_by_test_id("mission-abort").click()
     slide(page, "mission-abort")
     expect(page.get_by_test_id("mission-pause")).to_be_visible()
-    assert [order["action"] for order in theatre.orders("commands")] == ["abort"]
+    assert [order["action"] for order in theatre.until_orders("commands")] == ["abort"]
 
 
 def test_reset_needs_a_reason_and_resume_waits_for_it(look: Look, theatre: Theatre) -> None:
@@ -169,7 +169,7 @@ def test_reset_needs_a_reason_and_resume_waits_for_it(look: Look, theatre: Theat
     page.get_by_test_id("stop-reason-person").click()
     slide(page, "stop-reset")
     expect(page.get_by_test_id("stop-reset")).to_have_attribute("data-state", "confirmed")
-    [order] = theatre.orders("stop-reset")
+    [order] = theatre.until_orders("stop-reset")
     assert order["reason"] == "Person"
     assert order["stop_ids"] == ["d" * 32]
 
@@ -191,7 +191,7 @@ def test_control_of_somebody_else_is_shown_and_asked_for(look: Look, theatre: Th
     expect(page.get_by_test_id("mission-resume")).to_contain_text("Anna Ostermeier has control. Ask for it.")
     page.get_by_test_id("lease-request").click()
     expect(page.get_by_test_id("toast")).to_be_attached()
-    assert [order["op"] for order in theatre.orders("lease")] == ["request"]
+    assert [order["op"] for order in theatre.until_orders("lease")] == ["request"]
 
 
 def test_a_request_for_control_is_answered_in_one_press(look: Look, theatre: Theatre) -> None:
@@ -200,7 +200,7 @@ def test_a_request_for_control_is_answered_in_one_press(look: Look, theatre: The
     expect(page.get_by_text("Anna Ostermeier asks for control.")).to_be_visible()
     page.get_by_test_id("lease-grant").click()
     expect(page.get_by_test_id("lease-owner")).to_have_text("You have control")
-    assert [(order["op"], order["session"]) for order in theatre.orders("lease")] == [("grant", "supervisor")]
+    assert [(order["op"], order["session"]) for order in theatre.until_orders("lease")] == [("grant", "supervisor")]
 
 
 def test_why_it_does_not_move_is_one_sentence(look: Look, theatre: Theatre) -> None:
@@ -308,7 +308,8 @@ def test_leaving_the_screen_ends_driving(look: Look, theatre: Theatre) -> None:
     open_drive(page)
     page.get_by_test_id("nav-fleet").click()
     expect(page.get_by_test_id("fleet-row-weeder-07")).to_be_visible()
-    assert "drive_close" in [order["action"] for order in theatre.orders("commands")]
+    closed = "fetch('/stage-heard').then(r => r.json()).then(h => h.orders.some(o => o.action === 'drive_close'))"
+    page.wait_for_function(closed)
 
 
 def test_control_is_kept_alive_on_every_screen(look: Look, theatre: Theatre) -> None:

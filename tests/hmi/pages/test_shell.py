@@ -169,7 +169,7 @@ def test_admin_accepts_a_new_robot_with_an_address_from_the_registry(look: Look,
     page.locator("input[name=http_url]").fill("http://10.0.0.19:8090")
     page.get_by_role("button", name="Add robot").click()
     expect(page.locator("input[name=id]")).to_have_value("")
-    [order] = [order for order in theatre.orders("robots") if order["method"] == "POST"]
+    [order] = [order for order in theatre.until_orders("robots") if order["method"] == "POST"]
     assert (order["id"], order["http_url"]) == ("planter-09", "http://10.0.0.19:8090")
 
 
