@@ -75,7 +75,7 @@
         merge: () => this.merge(),
         commit: (label, changes) => this.commit(label, changes),
         select: (ids) => this.select(ids),
-        fit: (ids) => this.editor?.fit(ids),
+        fit: (ids) => this.surface.fit(ids),
         copy: () => this.copy(),
         remove: () => this.remove(),
         nudge: (x, y) => this.editor?.nudge(x, y),

@@ -26,6 +26,12 @@
       this.isReadOnly = null;
     }
 
+    // looks at some features; they stay in view when drawing begins
+    fit(ids) {
+      this.focus = ids;
+      this.editor?.fit(ids);
+    }
+
     // shows what on.features() gives; a later call wins over an earlier one that is still loading
     async show(isReadOnly) {
       if (this.isReadOnly === isReadOnly) return this.editor?.setFeatures(this.on.features());
@@ -45,8 +51,9 @@
         await editor.start();
         if (turn !== this.turn) return editor.destroy();
         this.editor = editor;
-        editor.setFeatures(this.on.features());
-        editor.fit();
+        const features = this.on.features();
+        editor.setFeatures(features);
+        editor.fit(this.focus ?? HL.maps.mainSite(features));
         this.on.onReady();
       } catch (error) {
         console.error("map builder:", error);
