@@ -214,7 +214,7 @@ def _entry(entry: MissionLogEntry) -> dict[str, Any]:
 
 
 def _field(feature: Feature) -> dict[str, Any]:
-    return {"id": feature.id, "name": feature.name, "properties": feature.properties, "geometry": feature.geometry}
+    return {"id": feature.id, "name": feature.title, "properties": feature.properties, "geometry": feature.geometry}
 
 
 def _order(body: PlanBody) -> PlanOrder:

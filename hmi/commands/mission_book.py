@@ -210,9 +210,9 @@ class MissionBook:
         origin = (sheet.datum_lon_deg, sheet.datum_lat_deg) if sheet else home or place
         return PlanWish(
             mission_id=mission_id,
-            name=order.name or f"{field.name[:60]}, {order.width_m:g} m",
+            name=order.name or f"{field.title[:60]}, {order.width_m:g} m",
             robot_id=order.robot_id,
-            field_name=field.name,
+            field_name=field.title,
             parcel=field.geometry,
             width_m=order.width_m,
             datum_lat_deg=round(origin[1], 7),

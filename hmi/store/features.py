@@ -26,6 +26,11 @@ class Feature:
     properties: dict[str, Any] = field(default_factory=dict)
     map_version: int = 1
 
+    @property
+    def title(self) -> str:
+        """Return the name, or what to call a feature that nobody named."""
+        return self.name or f"Unnamed {self.kind}"
+
 
 class Features:
     """The map features of every farm. Blocking; call through ``Database.run``."""
