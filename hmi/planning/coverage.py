@@ -24,8 +24,10 @@ from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import GENTLE_RAD, Figures, Leg, LegKind, Plan, headings, turn_between
 from hmi.planning.projection import Floats
 from hmi.planning.swaths import Swath
+from hmi.planning.tour import by_part, tour
 
 _GAP_M = 0.04
+_GRID_M = 1e-4  # without a grid, a union of many strips with common edges loses some of them
 _TOLD_MISSED = 0.04  # a share of the field; sharp corners of small fields cost that much
 _LONG_WAY_M = 10.0  # ways longer than this are driven at transit speed
 
@@ -58,11 +60,12 @@ class _Course:
         self.notes: list[str] = []
         self.row = 0
         self.laps: list[Lap] = []
+        self.waiting = headlands.laps(ground, division)
         self.done: list[Swath] = []
 
     def run(self, field: BaseGeometry, inner: BaseGeometry, angle: float) -> Plan:
         """Make the plan."""
-        self._rows()
+        self._rows(inner)
         self._headland()
         if self.job.home is not None:
             self._home()
@@ -75,16 +78,15 @@ class _Course:
 
     # rows
 
-    def _rows(self) -> None:
-        waiting = [cell for cell in self.cells if cell]
-        place = self.job.home
-        while waiting:
-            cell, order = _nearest_cell(waiting, place)
-            waiting.remove(cell)
-            for swath in order:
-                self._row(swath)
-            if self.legs:
-                place = (float(self.legs[-1].points[-1][0]), float(self.legs[-1].points[-1][1]))
+    def _rows(self, inner: BaseGeometry) -> None:
+        groups = by_part([cell for cell in self.cells if cell], self.ground.turning)
+        driven = [row for group in groups for cell in tour(group, inner, self.job.home) for row in cell]
+        around = headlands.after_rows(
+            [lap for lap in self.waiting if lap.is_inner], driven, self.division, self.job.width_m
+        )
+        for number, swath in enumerate(driven):
+            self._row(swath)
+            self._laps(around.get(number, []))
         if self.row == 0:
             raise PlanRefused("no_way", "No row of this field can be reached.", "field_id")
         left_out = sum(len(cell) for cell in self.cells) - self.row
@@ -107,18 +109,19 @@ class _Course:
     # headland
 
     def _headland(self) -> None:
-        waiting = headlands.laps(self.ground, self.division)
-        missed = 0
-        while waiting:
-            here = self._pose()
-            waiting.sort(key=lambda lap: shapely.distance(shapely.LineString(lap.points), shapely.Point(here[:2])))
-            lap = waiting.pop(0)
+        self._laps(list(self.waiting))
+        if self.waiting:
+            self.notes.append(f"{len(self.waiting)} headland laps cannot be reached and are left out.")
+
+    def _laps(self, wanted: list[Lap]) -> None:
+        """Drive laps, the nearest first; those that cannot be reached from here stay waiting."""
+        while wanted and self.legs:
+            here = shapely.Point(self._pose()[:2])
+            lap = min(wanted, key=lambda lap: shapely.distance(shapely.LineString(lap.points), here))
+            wanted = [other for other in wanted if other is not lap]
             if self._lap(lap):
                 self.laps.append(lap)
-            else:
-                missed += 1
-        if missed:
-            self.notes.append(f"{missed} headland laps cannot be reached and are left out.")
+                self.waiting = [other for other in self.waiting if other is not lap]
 
     def _lap(self, lap: Lap) -> bool:
         here = self._pose()
@@ -183,14 +186,9 @@ class _Course:
     def _figures(self, legs: list[Leg], field: BaseGeometry, inner: BaseGeometry, angle: float) -> Figures:
         work = effort(legs, self.job.machine)
         width = self.job.width_m
-        strips = rows_of.strips(self.done, width)
-        by_rows = shapely.union_all(strips)
-        by_laps = headlands.worked(self.laps, width)
-        covered = shapely.union(by_rows, by_laps).intersection(field)
-        treated = (
-            sum(s.area for s in strips) + sum(shapely.length(shapely.LineString(a.points)) for a in self.laps) * width
-        )
-        outside = shapely.union(by_rows, by_laps).area - covered.area
+        strips = [*rows_of.strips(self.done, width), *headlands.strips(self.laps, width)]
+        worked = shapely.union_all(strips, grid_size=_GRID_M)
+        covered = shapely.intersection(worked, field)
         return Figures(
             length_m=work.length_m,
             working_length_m=work.working_length_m,
@@ -201,7 +199,7 @@ class _Course:
             pivots=work.pivots,
             area_m2=float(field.area),
             covered_m2=float(covered.area),
-            overlap_m2=max(0.0, float(treated - covered.area - outside)),
+            overlap_m2=max(0.0, float(shapely.area(strips).sum() - worked.area)),
             inner_m2=float(inner.area),
             inner_covered_m2=float(covered.intersection(inner).area),
             energy_j=work.energy_j,
@@ -209,26 +207,6 @@ class _Course:
             angle_rad=angle % math.pi,
             headland_passes=len(self.division.offsets_m),
         )
-
-
-def _nearest_cell(cells: list[list[Swath]], place: tuple[float, float] | None) -> tuple[list[Swath], list[Swath]]:
-    """Return the cell whose corner is nearest and its rows in driving order, every other one reversed."""
-    options = [
-        (cell, _driven(cell, is_upward=up, is_forward=forward))
-        for cell in cells
-        for up in (True, False)
-        for forward in (True, False)
-    ]
-    if place is None:
-        return options[0]
-    return min(options, key=lambda option: math.dist(option[1][0].a, place))
-
-
-def _driven(cell: list[Swath], *, is_upward: bool, is_forward: bool) -> list[Swath]:
-    ordered = cell if is_upward else cell[::-1]
-    return [
-        swath if (k % 2 == 0) == is_forward else replace(swath, a=swath.b, b=swath.a) for k, swath in enumerate(ordered)
-    ]
 
 
 def _entry_cost(here: Pose, lap: Floats) -> float:

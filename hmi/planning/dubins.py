@@ -48,18 +48,18 @@ class DubinsPath:
 
     def sample(self, step_m: float, step_rad: float = math.radians(8)) -> Floats:
         """Return (N, 3) poses no further apart than ``step_m``, on arcs no more than ``step_rad`` apart."""
-        poses = [self.start]
         x, y, heading = 0.0, 0.0, self.start[2]
+        pieces = [np.array([[x, y, heading]])]
         for kind, part in zip(self.word, self.parts, strict=True):
             if part <= 1e-9:
                 continue
             span = part * self.radius_m / step_m
             count = max(1, math.ceil(max(span, part / step_rad) if kind != "S" else span))
-            for k in range(1, count + 1):
-                px, py, ph = _advance(kind, x, y, heading, part * k / count)
-                poses.append((self.start[0] + px * self.radius_m, self.start[1] + py * self.radius_m, ph))
+            pieces.append(_along(kind, x, y, heading, part * np.arange(1, count + 1) / count))
             x, y, heading = _advance(kind, x, y, heading, part)
-        return np.array(poses, dtype=np.float64)
+        poses = np.concatenate(pieces)
+        poses[:, :2] = poses[:, :2] * self.radius_m + np.array(self.start[:2])
+        return poses
 
 
 def shortest(start: Pose, end: Pose, radius_m: float) -> DubinsPath:
@@ -127,3 +127,14 @@ def _advance(kind: str, x: float, y: float, heading: float, part: float) -> Pose
         return x + math.sin(turned) - math.sin(heading), y - math.cos(turned) + math.cos(heading), turned
     turned = heading - part
     return x - math.sin(turned) + math.sin(heading), y + math.cos(turned) - math.cos(heading), turned
+
+
+def _along(kind: str, x: float, y: float, heading: float, parts: Floats) -> Floats:
+    """Return the (N, 3) poses of ``_advance`` for N lengths of one piece."""
+    if kind == "S":
+        return np.column_stack([x + parts * math.cos(heading), y + parts * math.sin(heading), parts * 0 + heading])
+    sign = 1.0 if kind == "L" else -1.0
+    turned = heading + sign * parts
+    east = x + sign * (np.sin(turned) - math.sin(heading))
+    north = y - sign * (np.cos(turned) - math.cos(heading))
+    return np.column_stack([east, north, turned])

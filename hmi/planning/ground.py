@@ -6,8 +6,6 @@ any heading. Outside ``turning`` the outline itself is tested, pose by pose.
 
 from __future__ import annotations
 
-import heapq
-import math
 from functools import cached_property
 
 import numpy as np
@@ -19,9 +17,9 @@ from shapely.geometry.polygon import orient
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import poses_along
 from hmi.planning.projection import Floats
+from hmi.planning.ways import Ways
 
 CHECK_STEP_M = 0.2  # outlines tested this far apart; between two of them a corner moves less than the margin
-CROP_COST = 8.0  # a metre across standing rows costs as much as nine along the headland
 _TOUCH_M = 1e-4  # a row end lies exactly on the border of the turning ground; rounding must not put it outside
 
 
@@ -61,21 +59,23 @@ class Ground:
         """Say whether the machine fits there at any heading."""
         return bool(shapely.covers(self._free, Point(xy)))
 
-    def fits(self, points: Floats) -> bool:
-        """Say whether the outline stays on the ground along a polyline."""
+    def may_be_at(self, xy: tuple[float, float]) -> bool:
+        """Say quickly whether there may be a heading at which the machine fits there."""
+        return bool(shapely.covers(self._drivable, Point(xy)))
+
+    def fits(self, points: Floats, *, is_crop_free: bool = False) -> bool:
+        """Say whether the outline stays on the ground along a polyline, and the polyline off the standing rows."""
         if len(points) < 2:
             return True
-        line = LineString(points)
-        if shapely.covers(self._free, line):
-            return True
+        line = shapely.linestrings(points)
         if not shapely.covers(self._drivable, line):
             return False
+        if is_crop_free and shapely.intersects(self.crop, line):
+            return False
+        if shapely.covers(self._free, line):
+            return True
         outlines = self.machine.outline_polygons(poses_along(points, CHECK_STEP_M))
         return bool(shapely.covers(self._kept, outlines).all())
-
-    def spares_crop(self, points: Floats) -> bool:
-        """Say whether a polyline keeps out of the standing rows."""
-        return not shapely.intersects(self.crop, LineString(points))
 
     def outside_m(self, points: Floats, step_m: float = CHECK_STEP_M) -> float:
         """Return how many metres of a polyline the outline is partly off the ground."""
@@ -89,22 +89,18 @@ class Ground:
 
         Cheap is short and off the standing rows; corners are where the machine turns.
         """
+        ends = np.array([start, goal])
+        line = shapely.linestrings(ends)
+        if shapely.covers(self._free, line) and not shapely.intersects(self.crop, line):
+            return ends
         if not (self.can_turn_at(start) and self.can_turn_at(goal)):
             return None
-        nodes = np.vstack([self._corners, [start, goal]])
-        n = len(nodes)
-        links = [[*row] for row in self._links]
-        links += [[], []]
-        for i in (n - 2, n - 1):
-            costs = self._costs(np.broadcast_to(nodes[i], (n, 2)), nodes)
-            for j in np.flatnonzero(np.isfinite(costs)):
-                if j != i:
-                    links[i].append((int(j), float(costs[j])))
-                    links[j].append((i, float(costs[j])))
-        order = _cheapest(links, n - 2, n - 1)
-        return None if order is None else nodes[order]
+        return self._ways.cheapest(ends)
 
     @cached_property
+    def _ways(self) -> Ways:
+        return Ways(self._free, self.crop, self._corners())
+
     def _corners(self) -> Floats:
         """Points where a shortest way may bend: a little inside the turning ground, and around the crop."""
         slack = 0.45 * self.machine.turning_radius_m  # room to round a right angle without leaving the ground
@@ -118,32 +114,6 @@ class Ground:
         inside = shapely.covers(self._free, shapely.points(corners))
         return np.asarray(corners[inside], dtype=np.float64)
 
-    @cached_property
-    def _links(self) -> list[list[tuple[int, float]]]:
-        corners = self._corners
-        n = len(corners)
-        links: list[list[tuple[int, float]]] = [[] for _ in range(n)]
-        if n < 2:
-            return links
-        i, j = np.triu_indices(n, 1)
-        costs = self._costs(corners[i], corners[j])
-        for k in np.flatnonzero(np.isfinite(costs)):
-            links[i[k]].append((int(j[k]), float(costs[k])))
-            links[j[k]].append((int(i[k]), float(costs[k])))
-        return links
-
-    def _costs(self, a: Floats, b: Floats) -> Floats:
-        """Return the cost of straight ways from a to b, (N, 2) each; infinite where they leave the ground."""
-        lines = shapely.linestrings(np.stack([a, b], axis=1))
-        lengths = shapely.length(lines)
-        costs = np.full(len(lengths), math.inf)
-        seen = np.flatnonzero(shapely.covers(self._free, lines))
-        across = np.zeros(len(seen))
-        hit = shapely.intersects(self.crop, lines[seen])
-        across[hit] = shapely.length(shapely.intersection(lines[seen][hit], self.crop))
-        costs[seen] = lengths[seen] + CROP_COST * across
-        return costs
-
 
 def _bends(area: Polygon, *, outward: bool = False) -> list[tuple[float, float]]:
     """Return the corners of a polygon around which a way inside it (or outside, ``outward``) may bend."""
@@ -155,25 +125,3 @@ def _bends(area: Polygon, *, outward: bool = False) -> list[tuple[float, float]]
         cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
         corners += [(float(x), float(y)) for x, y in points[cross > 0 if outward else cross < 0]]
     return corners
-
-
-def _cheapest(links: list[list[tuple[int, float]]], start: int, goal: int) -> list[int] | None:
-    """Dijkstra over adjacency lists; return node numbers from start to goal."""
-    best = {start: 0.0}
-    came: dict[int, int] = {}
-    queue = [(0.0, start)]
-    while queue:
-        cost, node = heapq.heappop(queue)
-        if node == goal:
-            order = [goal]
-            while order[-1] != start:
-                order.append(came[order[-1]])
-            return order[::-1]
-        if cost > best[node]:
-            continue
-        for other, step in links[node]:
-            total = cost + step
-            if total < best.get(other, math.inf):
-                best[other], came[other] = total, node
-                heapq.heappush(queue, (total, other))
-    return None

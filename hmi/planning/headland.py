@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from shapely.geometry import LinearRing, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from hmi.planning.ground import Ground, polygons_of
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import GENTLE_RAD, headings
 from hmi.planning.projection import Floats
+from hmi.planning.swaths import Swath
 
 _ARC_STEPS = 12  # per quarter circle: 7.5 degrees a piece
 _MOST_PLACES = 12  # of a lap where joining it is tried
@@ -21,10 +24,14 @@ _LONG_M = 25.0  # pieces longer than this are joined near their ends too
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lap:
-    """A closed lap; first and last of the (N, 2) ``points`` are the same. ``offset_m`` from the border."""
+    """A closed lap; first and last of the (N, 2) ``points`` are the same. ``offset_m`` from the border.
+
+    ``is_inner``: it goes around a hole, not around the field.
+    """
 
     points: Floats
     offset_m: float
+    is_inner: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,10 +80,42 @@ def laps(ground: Ground, headland: Headland) -> list[Lap]:
         # one part at a time: parts that meet when grown again would make a lap with a cusp
         for part in polygons_of(room):
             for polygon in polygons_of(part.buffer(radius, quad_segs=_ARC_STEPS)):
-                for ring in (polygon.exterior, *polygon.interiors):
+                for number, ring in enumerate(_wide(polygon, radius - offset, radius)):
                     points = _clean(shapely.get_coordinates(ring))
                     if len(points) >= 4 and _is_smooth(points) and ground.outside_m(points) == 0.0:
-                        found.append(Lap(points, offset))
+                        found.append(Lap(points, offset, is_inner=number > 0))
+    return found
+
+
+def _wide(polygon: Polygon, lacking_m: float, radius_m: float) -> list[LinearRing]:
+    """Return the rings of a lap's ground, the outer one first, bent no tighter than the turning radius.
+
+    Around a corner that juts in, a lap bends with its distance from the border; ``lacking_m`` is what that lacks.
+    Around a hole the lap is laid so much wider; the outer one cuts such corners, on the machine's inner side.
+    """
+    if lacking_m <= 0:
+        return [polygon.exterior, *polygon.interiors]
+    outer = polygons_of(
+        Polygon(polygon.exterior).buffer(radius_m, quad_segs=_ARC_STEPS).buffer(-radius_m, quad_segs=_ARC_STEPS)
+    )
+    holes = [Polygon(ring).buffer(lacking_m, quad_segs=_ARC_STEPS) for ring in polygon.interiors]
+    return [outer[0].exterior if outer else polygon.exterior, *(hole.exterior for hole in holes)]
+
+
+def after_rows(
+    laps_around: Sequence[Lap], rows: Sequence[Swath], headland: Headland, width_m: float
+) -> dict[int, list[Lap]]:
+    """Return for each row the laps to drive after it: each lap when the last row that ends at it is done.
+
+    The headland of a hole has no way to the others but across the crop; this saves coming back to it.
+    """
+    found: dict[int, list[Lap]] = {}
+    ends = shapely.points([row.b for row in rows])
+    for lap in laps_around:
+        ring = shapely.LineString(lap.points)
+        near = np.flatnonzero(shapely.distance(ends, ring) <= headland.depth_m - lap.offset_m + width_m)
+        if len(near):
+            found.setdefault(int(near[-1]), []).append(lap)
     return found
 
 
@@ -96,12 +135,10 @@ def _from(lap: Lap, edge: int, share: float, *, is_forward: bool) -> Floats:
     return points if is_forward else points[::-1].copy()
 
 
-def worked(all_laps: list[Lap], width_m: float) -> BaseGeometry:
-    """Return the ground the laps treat."""
-    if not all_laps:
-        return shapely.MultiPolygon()
-    rings = [shapely.LineString(lap.points) for lap in all_laps]
-    return shapely.union_all(shapely.buffer(rings, width_m / 2, quad_segs=_ARC_STEPS))
+def strips(all_laps: list[Lap], width_m: float) -> list[BaseGeometry]:
+    """Return the ground each lap treats."""
+    lines = [shapely.LineString(lap.points) for lap in all_laps]
+    return list(shapely.buffer(lines, width_m / 2, quad_segs=_ARC_STEPS, cap_style="flat"))
 
 
 def _is_smooth(points: Floats) -> bool:

@@ -8,12 +8,13 @@ and, for machines that can, the cheapest way with turns on the spot.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
 
 from hmi.planning import dubins
-from hmi.planning.dubins import Pose
+from hmi.planning.dubins import DubinsPath, Pose
 from hmi.planning.ground import Ground
 from hmi.planning.plan import GENTLE_RAD, headings
 from hmi.planning.projection import Floats
@@ -56,11 +57,11 @@ class Linker:
         return self.ground.can_turn_at(pose[:2]) or bool(self._swings(pose, is_joining=False))
 
     def _dubins(self, start: Pose, end: Pose, *, is_crop_free: bool = True) -> Floats | None:
-        for path in dubins.candidates(start, end, self._radius):
+        for path in self._hopeful(start, end):
             points = _distinct(path.sample(2.0)[:, :2])
             if len(points) < 2:
                 continue
-            if (not is_crop_free or self.ground.spares_crop(points)) and self.ground.fits(points):
+            if self.ground.fits(points, is_crop_free=is_crop_free):
                 return points
         return None
 
@@ -75,11 +76,18 @@ class Linker:
         out, back = max(ahead, 0.0), max(-ahead, 0.0)
         from_pose = (start[0] + out * ux, start[1] + out * uy, start[2])
         to_pose = (end[0] + back * ux, end[1] + back * uy, end[2])
-        for path in dubins.candidates(from_pose, to_pose, self._radius):
+        for path in self._hopeful(from_pose, to_pose):
             points = _distinct(np.vstack([start[:2], path.sample(2.0)[:, :2], end[:2]]))
-            if self.ground.spares_crop(points) and self.ground.fits(points):
+            if self.ground.fits(points, is_crop_free=True):
                 return points
         return None
+
+    def _hopeful(self, start: Pose, end: Pose) -> Iterator[DubinsPath]:
+        """Yield the Dubins paths, shortest first, whose middle is on the ground: of a turn that is the far end."""
+        for path in dubins.candidates(start, end, self._radius):
+            x, y, _ = path.at(path.length_m / 2)
+            if self.ground.may_be_at((x, y)):
+                yield path
 
     def _rounded(self, start: Pose, way: Floats, end: Pose) -> Floats | None:
         """Follow a way without stopping: Dubins paths between the middles of its pieces."""

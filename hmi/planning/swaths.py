@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely import affinity
 from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
@@ -17,7 +18,13 @@ from shapely.geometry.base import BaseGeometry
 from hmi.planning.ground import polygons_of
 from hmi.planning.projection import Floats
 
+Geometries = NDArray[np.object_]
+
 MIN_ROW_M = 1.0  # shorter rows cost a turn and treat nothing that the headland would not
+_SKIP = 0.02  # share of a row distance left at each edge of a row: two centimetres must not cost a row
+_BLUNT = 0.25  # share of a row distance not followed into the tips of slanted ends
+_CHOOSE_UP_TO = 600  # rows; with more, where they lie makes no difference
+_MOST_CHOICES = 8
 _SAMPLE_LINES = 60  # lines tried per angle in the search: enough to rank angles, independent of the width
 
 
@@ -52,28 +59,81 @@ def lay_rows(inner: BaseGeometry, room: BaseGeometry, angle_rad: float, width_m:
     """
     turned = affinity.rotate(inner, -angle_rad, origin=(0, 0), use_radians=True)
     turned_room = affinity.rotate(room, -angle_rad, origin=(0, 0), use_radians=True)
-    levels = _levels(turned, width_m)
-    spans = _spans(turned, levels)
-    sides = _spans(turned, np.append(levels - width_m / 2, levels[-1] + width_m / 2))
+    options = [(levels, _needed(turned, levels, width_m)) for levels in _choices(turned, width_m)]
+    levels, needed = min(options, key=lambda option: _cost(option[1], width_m))
     rooms = _spans(turned_room, levels)
-    grown = [
-        [row for span in spans[k] if (row := _grow(span, spans[k], [*sides[k], *sides[k + 1]], rooms[k], width_m))]
-        for k in range(len(levels))
-    ]
+    rows = [[row for span in needed[k] for row in _fitted(span, rooms[k])] for k in range(len(levels))]
     cos, sin = math.cos(angle_rad), math.sin(angle_rad)
 
     def back(x: float, y: float) -> tuple[float, float]:
         return x * cos - y * sin, x * sin + y * cos
 
-    return [[Swath(k, back(x0, levels[k]), back(x1, levels[k])) for k, (x0, x1) in cell] for cell in _cells(grown)]
+    return [[Swath(k, back(x0, levels[k]), back(x1, levels[k])) for k, (x0, x1) in cell] for cell in _cells(rows)]
 
 
 def _levels(turned: BaseGeometry, width_m: float) -> Floats:
     """Return the y of each row, spread so that what does not divide evenly laps into both headlands."""
     _, low, _, high = turned.bounds
-    count = max(1, math.ceil((high - low) / width_m - 1e-6))
+    count = max(1, math.ceil((high - low) / width_m - 2 * _SKIP))
     first = (low + high) / 2 - (count - 1) * width_m / 2
     return np.asarray(first + width_m * np.arange(count), dtype=np.float64)
+
+
+def _choices(turned: BaseGeometry, width_m: float) -> list[Floats]:
+    """Return ways to place the rows: spread evenly, or with the edge of a row on a corner of the area.
+
+    A step in the outline then costs no row that is mostly outside.
+    """
+    even = _levels(turned, width_m)
+    _, low, _, high = turned.bounds
+    slack = len(even) * width_m - (high - low)
+    if slack <= 0 or len(even) > _CHOOSE_UP_TO:
+        return [even]
+    corners = np.unique(np.round(shapely.get_coordinates(turned)[:, 1], 3))
+    below = np.unique(np.round(np.mod(low - corners, width_m), 2))  # how far below the area the first row begins
+    fitting = below[below <= slack][:_MOST_CHOICES]
+    return [even, *(even + (slack / 2 - shift) for shift in fitting)]
+
+
+def _needed(turned: BaseGeometry, levels: Floats, width_m: float) -> list[list[tuple[float, float]]]:
+    """Return for each row the intervals of x in which its strip meets the area, left to right."""
+    left, _, right, _ = turned.bounds
+
+    def strips(skip: float) -> Geometries:
+        half = width_m * (0.5 - skip)
+        return np.asarray(shapely.box(left - 1, levels - half, right + 1, levels + half))
+
+    parts, owner = shapely.get_parts(shapely.intersection(strips(_SKIP), turned), return_index=True)
+    bounds = shapely.bounds(parts)
+    # the tips of slanted ends are long and treat next to nothing
+    blunt = shapely.bounds(shapely.intersection(parts, strips(_BLUNT)[owner]))
+    bounds = np.where(np.isfinite(blunt), blunt, bounds)
+    worth = shapely.area(parts) > _SKIP * width_m * (bounds[:, 2] - bounds[:, 0])
+    intervals: list[list[tuple[float, float]]] = [[] for _ in levels]
+    for k, (x0, _, x1, _) in zip(owner[worth], bounds[worth], strict=True):
+        intervals[k].append((float(x0), float(x1)))
+    return [_merged(line) for line in intervals]
+
+
+def _merged(intervals: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    merged: list[tuple[float, float]] = []
+    for x0, x1 in sorted(intervals):
+        if merged and x0 < merged[-1][1]:
+            merged[-1] = (merged[-1][0], max(x1, merged[-1][1]))
+        else:
+            merged.append((x0, x1))
+    return merged
+
+
+def _cost(needed: list[list[tuple[float, float]]], width_m: float) -> float:
+    """Return metres driven for a placement, a turn counted as two row distances and a machine's length."""
+    return sum(x1 - x0 + 2 * width_m + 3.0 for line in needed for x0, x1 in line)
+
+
+def _fitted(needed: tuple[float, float], rooms: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Return the parts of a row for which there is room and which are long enough to be worth a turn."""
+    found = [(max(needed[0], r0), min(needed[1], r1)) for r0, r1 in rooms]
+    return [(x0, x1) for x0, x1 in found if x1 - x0 >= MIN_ROW_M]
 
 
 def _spans(turned: BaseGeometry, levels: Floats) -> list[list[tuple[float, float]]]:
@@ -82,40 +142,12 @@ def _spans(turned: BaseGeometry, levels: Floats) -> list[list[tuple[float, float
     ends = np.empty((len(levels), 2, 2))
     ends[:, 0, 0], ends[:, 1, 0] = left - 1, right + 1
     ends[:, :, 1] = levels[:, None]
-    shapely.prepare(turned)
     parts, owner = shapely.get_parts(shapely.intersection(shapely.linestrings(ends), turned), return_index=True)
     spans: list[list[tuple[float, float]]] = [[] for _ in levels]
-    bounds = shapely.bounds(parts)
-    for k, (x0, _, x1, _) in zip(owner, bounds, strict=True):
+    for k, (x0, _, x1, _) in zip(owner, shapely.bounds(parts), strict=True):
         if x1 - x0 > 1e-6:
             spans[k].append((float(x0), float(x1)))
     return [sorted(row) for row in spans]
-
-
-def _grow(
-    span: tuple[float, float],
-    siblings: list[tuple[float, float]],
-    sides: list[tuple[float, float]],
-    rooms: list[tuple[float, float]],
-    width_m: float,
-) -> tuple[float, float] | None:
-    """Lengthen a row until its full width covers a slanted edge, as far as there is room."""
-    x0, x1 = span
-    if x1 - x0 < MIN_ROW_M:
-        return None
-    touching = [s for s in sides if s[0] < x1 and s[1] > x0]
-    low = max(x0 - 1.5 * width_m, min([x0, *(s[0] for s in touching)]))
-    high = min(x1 + 1.5 * width_m, max([x1, *(s[1] for s in touching)]))
-    low = max([low, *((s[1] + x0) / 2 for s in siblings if s[1] < x0)])
-    high = min([high, *((s[0] + x1) / 2 for s in siblings if s[0] > x1)])
-    middle = (x0 + x1) / 2
-    for r0, r1 in rooms:
-        if r0 <= middle <= r1:
-            low, high = max(low, min(r0, x0)), min(high, max(r1, x1))
-            break
-    else:
-        return span
-    return low, high
 
 
 def _cells(rows: list[list[tuple[float, float]]]) -> list[list[tuple[int, tuple[float, float]]]]:
