@@ -1,0 +1,155 @@
+// Drawing: the corners set so far, the one under the finger, and how a shape is finished.
+
+import { penGuides, snapped, SNAP_PX } from './snap.js';
+import { REACH_PX } from './handles.js';
+import { measureText, pathM, lengthText } from './words.js';
+
+/** What each tool draws. Tools without a kind ask the server for an operation, or only measure. */
+export const PENS = {
+  parcel: { shape: 'area', kind: 'parcel', word: 'parcel' },
+  obstacle: { shape: 'area', kind: 'obstacle', word: 'obstacle' },
+  building: { shape: 'area', kind: 'building', word: 'building' },
+  'no-go': { shape: 'area', kind: 'no-go', word: 'keep-out zone' },
+  hole: { shape: 'area', word: 'hole' },
+  road: { shape: 'line', kind: 'road', word: 'road', own: { width_m: 4 } },
+  rows: { shape: 'line', kind: 'rows', word: 'row line' },
+  split: { shape: 'line', word: 'cut' },
+  measure: { shape: 'line', word: 'measure' },
+  home: { shape: 'point', kind: 'home', word: 'home', own: { type: 'home' } },
+};
+
+const LEAST = { area: 3, line: 2, point: 1 };
+const DOUBLE_TAP_MS = 350;
+
+export class Pen {
+  /** core: {draft, surface, isSnapping, repaint(), notice(text), measured(text), drawn(tool, points)}. */
+  constructor(core, tool) {
+    this.core = core;
+    this.tool = tool;
+    Object.assign(this, { shape: PENS[tool].shape, word: PENS[tool].word });
+    this.clear();
+  }
+
+  clear() {
+    this.points = [];
+    this.finished = null; // a measure stays to be read until the next one begins
+    this.lastTap = null;
+    this.lift();
+  }
+
+  get isDrawing() {
+    return this.points.length > 0;
+  }
+
+  /** Show where a tap would set the next corner. */
+  hover(at, { isTouch = false } = {}) {
+    const found = this.#aim(at);
+    const tip = this.#tipOf(found);
+    this.next = { ...found, tip, finger: isTouch ? at : null };
+    this.#measured([...this.points, found.position]);
+    this.core.repaint();
+  }
+
+  #tipOf(found) {
+    if (found.isClosing) return [this.tool === 'measure' ? 'Tap to measure the area' : 'Tap to close'];
+    if (!found.text) return [];
+    return this.points.length ? [lengthText(pathM([this.points.at(-1), found.position])), `snapped ${found.text}`] : [`snapped ${found.text}`];
+  }
+
+  lift() {
+    this.next = null;
+    this.core.repaint();
+  }
+
+  #aim(at) {
+    const { surface, draft, isSnapping } = this.core;
+    if (this.#isOnFirst(at)) return { position: this.points[0], text: '', lines: [], isClosing: true };
+    const position = surface.toLonLat(at);
+    if (!isSnapping) return { position, text: '', lines: [] };
+    return snapped(position, { draft, skip: new Set(), guides: penGuides(this.points), reachM: SNAP_PX * surface.camera.metresPerPx });
+  }
+
+  #isOnFirst(at) {
+    const canClose = this.shape === 'area' || this.tool === 'measure';
+    return canClose && this.points.length >= 3 && this.#isNear(at, this.points[0]);
+  }
+
+  #isNear(at, position) {
+    const [x, y] = this.core.surface.toPx(position);
+    return Math.hypot(x - at[0], y - at[1]) <= REACH_PX;
+  }
+
+  /** Set a corner; the first corner again, or a double tap, finishes. */
+  place(at, time) {
+    const { lastTap } = this;
+    this.lastTap = { at, time };
+    const isDouble = lastTap && time - lastTap.time < DOUBLE_TAP_MS && Math.hypot(at[0] - lastTap.at[0], at[1] - lastTap.at[1]) < REACH_PX;
+    if (isDouble && this.points.length >= LEAST[this.shape]) {
+      this.finish();
+      return;
+    }
+    const found = this.#aim(at);
+    if (found.isClosing) {
+      this.finish({ isClosed: true });
+      return;
+    }
+    this.finished = null;
+    if (!isDouble) this.points = [...this.points, found.position];
+    this.lift();
+    this.#measured(this.points);
+    if (this.shape === 'point') this.finish();
+  }
+
+  #measured(points) {
+    if (points.length > 1) this.core.measured(measureText(points, this.shape === 'area'));
+  }
+
+  /** Take the last corner back; false when there is none. */
+  undo() {
+    if (!this.isDrawing) return false;
+    this.points = this.points.slice(0, -1);
+    this.lastTap = null;
+    this.lift();
+    this.#measured(this.points);
+    return true;
+  }
+
+  /** Give the shape away and be ready for the next one. */
+  finish({ isClosed = false } = {}) {
+    const { points, shape, word } = this;
+    if (points.length < LEAST[shape]) {
+      const more = { area: 'three corners', line: 'two points' }[shape];
+      if (points.length) this.core.notice(`A ${word} needs ${more}.`);
+      return;
+    }
+    this.clear();
+    if (this.tool === 'measure') {
+      this.finished = { points, isClosed };
+      this.core.measured(isClosed ? measureText([...points, points[0]], true) : measureText(points, false));
+    } else this.core.drawn(this.tool, points);
+  }
+}
+
+/** A finger on the map while drawing: the corner follows it under the glass and is set when it is lifted. */
+export class PenPress {
+  constructor(pen) {
+    this.pen = pen;
+  }
+
+  move(at) {
+    this.at = at;
+    this.pen.hover(at, { isTouch: true });
+  }
+
+  finish() {
+    this.pen.place(this.at, -Infinity);
+  }
+
+  tap(at, event) {
+    this.pen.place(at, event.timeStamp);
+  }
+
+  cancel() {
+    this.pen.lift();
+  }
+}
