@@ -84,21 +84,22 @@ class Maps:
 
     def published(self, farm_id: str) -> MapVersion:
         """Return the newest version; a map that came without versions becomes the first."""
-        with self._database.write() as session:
-            return _version(self._newest(session, farm_id))
+        self._begin(farm_id)
+        with self._database.read() as session:
+            return _version(_latest(session, farm_id))
 
     def versions(self, farm_id: str) -> list[MapVersion]:
         """Return all versions, newest first."""
-        with self._database.write() as session:
-            self._newest(session, farm_id)
+        self._begin(farm_id)
+        with self._database.read() as session:
             query = select(MapVersionRow).filter_by(farm_id=farm_id).order_by(MapVersionRow.number.desc())
             return [_version(row) for row in session.scalars(query)]
 
     def features_of(self, farm_id: str, number: int) -> MapFeatures:
         """Return the features of one version; raises ``NotFound``."""
-        with self._database.write() as session:
-            newest = self._newest(session, farm_id)
-            if number == 0 and newest is None:
+        self._begin(farm_id)
+        with self._database.read() as session:
+            if number == 0 and _latest(session, farm_id) is None:
                 return {}
             row = session.get(MapVersionRow, (farm_id, number))
             if row is None:
@@ -217,9 +218,16 @@ class Maps:
         now = self._clock.utc()
         row.saved_at, row.locked_until = now, now + LOCK
 
+    def _begin(self, farm_id: str) -> None:
+        """Make a map that came without versions the first one; looking comes first, for it takes no lock."""
+        with self._database.read() as session:
+            if _latest(session, farm_id) is not None:
+                return
+        with self._database.write() as session:
+            self._newest(session, farm_id)
+
     def _newest(self, session: Session, farm_id: str) -> MapVersionRow | None:
-        query = select(MapVersionRow).filter_by(farm_id=farm_id).order_by(MapVersionRow.number.desc()).limit(1)
-        newest = session.scalar(query)
+        newest = _latest(session, farm_id)
         if newest is not None:
             return newest
         rows = list(session.scalars(select(FeatureRow).filter_by(farm_id=farm_id).order_by(FeatureRow.id)))
@@ -233,6 +241,11 @@ class Maps:
         session.add(first)
         session.flush()
         return first
+
+
+def _latest(session: Session, farm_id: str) -> MapVersionRow | None:
+    query = select(MapVersionRow).filter_by(farm_id=farm_id).order_by(MapVersionRow.number.desc()).limit(1)
+    return session.scalar(query)
 
 
 def _check_lock(row: MapDraftRow, editor_id: str, now: datetime) -> None:

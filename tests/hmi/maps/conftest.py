@@ -21,9 +21,9 @@ from hmi.domain.role import Role
 from hmi.map_files.imported import Imported
 from hmi.map_files.reader import read_map
 from hmi.store.database import Database
-from hmi.store.farms import Farms
 from hmi.store.maps import Maps
-from tests.hmi.missions.rig import FARM, OTHER_FARM, Door, NoTokens, Rig
+from tests.hmi.missions.conftest import migrated as migrated
+from tests.hmi.missions.rig import FARM, Door, NoTokens, Rig
 
 Client = Callable[..., httpx.AsyncClient]
 
@@ -54,18 +54,6 @@ class MapRig(Rig):
         app.include_router(map_routes(self.map_book, self.exchange))
         errors.install(app)
         return httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://console.local")
-
-
-@pytest.fixture(scope="session")
-def migrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a database file with all tables and two farms, to be copied."""
-    path = tmp_path_factory.mktemp("maps") / "headland.db"
-    database = Database(f"sqlite:///{path}")
-    database.migrate()
-    for farm in (FARM, OTHER_FARM):
-        Farms(database, FakeClock()).ensure(farm, farm)
-    database.close()
-    return path
 
 
 @pytest.fixture
