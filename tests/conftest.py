@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
 from hypothesis import Phase, settings
+from playwright.sync_api import Browser, BrowserType
 
 from tests.find_browser import find_browser
 
@@ -36,6 +38,15 @@ def browser_type_launch_args(browser_type_launch_args: dict[str, Any]) -> dict[s
     return {**browser_type_launch_args, **found, "args": [*BROWSER_FLAGS, *SOFTWARE_GL]}
 
 
+@pytest.fixture(scope="session")
+def plain_browser(browser_type: BrowserType, browser_type_launch_args: dict[str, Any]) -> Iterator[Browser]:
+    """A browser without WebGL: the map draws on its canvas, which leaves the processor to the screens."""
+    flags = [flag for flag in browser_type_launch_args.get("args", []) if "gl" not in flag.split("=")[0]]
+    browser = browser_type.launch(**{**browser_type_launch_args, "args": [*flags, "--disable-gpu", "--disable-webgl"]})
+    yield browser
+    browser.close()
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark whatever asks for a page as ``browser``: the two runs of ``make test`` must not mix.
@@ -43,5 +54,5 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     The browser's driver runs an event loop in the main thread, in which no asyncio test can start its own.
     """
     for item in items:
-        if {"page", "browser", "playwright"} & set(getattr(item, "fixturenames", ())):
+        if {"page", "browser", "plain_browser", "playwright"} & set(getattr(item, "fixturenames", ())):
             item.add_marker(pytest.mark.browser)

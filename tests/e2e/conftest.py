@@ -33,12 +33,18 @@ def calm(installation: Installation) -> Iterator[Installation]:
 
 
 @pytest.fixture
-def person(browser: Browser, calm: Installation) -> Iterator[Callable[..., Person]]:
-    """Give people with their own browsers: ``person("operator")``, ``person("viewer", size="portrait")``."""
+def person(request: pytest.FixtureRequest, calm: Installation) -> Iterator[Callable[..., Person]]:
+    """Give people with their own browsers: ``person("operator")``, ``person("viewer", size="portrait")``.
+
+    Their tablets have no WebGL unless ``has_webgl`` is said: drawing it in software takes a core.
+    """
     contexts: list[BrowserContext] = []
 
-    def come(name: str, *, size: str = "landscape", sign_in: bool = True, **options: Any) -> Person:
+    def come(
+        name: str, *, size: str = "landscape", sign_in: bool = True, has_webgl: bool = False, **options: Any
+    ) -> Person:
         width, height = SIZES[size]
+        browser: Browser = request.getfixturevalue("browser" if has_webgl else "plain_browser")
         context = browser.new_context(
             viewport={"width": width, "height": height}, has_touch=size != "desk", base_url=calm.url, **options
         )

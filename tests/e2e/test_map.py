@@ -48,7 +48,7 @@ def draw_parcel(planner: Person) -> str:
 
 
 def test_a_field_is_drawn_undone_redone_published_and_planned_on(person: Come, calm: Installation) -> None:
-    planner = person("planner", size="desk")
+    planner = person("planner", size="desk", has_webgl=True)
     begin(planner)
     new = draw_parcel(planner)
     planner.hook("editor-undo").click()

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, BrowserType, Page, expect
+from playwright.sync_api import Browser, Page, expect
 
 from hmi.pages.bundle import STATIC
 
@@ -82,15 +82,6 @@ def theatre() -> Iterator[Theatre]:
     process.terminate()
     process.wait(timeout=10)
     process.stdout.close()
-
-
-@pytest.fixture(scope="session")
-def plain_browser(browser_type: BrowserType, browser_type_launch_args: dict[str, Any]) -> Iterator[Browser]:
-    """A browser without WebGL: the map draws on its canvas, which leaves the processor to the screens."""
-    flags = [flag for flag in browser_type_launch_args.get("args", []) if "gl" not in flag.split("=")[0]]
-    browser = browser_type.launch(**{**browser_type_launch_args, "args": [*flags, "--disable-gpu", "--disable-webgl"]})
-    yield browser
-    browser.close()
 
 
 @pytest.fixture
