@@ -15,7 +15,8 @@ from tests.components.editor_page import EditorPage, at_m, crowd, feature, ring
 from tests.components.map_server import STATIC, MapServer
 from tests.components.screen_pixels import Pixels, is_close
 
-pytestmark = pytest.mark.browser
+# one by one in `make test-long`; `make test` draws on the real surface in tests/e2e/test_map.py and test_maps.py
+pytestmark = [pytest.mark.browser, pytest.mark.long]
 
 CODE = STATIC / "js" / "editor"
 LANDSCAPE: ViewportSize = {"width": 1280, "height": 800}

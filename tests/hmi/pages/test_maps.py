@@ -138,6 +138,7 @@ def test_an_attribute_is_saved_as_a_change_that_can_be_undone_and_redone(show: S
     expect(page.get_by_test_id("feature-row-bearing-deg")).to_have_value("9.0")
 
 
+@pytest.mark.long
 def test_row_spacing_is_entered_in_centimetres_and_kept_in_metres(show: Show, theatre: Theatre) -> None:
     page = editing(show())
     choose(page, "nordfeld")
@@ -146,6 +147,7 @@ def test_row_spacing_is_entered_in_centimetres_and_kept_in_metres(show: Show, th
     assert heard["draft"]["nordfeld"]["properties"]["row_spacing_m"] == 0.5
 
 
+@pytest.mark.long
 def test_a_value_out_of_bounds_is_refused_with_the_bounds(show: Show, theatre: Theatre) -> None:
     page = editing(show())
     choose(page, "nordfeld")
@@ -191,6 +193,7 @@ def test_a_hole_and_a_cut_are_made_by_the_server(show: Show, theatre: Theatre) -
     assert (asked["op"], asked["features"], asked["args"]) == ("split", ["hangacker"], {"line": line})
 
 
+@pytest.mark.long
 def test_parcels_are_chosen_and_merged(show: Show, theatre: Theatre) -> None:
     page = editing(show())
     page.get_by_test_id("editor-tool-merge").click()
@@ -202,6 +205,7 @@ def test_parcels_are_chosen_and_merged(show: Show, theatre: Theatre) -> None:
     expect(page.get_by_test_id("map-editor")).to_have_attribute("data-features", "7")
 
 
+@pytest.mark.long
 def test_the_chosen_corner_is_moved_by_steps_and_by_numbers(show: Show) -> None:
     page = editing(show())
     choose(page, "nordfeld")
@@ -269,6 +273,7 @@ def test_the_draft_of_another_is_locked_and_a_supervisor_may_take_it(show: Show)
     expect(page.get_by_test_id("editor-lock")).to_contain_text("Only you can edit until ")
 
 
+@pytest.mark.long
 def test_losing_the_lock_keeps_what_is_not_saved(show: Show, theatre: Theatre) -> None:
     page = editing(show())
     theatre.play_map(editor="somebody", name="Jonas Weber")
@@ -332,6 +337,7 @@ def test_an_import_is_looked_through_before_it_is_taken(show: Show, theatre: The
     expect(page.get_by_test_id("map-editor")).to_have_attribute("data-features", "14")
 
 
+@pytest.mark.long
 def test_a_file_dropped_on_the_map_is_imported_and_an_unreadable_one_is_explained(show: Show) -> None:
     page = editing(show())
     drop = """() => {
@@ -344,6 +350,7 @@ def test_a_file_dropped_on_the_map_is_imported_and_an_unreadable_one_is_explaine
     expect(page.get_by_test_id("import-failed")).to_contain_text("Save it as GeoJSON and try again.")
 
 
+@pytest.mark.long
 def test_an_upload_can_be_cancelled(show: Show, theatre: Theatre) -> None:
     page = editing(show())
     theatre.play_map(slow_s=20.0)
@@ -353,6 +360,7 @@ def test_an_upload_can_be_cancelled(show: Show, theatre: Theatre) -> None:
     expect(page.get_by_test_id("import-progress")).to_have_count(0)
 
 
+@pytest.mark.long
 def test_export_gives_the_draft_and_the_published_map_in_each_format(show: Show) -> None:
     page = editing(show())
     page.get_by_test_id("editor-export").click()
@@ -365,6 +373,7 @@ def test_export_gives_the_draft_and_the_published_map_in_each_format(show: Show)
     assert download.value.suggested_filename == "farm.isoxml"
 
 
+@pytest.mark.long
 def test_compare_lists_differences_and_a_tap_shows_one(show: Show, theatre: Theatre) -> None:
     page = editing(show())
     choose(page, "westschlag")
@@ -377,6 +386,7 @@ def test_compare_lists_differences_and_a_tap_shows_one(show: Show, theatre: Thea
     expect(page.get_by_test_id("map-editor")).to_have_attribute("data-fit", "westschlag")
 
 
+@pytest.mark.long
 def test_an_older_version_comes_back_as_a_draft(show: Show, theatre: Theatre) -> None:
     page = show()
     page.get_by_test_id("editor-versions").click()
@@ -387,6 +397,7 @@ def test_an_older_version_comes_back_as_a_draft(show: Show, theatre: Theatre) ->
     expect(page.get_by_test_id("map-editor")).to_have_attribute("data-features", "7")
 
 
+@pytest.mark.long
 def test_a_draft_is_discarded_after_one_question(show: Show, theatre: Theatre) -> None:
     page = editing(show())
     choose(page, "nordfeld")
@@ -398,6 +409,7 @@ def test_a_draft_is_discarded_after_one_question(show: Show, theatre: Theatre) -
     assert theatre.heard_map()["draft"] is None
 
 
+@pytest.mark.long
 def test_hidden_layers_are_not_drawn_and_stay_hidden(show: Show) -> None:
     page = show(role="viewer")
     expect(page.get_by_test_id("map-editor")).to_have_attribute("data-features", "8")
@@ -408,6 +420,7 @@ def test_hidden_layers_are_not_drawn_and_stay_hidden(show: Show) -> None:
     expect(page.get_by_test_id("map-editor")).to_have_attribute("data-features", "5")
 
 
+@pytest.mark.long
 def test_walking_the_edge_makes_a_parcel_of_positions_heard(show: Show, theatre: Theatre) -> None:
     page = editing(show())
     page.get_by_test_id("editor-walk").click()
@@ -429,6 +442,7 @@ def test_walking_the_edge_makes_a_parcel_of_positions_heard(show: Show, theatre:
     assert walked["properties"]["accuracy_m"] == 0.014
 
 
+@pytest.mark.long
 def test_an_empty_map_says_how_to_begin(show: Show) -> None:
     page = show(is_empty=True)
     expect(page.get_by_test_id("maps-empty")).to_contain_text("Draw a field, walk its edge, or import")
@@ -449,6 +463,7 @@ def test_an_error_gives_a_way_to_try_again(show: Show, theatre: Theatre) -> None
     expect(page.get_by_test_id("map-editor")).to_have_attribute("data-features", "8")
 
 
+@pytest.mark.long
 def test_a_slow_map_says_that_it_is_loading(show: Show) -> None:
     page = show(slow_s=1.5)
     expect(page.get_by_test_id("maps-loading")).to_contain_text("Loading map")
