@@ -200,6 +200,7 @@ def test_a_robot_that_reports_a_latched_stop_but_moves_is_not_shown_as_stopped(t
     assert the_map.state()["robots"][0]["stop"] is None
 
 
+@pytest.mark.long
 def test_the_map_changes_its_colours_with_the_theme(the_map: MapPage) -> None:
     the_map.open()
     the_map.on_row()
@@ -257,6 +258,7 @@ def test_nothing_is_asked_of_another_origin(the_map: MapPage) -> None:
     assert the_map.problems == []
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("engine", ENGINES)
 def test_panning_ends_following_and_the_button_takes_it_up_again(the_map: MapPage, engine: str) -> None:
     the_map.open(engine=engine)
@@ -277,6 +279,7 @@ def test_panning_ends_following_and_the_button_takes_it_up_again(the_map: MapPag
     assert the_map.place(lon, lat) == pytest.approx(CENTRE, abs=1.0)
 
 
+@pytest.mark.long
 def test_controls_are_large_enough_for_gloves_and_zoom(the_map: MapPage) -> None:
     the_map.open()
     the_map.on_row()
@@ -289,6 +292,7 @@ def test_controls_are_large_enough_for_gloves_and_zoom(the_map: MapPage) -> None
     the_map.page.wait_for_function("(zoom) => headlandMap.state().camera.zoom > zoom + 0.9", arg=before)
 
 
+@pytest.mark.long
 def test_hidden_layers_stay_hidden_after_a_reload(the_map: MapPage) -> None:
     the_map.open()
     the_map.on_row(share=0.5)
@@ -300,6 +304,7 @@ def test_hidden_layers_stay_hidden_after_a_reload(the_map: MapPage) -> None:
     assert the_map.share_of(the_map.pixels(), done, along_row(ROW - 2, 0.4, 0.6)) < 0.1
 
 
+@pytest.mark.long
 def test_the_mission_is_fetched_again_only_when_its_hash_changes(the_map: MapPage) -> None:
     the_map.open()
     the_map.on_row()
@@ -310,6 +315,7 @@ def test_the_mission_is_fetched_again_only_when_its_hash_changes(the_map: MapPag
     assert the_map.server.requests.count(MISSION) == 2
 
 
+@pytest.mark.long
 def test_a_map_that_did_not_load_says_so_and_tries_again(the_map: MapPage) -> None:
     the_map.server.json("/api/v1/features", {"code": "down"}, status=503)
     the_map.page.goto(the_map.server.page("/page", robotId=ROBOT))
@@ -324,6 +330,7 @@ def test_a_map_that_did_not_load_says_so_and_tries_again(the_map: MapPage) -> No
     expect(notice).to_be_hidden()
 
 
+@pytest.mark.long
 def test_one_broken_feature_does_not_take_the_map_with_it(the_map: MapPage) -> None:
     farm = map_field.farm()
     farm["features"][3:3] = [
@@ -338,6 +345,7 @@ def test_one_broken_feature_does_not_take_the_map_with_it(the_map: MapPage) -> N
     assert "sugar beet, 17.26 ha" in the_map.state()["texts"]
 
 
+@pytest.mark.long
 def test_a_console_that_restarts_its_clock_does_not_freeze_the_robot(the_map: MapPage) -> None:
     the_map.open()
     the_map.on_row()
@@ -377,6 +385,7 @@ def test_a_fleet_is_drawn_whole_and_a_tap_chooses_a_robot(the_map: MapPage) -> N
     assert the_map.page.evaluate("map.intake.robots.get('r-7').pose.lon") == chosen["lon"] + 0.0005
 
 
+@pytest.mark.long
 def test_figures_for_people_are_rounded_up_and_trails_do_not_cross_gaps(the_map: MapPage) -> None:
     the_map.open()
     texts = the_map.page.evaluate(
@@ -407,6 +416,7 @@ def test_figures_for_people_are_rounded_up_and_trails_do_not_cross_gaps(the_map:
     assert lengths[1] < 1.5
 
 
+@pytest.mark.long
 def test_body_of_the_robot_is_drawn_to_scale_when_near(the_map: MapPage) -> None:
     the_map.open()
     lon, lat, _ = map_field.row_point(ROW, 0.5)

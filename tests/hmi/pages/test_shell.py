@@ -39,7 +39,9 @@ def test_only_screens_that_a_role_may_open_are_in_the_rail(look: Look, theatre: 
 
 
 @pytest.mark.parametrize("size", SIZES)
-@pytest.mark.parametrize("theme", ["day", "night", "sunlight"])
+@pytest.mark.parametrize(
+    "theme", ["day", pytest.param("night", marks=pytest.mark.long), pytest.param("sunlight", marks=pytest.mark.long)]
+)
 def test_stop_is_on_top_in_every_size_and_theme(look: Look, theatre: Theatre, size: str, theme: str) -> None:
     theatre.play("running")
     page = look("/fleet", size=size)
