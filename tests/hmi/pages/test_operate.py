@@ -259,7 +259,7 @@ def test_whatever_ends_the_touch_gives_zero_at_once(look: Look, theatre: Theatre
     page.wait_for_function("fetch('/stage-heard').then(r => r.json()).then(h => h.drives.some(d => d.w > 0))")
     page.evaluate(ENDS[end])
     expect(page.get_by_test_id("drive-left")).not_to_have_attribute("data-state", "held")
-    page.wait_for_function("fetch('/stage-heard').then(r => r.json()).then(h => h.drives.at(-1).w === 0)")
+    page.wait_for_function("fetch('/stage-heard').then(r => r.json()).then(h => h.drives.at(-1)?.w === 0)")
     page.mouse.up()
 
 
