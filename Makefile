@@ -39,10 +39,13 @@ lint: $(DEV_STAMP)
 types: $(DEV_STAMP)
 	$(BIN)/mypy
 
-# Two runs: the browser's driver keeps an event loop of its own in the main thread, where asyncio tests run theirs.
+# Three runs: the browser's driver keeps an event loop of its own in the main thread, where asyncio tests run theirs;
+# the stories of tests/e2e share one running demo and have the machine to themselves.
+MANY := -n auto --maxprocesses 4 --dist loadfile
 test: tools lint types
-	$(BIN)/pytest -m "not long and not browser"
-	$(BIN)/pytest -m "not long and browser"
+	$(BIN)/pytest $(MANY) -m "not long and not browser"
+	$(BIN)/pytest $(MANY) -m "not long and browser" --ignore tests/e2e
+	$(BIN)/pytest -m "not long and browser" tests/e2e
 
 # The inner loop: no browser, no broker.
 test-fast: $(DEV_STAMP)
@@ -52,7 +55,7 @@ test-fast: $(DEV_STAMP)
 test-long: tools
 	HEADLAND_LONG=1 $(BIN)/pytest -m "long and not browser"
 	HEADLAND_LONG=1 $(BIN)/pytest -m "long and browser"
-	HEADLAND_LONG=1 $(BIN)/pytest -m "hypothesis and not browser"
+	HEADLAND_LONG=1 $(BIN)/pytest $(MANY) -m "hypothesis and not browser"
 
 # `make bench NAME=stop_loaded_p99_ms` runs one.
 bench: tools

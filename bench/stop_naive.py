@@ -92,74 +92,81 @@ async def _press(browsers: list[NiceGuiBrowser]) -> list[float]:
 BUTTON_ID = 4  # of the first element that a page makes
 
 
-def _serve(broker: int, port: int, *, is_storm: bool) -> None:
-    from nicegui import app, ui
+class NaiveConsole:
+    """A console in one loop: pages with labels, the broker, and STOP as an event of the page."""
 
-    newest: dict[str, Any] = {}
-    answers: list[Any] = []
-    pressed = 0
-    loop: asyncio.AbstractEventLoop | None = None
+    def __init__(self, broker: int, *, is_storm: bool) -> None:
+        self._newest: dict[str, Any] = {}
+        self._answers: list[Any] = []
+        self._pressed = self._opened = 0
+        self._is_storm = is_storm
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._storm: asyncio.Task[None] | None = None
+        self._link = MqttLink(
+            f"mqtt://127.0.0.1:{broker}",
+            "bench-naive",
+            subscriptions=[(every_robot(kind), 1) for kind in (Up.ACK, Up.TELEMETRY, Up.HEARTBEAT, Up.SAFETY)],
+            on_message=self._heard,
+        )
 
-    def heard(name: str, data: bytes, _retained: bool) -> None:
-        assert loop is not None
-        loop.call_soon_threadsafe(told, name, data)
+    async def begin(self) -> None:
+        """Connect to the broker; at start of the page server."""
+        self._loop = asyncio.get_running_loop()
+        self._link.start()
 
-    def told(name: str, data: bytes) -> None:
-        address = parse(name)
-        message = decode_body(address, data)
-        if address.kind is Up.ACK and address.robot == ROBOT:
-            for label in answers:
-                label.text = f"answered {pressed}"
-        elif address.kind is Up.TELEMETRY:
-            newest[address.robot] = message
+    def has_come(self) -> None:
+        """Count a browser; the storm begins when all are there."""
+        self._opened += 1
+        if self._is_storm and self._opened == BROWSERS:
+            self._storm = asyncio.create_task(_open_pages())
 
-    link = MqttLink(
-        f"mqtt://127.0.0.1:{broker}",
-        "bench-naive",
-        subscriptions=[(every_robot(kind), 1) for kind in (Up.ACK, Up.TELEMETRY, Up.HEARTBEAT, Up.SAFETY)],
-        on_message=heard,
-    )
+    def page(self) -> None:
+        """Make one page: STOP, its answer, and a label for each robot."""
+        from nicegui import ui
 
-    def press() -> None:
-        nonlocal pressed
-        pressed += 1
-        message = down.Stop(robot=ROBOT, stop_id=secrets.token_hex(16), by="Bench")
-        link.publish(topic(ROBOT, Down.STOP), encode(message), qos=1)
-
-    @ui.page("/")
-    def page() -> None:
-        ui.button("STOP", on_click=press)
-        answers.append(ui.label("ready"))
+        ui.button("STOP", on_click=self._press)
+        self._answers.append(ui.label("ready"))
         labels = [ui.label() for _ in range(LABELS)]
 
         def show() -> None:
-            for label, (robot_id, state) in zip(labels, newest.items(), strict=False):
+            for label, (robot_id, state) in zip(labels, self._newest.items(), strict=False):
                 label.text = f"{robot_id}: {state.lat_deg:.7f}, {state.lon_deg:.7f}, {state.speed_mps} m/s"
 
         ui.timer(SHOW_S, show)
 
-    async def storm() -> None:
-        while True:
-            began = time.monotonic()
-            heavy_page()
-            await asyncio.sleep(max(0.01, PERIOD_S - (time.monotonic() - began)))
+    def _heard(self, name: str, data: bytes, _retained: bool) -> None:
+        assert self._loop is not None
+        self._loop.call_soon_threadsafe(self._told, name, data)
 
-    tasks = []
-    opened = 0
+    def _told(self, name: str, data: bytes) -> None:
+        address = parse(name)
+        message = decode_body(address, data)
+        if address.kind is Up.ACK and address.robot == ROBOT:
+            for label in self._answers:
+                label.text = f"answered {self._pressed}"
+        elif address.kind is Up.TELEMETRY:
+            self._newest[address.robot] = message
 
-    async def begin() -> None:
-        nonlocal loop
-        loop = asyncio.get_running_loop()
-        link.start()
+    def _press(self) -> None:
+        self._pressed += 1
+        message = down.Stop(robot=ROBOT, stop_id=secrets.token_hex(16), by="Bench")
+        self._link.publish(topic(ROBOT, Down.STOP), encode(message), qos=1)
 
-    def has_come() -> None:
-        nonlocal opened
-        opened += 1
-        if is_storm and opened == BROWSERS:
-            tasks.append(asyncio.create_task(storm()))
 
-    app.on_startup(begin)
-    app.on_connect(has_come)
+async def _open_pages() -> None:
+    while True:
+        began = time.monotonic()
+        heavy_page()
+        await asyncio.sleep(max(0.01, PERIOD_S - (time.monotonic() - began)))
+
+
+def _serve(broker: int, port: int, *, is_storm: bool) -> None:
+    from nicegui import app, ui
+
+    console = NaiveConsole(broker, is_storm=is_storm)
+    ui.page("/")(console.page)
+    app.on_startup(console.begin)
+    app.on_connect(console.has_come)
     ui.run(port=port, host="127.0.0.1", show=False, reload=False, show_welcome_message=False)
 
 

@@ -15,13 +15,19 @@ def register(app: typer.Typer) -> None:
 
 def cert(
     names: Annotated[list[str], typer.Argument(help="Host names and addresses tablets use, e.g. 192.168.1.20")],
-    folder: Annotated[Path, typer.Option(help="Where keys and certificates go.")] = Path("data/tls"),
+    folder: Annotated[Path | None, typer.Option(help="Where they go; `tls` in the data folder if left out.")] = None,
     days: Annotated[int, typer.Option(min=1, max=825, help="Validity of the server certificate.")] = 397,
 ) -> None:
-    """Make a local CA (once) and a server certificate for NAMES, for `tls_cert` and `tls_key`."""
+    """Make a local CA (once) and a server certificate for NAMES, for `headland serve --tls`."""
     from hmi.keeper.certificates import make_certificates
+    from hmi.settings import Settings
 
-    made = make_certificates(names, folder, days=days)
+    # the folder's name needs no secret yet
+    at = folder or Settings(demo=True).data / "tls"
+    made = make_certificates(names, at, days=days)
     typer.echo(f"Server certificate: {made.cert}\nServer key:         {made.key}")
     typer.echo(f"Install {made.ca} on each tablet as a trusted authority (never the key beside it).")
-    typer.echo(f"Then start with: HEADLAND_TLS_CERT={made.cert} HEADLAND_TLS_KEY={made.key} headland serve")
+    if folder is None:
+        typer.echo("Then start with: headland serve --tls")
+    else:
+        typer.echo(f"Then start with: HEADLAND_TLS_CERT={made.cert} HEADLAND_TLS_KEY={made.key} headland serve")

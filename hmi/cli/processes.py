@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import typer
+
+Tls = Annotated[bool, typer.Option("--tls", help="Speak HTTPS with the certificate of `headland cert`.")]
 
 
 def register(app: typer.Typer) -> None:
@@ -13,18 +17,18 @@ def register(app: typer.Typer) -> None:
     app.command()(stop)
 
 
-def demo() -> None:
+def demo(*, tls: Tls = False) -> None:
     """Start everything with simulated robots: broker, STOP gateway, console, simulator."""
     from hmi.keeper.installation import run_demo
 
-    run_demo(lambda url: typer.echo(f"Headland is ready at {url}"))
+    run_demo(lambda url: typer.echo(f"Headland is ready at {url}"), is_tls=tls)
 
 
-def serve() -> None:
+def serve(*, tls: Tls = False) -> None:
     """Start console and STOP gateway for real robots and keep them running."""
     from hmi.keeper.installation import run_serve
 
-    run_serve(lambda url: typer.echo(f"Headland is ready at {url}"))
+    run_serve(lambda url: typer.echo(f"Headland is ready at {url}"), is_tls=tls)
 
 
 def console() -> None:

@@ -47,6 +47,29 @@ def make_certificates(names: Sequence[str], folder: Path, *, days: int) -> Certi
         _write_key(folder / "server-key.pem", key)
     except OSError as error:
         raise StartError(f"Cannot write certificates to {folder} ({error.strerror}).") from error
+    return _in(folder)
+
+
+def made_certificates(folder: Path) -> Certificates:
+    """Return what ``make_certificates`` left in ``folder``.
+
+    Raises:
+        StartError: nothing is there, or it has run out.
+    """
+    made = _in(folder)
+    again = "Make one with `headland cert ADDRESS`, where ADDRESS is what tablets type."
+    try:
+        until = x509.load_pem_x509_certificate(made.cert.read_bytes()).not_valid_after_utc
+    except (OSError, ValueError) as error:
+        raise StartError(f"There is no certificate in {folder}. {again}") from error
+    if not made.key.is_file():
+        raise StartError(f"The key of {made.cert} is missing. {again}")
+    if until < datetime.now(UTC):
+        raise StartError(f"The certificate in {folder} ran out on {until:%d %B %Y}. {again}")
+    return made
+
+
+def _in(folder: Path) -> Certificates:
     return Certificates(folder / "ca.pem", folder / "server.pem", folder / "server-key.pem")
 
 

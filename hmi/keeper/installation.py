@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from hmi.keeper.broker import answers, demo_broker
+from hmi.keeper.certificates import made_certificates
 from hmi.keeper.data_folder import keep_secret, require_writable
 from hmi.keeper.errors import StartError
 from hmi.keeper.keeper import Keeper
@@ -19,7 +20,7 @@ OnReady = Callable[[str], None]
 ANYWHERE = ("0.0.0.0", "::")  # noqa: S104 - compared with, not bound to
 
 
-def run_demo(on_ready: OnReady) -> None:
+def run_demo(on_ready: OnReady, *, is_tls: bool = False) -> None:
     """Run broker, simulator, STOP gateway and console until told to end.
 
     Raises:
@@ -29,6 +30,8 @@ def run_demo(on_ready: OnReady) -> None:
 
     folder = Path(os.environ.get("HEADLAND_DATA", "data"))
     data = require_writable(folder)
+    if is_tls:
+        _use_certificate(data)
     os.environ |= {
         "HEADLAND_DEMO": "true",
         "HEADLAND_DATA": str(data),
@@ -53,13 +56,16 @@ def run_demo(on_ready: OnReady) -> None:
     Keeper(groups, data).run(lambda: on_ready(_url(settings)))
 
 
-def run_serve(on_ready: OnReady) -> None:
+def run_serve(on_ready: OnReady, *, is_tls: bool = False) -> None:
     """Run STOP gateway and console for real robots until told to end.
 
     Raises:
         StartError: a busy port, an unwritable data folder or a part that does not start.
     """
     settings = Settings()  # type: ignore[call-arg]  # every field comes from file or variables
+    if is_tls and not settings.is_tls:
+        _use_certificate(settings.data)
+        settings = Settings()  # type: ignore[call-arg]  # now with the certificate
     if settings.demo:
         raise StartError("HEADLAND_DEMO is set: use `headland demo` for simulated robots, or unset it.")
     data = require_writable(settings.data)
@@ -70,6 +76,12 @@ def run_serve(on_ready: OnReady) -> None:
     os.environ["HEADLAND_DATA"] = str(data)
     # STOP first: whatever else fails to start, it is there
     Keeper([[_stop(settings)], [_console(settings)]], data).run(lambda: on_ready(_url(settings)))
+
+
+def _use_certificate(data: Path) -> None:
+    """Let every part speak HTTPS with what `headland cert` left in the data folder."""
+    made = made_certificates(data / "tls")
+    os.environ |= {"HEADLAND_TLS_CERT": str(made.cert), "HEADLAND_TLS_KEY": str(made.key)}
 
 
 def _stop(settings: Settings) -> PartSpec:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from hmi.keeper.certificates import make_certificates
+from hmi.keeper.certificates import make_certificates, made_certificates
 from hmi.keeper.errors import StartError
 
 
@@ -47,3 +47,22 @@ def test_keys_are_for_their_owner_only(tmp_path: Path) -> None:
 def test_a_bad_name_is_refused_in_words(tmp_path: Path, names: list[str]) -> None:
     with pytest.raises(StartError):
         make_certificates(names, tmp_path, days=30)
+
+
+def test_what_was_made_is_found_again(tmp_path: Path) -> None:
+    made = make_certificates(["farm.example"], tmp_path, days=30)
+    assert made_certificates(tmp_path) == made
+
+
+@pytest.mark.parametrize("lost", ["server.pem", "server-key.pem"])
+def test_a_lost_certificate_or_key_says_how_to_make_it(tmp_path: Path, lost: str) -> None:
+    make_certificates(["farm.example"], tmp_path, days=30)
+    (tmp_path / lost).unlink()
+    with pytest.raises(StartError, match="headland cert ADDRESS"):
+        made_certificates(tmp_path)
+
+
+def test_a_certificate_that_ran_out_says_when(tmp_path: Path) -> None:
+    make_certificates(["farm.example"], tmp_path, days=0)
+    with pytest.raises(StartError, match="ran out on"):
+        made_certificates(tmp_path)
