@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from hmi.keeper.certificates import make_certificates, made_certificates
+from hmi.keeper.certificates import made_certificates, make_certificates
 from hmi.keeper.errors import StartError
 
 
