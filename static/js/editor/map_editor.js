@@ -26,12 +26,12 @@ export class MapEditor {
   #held = null; // what arrow keys move until they are let go
   #isBodyFree = false;
 
-  /** options: {vendorUrl, readOnly, onSelect(ids), onChange({label, changes}), onMeasure(text), onDrawn(drawn), onPoint(lonLat), onNotice(text)}. */
+  /** options: {vendorUrl, baseMapsUrl, readOnly, onSelect(ids), onChange({label, changes}), onMeasure(text), onDrawn(drawn), onPoint(lonLat), onNotice(text)}. */
   constructor(host, options) {
     this.host = host;
     this.options = options;
     this.say = Object.fromEntries(HEARD.map((name) => [name, (value) => options[name]?.(value)]));
-    this.bench = new Workbench(host, options.vendorUrl, {
+    this.bench = new Workbench(host, options, {
       fit: () => this.fit(),
       lost: () => this.#lost(),
       tap: (at, event) => this.#tap(at, event),
