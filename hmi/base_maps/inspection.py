@@ -33,7 +33,7 @@ def inspect_archive(path: Path) -> BaseMapFacts:
         unpacked(tile, header["tile_compression"], limits.TILE_BYTES * 4)
     return BaseMapFacts(
         kind=BaseMapKind.VECTOR if is_vector else BaseMapKind.RASTER,
-        bounds=Bounds(*(header[key] / 1e7 for key in ("min_lon_e7", "min_lat_e7", "max_lon_e7", "max_lat_e7"))),  # type: ignore[literal-required]
+        bounds=Bounds(*(header[key] / 1e7 for key in ("min_lon_e7", "min_lat_e7", "max_lon_e7", "max_lat_e7"))),
         min_zoom=header["min_zoom"],
         max_zoom=header["max_zoom"],
         tile_px=0 if is_vector else _edge_px(tile, header["tile_type"]),

@@ -36,7 +36,7 @@ class Grid:
     @property
     def pixel_m(self) -> float:
         """Mercator metres of a pixel."""
-        return EQUATOR_M / (TILE_PX * 2**self.zoom)
+        return EQUATOR_M / (TILE_PX * 2.0**self.zoom)
 
     @property
     def corner_m(self) -> tuple[float, float]:
@@ -144,11 +144,13 @@ def _cut(
 
     east_m, north_m = grid.corner_m
     size = {"width": grid.columns * TILE_PX, "height": grid.rows * TILE_PX}
+    # colours between two numbers of a palette would be any colours
+    smooth = Resampling.nearest if colours.palette is not None else Resampling.bilinear
     placed = Affine(grid.pixel_m, 0, east_m, 0, -grid.pixel_m, north_m)
     pyramid = Pyramid(target, (least, grid.zoom), (grid.column, grid.row), most_bytes)
     try:
         with WarpedVRT(
-            photo, crs="EPSG:3857", transform=placed, resampling=Resampling.bilinear,
+            photo, crs="EPSG:3857", transform=placed, resampling=smooth,
             add_alpha=not colours.has_alpha, warp_mem_limit=64, **size,
         ) as laid:  # fmt: skip
             for row in range(grid.rows):

@@ -57,7 +57,8 @@ class Colours:
         if (self.darkest, self.brightest) == (0.0, 255.0):
             return band
         scaled = (band.astype(np.float32) - self.darkest) * (255.0 / (self.brightest - self.darkest))
-        return np.clip(scaled, 0, 255)
+        clipped: npt.NDArray[Any] = np.clip(scaled, 0, 255)
+        return clipped
 
 
 def colours_of(photo: Any) -> Colours:

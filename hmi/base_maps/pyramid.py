@@ -38,7 +38,7 @@ class Pyramid:
         tempfile.tempdir = str(path.parent)  # the writer's own temporary file; /tmp may be memory
         self._path = path
         self._file = path.open("wb")
-        self._writer: Any = Writer(self._file)
+        self._writer: Any = Writer(self._file)  # type: ignore[no-untyped-call]
         self._zooms, self._origin = zooms, origin
         self._rows: dict[int, tuple[int, dict[int, Picture]]] = {}
         self._bytes = 0

@@ -19,7 +19,8 @@ SHOWN_NAMES = 6
 def schema_of(metadata: dict[str, Any]) -> str:
     """Return the schema of vector tiles; raises ``BadBaseMap`` for one that nobody here can draw."""
     layers = metadata.get("vector_layers")
-    found = {str(one["id"]) for one in layers if isinstance(one, dict) and "id" in one} if _is_list(layers) else set()
+    known_layers = layers if isinstance(layers, list) else []
+    found = {str(one["id"]) for one in known_layers if isinstance(one, dict) and "id" in one}
     shared = {name: len(known & found) for name, known in SCHEMAS.items()}
     best = max(shared, key=lambda name: shared[name])
     if shared[best] >= LEAST_SHARED:
@@ -30,7 +31,3 @@ def schema_of(metadata: dict[str, Any]) -> str:
         "OpenMapTiles. Take one of those, or a picture (raster) of this map."
     )
     raise BadBaseMap("schema", text[:400])
-
-
-def _is_list(value: object) -> bool:
-    return isinstance(value, list)

@@ -169,6 +169,11 @@ export class MapEditor {
     if (isReady) surface.fit(features);
   }
 
+  /** Lay a base map with these bounds [west, south, east, north] under the map and bring it into view. */
+  showBase(id, bounds) {
+    if (this.bench.isReady) this.bench.surface.showBase(id, bounds);
+  }
+
   /** Take the last point of the drawing back; false when nothing is being drawn. */
   undoPoint() {
     return this.bench.pen?.undo() ?? false;

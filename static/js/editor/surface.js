@@ -111,6 +111,14 @@ export class Surface {
     }
   }
 
+  /** Lay a base map with these bounds under the map and bring it into view. */
+  async showBase(id, [west, south, east, north]) {
+    await this.#under();
+    await this.base?.load();
+    this.base?.choose(id);
+    this.fit([{ geometry: { type: 'LineString', coordinates: [[west, south], [east, north]] } }]);
+  }
+
   #said() {
     this.controls.setNotice(this.base.note, { isSmall: true });
   }
