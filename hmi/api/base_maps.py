@@ -27,7 +27,7 @@ NOTHING_TO_SEE = bytes.fromhex(  # a transparent PNG of one pixel: browsers take
     "0000000049454e44ae426082"
 )
 NAME_CHARS = 80
-BaseMapId = Annotated[str, Path(pattern=r"^[a-z0-9]{1,32}\Z")]
+BaseMapId = Annotated[str, Path(pattern=r"^[a-z0-9]{1,32}\z")]
 Zoom = Annotated[int, Path(ge=0, le=24)]
 Step = Annotated[int, Path(ge=0, lt=2**24)]
 FileName = Annotated[str, Query(min_length=1, max_length=200)]

@@ -18,6 +18,7 @@ TILE_PX = 512
 FARTHER = 2  # zooms after the one at which the whole photo fits into one tile
 SHARPNESS = 0.25  # zooms by which a pixel of the photo may be coarsened; the next zoom would take four times the disk
 POLES_DEG = 85.05
+_STEPS = ((0, 0), (1, 0), (0, 1))
 
 _NO_RASTERIO = "This installation cannot read GeoTIFF: the package rasterio is missing. Install it, or upload PMTiles."
 _UNREADABLE = "This GeoTIFF cannot be read: {why}. Save it again from QGIS or the program that made it."
@@ -59,6 +60,7 @@ def convert_photo(source: Path, target: Path, most_bytes: int, told: Any) -> Bas
     shut_in(target.parent)
     try:
         import rasterio
+        from rasterio._err import CPLE_BaseError
         from rasterio.errors import RasterioError
     except ImportError as error:
         raise BadBaseMap("no_rasterio", _NO_RASTERIO) from error
@@ -70,7 +72,7 @@ def convert_photo(source: Path, target: Path, most_bytes: int, told: Any) -> Bas
             colours = colours_of(photo)
             least = farthest(grid)
             _cut(photo, grid, least, colours, bounds, target, most_bytes, told)
-    except RasterioError as error:
+    except (RasterioError, CPLE_BaseError, SystemError) as error:  # GDAL's own errors come as either
         raise BadBaseMap("unreadable", _UNREADABLE.format(why=_first_words(error, source))) from error
     return BaseMapFacts(BaseMapKind.PHOTO, bounds, least, grid.zoom, TILE_PX, "", "image/webp", "")
 
@@ -104,19 +106,20 @@ def check_place(photo: Any) -> None:
 
 def grid_of(photo: Any) -> tuple[Grid, Bounds]:
     """Return the tiles a photo touches and where it lies; raises ``BadBaseMap``."""
+    from rasterio._err import CPLE_BaseError  # what transformations raise; rasterio has no public name for it
     from rasterio.errors import RasterioError
-    from rasterio.warp import calculate_default_transform, transform_bounds
+    from rasterio.warp import transform_bounds
 
     try:
         west, south, east, north = transform_bounds(photo.crs, "EPSG:4326", *photo.bounds)
-        fitted, _, _ = calculate_default_transform(photo.crs, "EPSG:3857", photo.width, photo.height, *photo.bounds)
-    except RasterioError as error:
+        pixel_m = _pixel_m(photo)
+    except (RasterioError, CPLE_BaseError) as error:
         text = "The coordinate system of the photo is not known here. Save it in WGS84, UTM or the national grid."
         raise BadBaseMap("coordinate_system", text) from error
     is_placed = all(math.isfinite(one) for one in (west, south, east, north))
-    if not is_placed or not (-180 <= west < east <= 180 and -POLES_DEG <= south < north <= POLES_DEG):
+    if not is_placed or pixel_m <= 0 or not (-180 <= west < east <= 180 and -POLES_DEG <= south < north <= POLES_DEG):
         raise BadBaseMap("place", "The photo lies outside the map of the Earth. Check its coordinate system.")
-    zoom = math.ceil(math.log2(EQUATOR_M / (TILE_PX * abs(fitted.a))) - SHARPNESS)
+    zoom = math.ceil(math.log2(EQUATOR_M / (TILE_PX * pixel_m)) - SHARPNESS)
     zoom = max(0, min(zoom, limits.NEAREST_ZOOM))
     left, top = _tile_at(west, north, zoom)
     right, bottom = _tile_at(east, south, zoom)
@@ -161,6 +164,18 @@ def _cut(
         pyramid.finish(bounds, "")
     finally:
         pyramid.close()
+
+
+def _pixel_m(photo: Any) -> float:
+    """Return the edge of the pixel in the middle of a photo, in mercator metres; 0 where there is no such place."""
+    from rasterio.warp import transform
+
+    middle = (photo.width / 2, photo.height / 2)
+    east, north = zip(*(photo.transform @ (middle[0] + right, middle[1] + down) for right, down in _STEPS), strict=True)
+    x, y = transform(photo.crs, "EPSG:3857", list(east), list(north))
+    if not all(math.isfinite(one) for one in (*x, *y)):
+        return 0.0
+    return min(math.hypot(x[i] - x[0], y[i] - y[0]) for i in (1, 2))
 
 
 def _tile_at(lon_deg: float, lat_deg: float, zoom: int) -> tuple[int, int]:

@@ -35,10 +35,11 @@ class Pyramid:
     """
 
     def __init__(self, path: Path, zooms: tuple[int, int], origin: tuple[int, int], most_bytes: int) -> None:
-        tempfile.tempdir = str(path.parent)  # the writer's own temporary file; /tmp may be memory
         self._path = path
         self._file = path.open("wb")
         self._writer: Any = Writer(self._file)  # type: ignore[no-untyped-call]
+        self._writer.tile_f.close()
+        self._writer.tile_f = tempfile.TemporaryFile(dir=path.parent)  # noqa: SIM115 - not in /tmp, which may be memory
         self._zooms, self._origin = zooms, origin
         self._rows: dict[int, tuple[int, dict[int, Picture]]] = {}
         self._bytes = 0

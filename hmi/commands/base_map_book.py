@@ -108,12 +108,17 @@ class BaseMapBook:
         """Return what the farm has and what is on its way."""
         self._parts.authorize(session, Permission.WATCH)
         parts, farm_id = self._parts, session.farm_id
+        work = self._work.of(farm_id)  # before the maps: what becomes ready between them must not be in neither
         maps = await self._run(parts.records.all, farm_id)
-        self._known[farm_id] = {one.id: one for one in maps}
+        ready = self._known[farm_id] = {one.id: one for one in maps}
         there = await asyncio.to_thread(lambda: [parts.files.is_there(farm_id, one.sha256) for one in maps])
         used = sum(one.size_bytes for one in maps)
         return Shelf(
-            list(zip(maps, there, strict=True)), self._work.of(farm_id), used, parts.farm_bytes, parts.upload_bytes
+            maps=list(zip(maps, there, strict=True)),
+            work=[one for one in work if one.id not in ready],
+            used_bytes=used,
+            farm_bytes=parts.farm_bytes,
+            upload_bytes=parts.upload_bytes,
         )
 
     async def receive(
