@@ -239,8 +239,8 @@ async def test_a_photo_that_takes_too_long_is_given_up_and_its_process_ends(tmp_
 def test_a_photo_stored_in_one_piece_is_refused_before_it_fills_the_memory(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    source = write_photo(tmp_path / "photo.tif", blockysize=160)
-    monkeypatch.setattr(limits, "BLOCK_BYTES", 10_000)
+    source = write_photo(tmp_path / "photo.tif")
+    monkeypatch.setattr(limits, "BLOCK_BYTES", 1_000)
     with pytest.raises(BadBaseMap) as refused:
         converted(source)
     assert refused.value.code == "untiled"
