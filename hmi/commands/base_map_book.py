@@ -140,7 +140,7 @@ class BaseMapBook:
             raise too_large
         await self._room(session.farm_id)
         free = await asyncio.to_thread(parts.files.free_bytes)
-        if (announced or 0) > free:
+        if (announced or 1) > free:
             raise BadBaseMap("no_disk", f"The disk of the server has {free // MB} MB left for this. Tell an admin.")
         work_id = new_id()
         folder = await asyncio.to_thread(parts.files.begin, work_id)

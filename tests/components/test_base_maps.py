@@ -134,7 +134,7 @@ def test_a_photo_that_does_not_load_says_so_and_plain_ground_stays(
     ground = the_map.token("--hl-m-ground")
     assert the_map.pixels().at(30, 30)[:3] in (ground[:3], the_map.token("--hl-m-parcel")[:3])
     serve_photo(map_server)
-    page.evaluate("map.base.drawn.retry()")
+    page.evaluate("map.base.retry()")
     expect(notice).not_to_contain_text("did not load")
     page.close()
 

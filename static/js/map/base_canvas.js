@@ -28,7 +28,9 @@ export class CanvasBase {
   }
 
   retry() {
-    for (const [key, tile] of this.tiles) if (tile.hasFailed) this.tiles.delete(key);
+    const failed = [...this.tiles].filter(([, tile]) => tile.hasFailed);
+    if (!failed.length) this.hear.loaded();
+    for (const [key] of failed) this.tiles.delete(key);
     this.engine.redraw();
   }
 

@@ -7,6 +7,7 @@ import { strong } from './base_look.js';
 import { baseChoice, keepBaseChoice } from './layers.js';
 
 const AGAIN_MS = 10000;
+const SETTLED_MS = 1500; // one tile that comes does not yet make up for one that just failed
 const MOSTLY = 0.97; // less of the view than this under the picture is said
 const ONLINE = 'online';
 const PLAIN = 'Showing plain ground.';
@@ -21,6 +22,7 @@ function node(tag, className, ...children) {
 
 export class BaseMaps {
   #failure = '';
+  #failedAt = 0;
 
   /** host: the map's element; url: of the list; changed(): note, credit or colours are others now. */
   constructor({ host, url, changed }) {
@@ -147,7 +149,7 @@ export class BaseMaps {
 
   async #draw(id) {
     const { engine, spec } = this;
-    const hear = { loaded: () => this.#heard(''), failed: (status) => this.#heard(status === 410 ? `The file of this ${spec.word.toLowerCase()} is gone from the server. ${PLAIN}` : `${spec.word} did not load. ${PLAIN}`) };
+    const hear = { loaded: () => performance.now() - this.#failedAt > SETTLED_MS && this.#heard(''), failed: (status) => this.#heard(status === 410 ? `The file of this ${spec.word.toLowerCase()} is gone from the server. ${PLAIN}` : `${spec.word} did not load. ${PLAIN}`) };
     const code = engine.kind === 'gl' ? await import('./base_gl.js').then(({ GlBase }) => GlBase) : await import('./base_canvas.js').then(({ CanvasBase }) => CanvasBase);
     if (this.isGone || this.engine !== engine || this.drawnId !== id) return;
     this.drawn = new code(engine, spec, hear);
@@ -155,6 +157,7 @@ export class BaseMaps {
   }
 
   #heard(failure) {
+    if (failure) this.#failedAt = performance.now();
     if (this.#failure === failure) return;
     this.#failure = failure;
     this.moved();
@@ -163,7 +166,13 @@ export class BaseMaps {
   #again() {
     if (document.hidden || !baseChoice()) return;
     if (this.isLost) this.load();
-    else if (this.#failure) this.drawn?.retry();
+    else if (this.#failure) this.retry();
+  }
+
+  /** Ask again for what failed. */
+  retry() {
+    this.#failedAt = -SETTLED_MS;
+    this.drawn?.retry();
   }
 
   /** The choice as a part of a menu. */
