@@ -2,7 +2,7 @@
 
 /** opacity over the ground; saturation as MapLibre takes it; brightness that black and white become. */
 const VEILS = {
-  day: { opacity: 0.72, saturation: -0.4, low: 0.42, high: 1 },
+  day: { opacity: 0.72, saturation: -0.4, low: 0.47, high: 1 },
   night: { opacity: 0.8, saturation: -0.5, low: 0, high: 0.4 },
   sunlight: { opacity: 0.7, saturation: -0.55, low: 0.5, high: 1 },
 };
