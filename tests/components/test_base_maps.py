@@ -11,7 +11,7 @@ from PIL import Image
 from playwright.sync_api import Browser, Page, ViewportSize, expect
 
 from tests.components import map_field
-from tests.components.map_page import ROBOT, MapPage
+from tests.components.map_page import BODY, ROBOT, MapPage
 from tests.components.map_server import MapServer
 
 pytestmark = pytest.mark.browser
@@ -53,7 +53,7 @@ def serve_photo(server: MapServer, status: int = 200, reach_deg: float = 0.02) -
     lon, lat, _ = map_field.row_point(37, 0.4)
     middle = tile_of(lon, lat)
     one = {
-        "id": "photo1", "name": "Spring flight", "kind": "photo", "schema": "", "credit": "© Drone", "tile_px": 512,
+        "id": "photo1", "name": "Spring flight", "kind": "photo", "schema": "", "credit": "© Drone", "tile_px": 256,
         "bounds": [lon - reach_deg, lat - reach_deg, lon + reach_deg, lat + reach_deg], "min_zoom": ZOOM,
         "max_zoom": ZOOM, "is_there": True, "size_bytes": 1, "by": "P", "added_utc": "2026-05-01T00:00:00Z",
     }  # fmt: skip
@@ -61,7 +61,7 @@ def serve_photo(server: MapServer, status: int = 200, reach_deg: float = 0.02) -
     for x in range(middle[0] - 6, middle[0] + 7):
         for y in range(middle[1] - 6, middle[1] + 7):
             out = io.BytesIO()
-            Image.new("RGB", (512, 512), colour_of(x, y)).save(out, "PNG")
+            Image.new("RGB", (256, 256), colour_of(x, y)).save(out, "PNG")
             body = out.getvalue()
             server.answers[f"{LIST}/photo1/{ZOOM}/{x}/{y}"] = lambda body=body: (status, "image/png", body)  # type: ignore[misc]
     return middle
@@ -72,6 +72,14 @@ def chosen(page: Page, server: MapServer, base: str = "photo1") -> MapPage:
     page.set_viewport_size(SIZE)
     page.add_init_script(f"localStorage.setItem('headland.map.base', '{base}')")
     return MapPage(page, server)
+
+
+def beside_a_field(the_map: MapPage) -> None:
+    """Put a robot without a mission in the field: its rows would cover the photo."""
+    lon, lat, heading = map_field.row_point(37, 0.4)
+    the_map.put(id={"id": ROBOT, "name": "Weeder 01", "family": "weeder"}, body=BODY)
+    the_map.pose(lon, lat, heading)
+    the_map.settle()
 
 
 def check_chessboard(the_map: MapPage, middle: tuple[int, int]) -> None:
@@ -99,7 +107,7 @@ def test_a_photo_lies_at_its_place_under_the_field_without_webgl(plain_browser: 
     page = plain_browser.new_page()
     the_map = chosen(page, map_server)
     the_map.open()
-    the_map.on_row()
+    beside_a_field(the_map)
     check_chessboard(the_map, middle)
     assert the_map.state()["engine"] == "canvas"
     expect(page.get_by_test_id("map-credit")).to_have_text("© Drone")
@@ -114,7 +122,7 @@ def test_a_photo_lies_at_its_place_under_the_field(page: Page, map_server: MapSe
     middle = serve_photo(map_server)
     the_map = chosen(page, map_server)
     the_map.open()
-    the_map.on_row()
+    beside_a_field(the_map)
     check_chessboard(the_map, middle)
     assert the_map.state()["engine"] == "gl"
     assert not the_map.problems
@@ -128,7 +136,7 @@ def test_a_photo_that_does_not_load_says_so_and_plain_ground_stays(
     page = plain_browser.new_page()
     the_map = chosen(page, map_server)
     the_map.open()
-    the_map.on_row()
+    beside_a_field(the_map)
     notice = page.get_by_test_id("map-notice")
     expect(notice).to_contain_text("Photo did not load. Showing plain ground.")
     ground = the_map.token("--hl-m-ground")
@@ -144,7 +152,7 @@ def test_a_failing_photo_says_so_with_webgl_too(page: Page, map_server: MapServe
     serve_photo(map_server, status=503)
     the_map = chosen(page, map_server)
     the_map.open()
-    the_map.on_row()
+    beside_a_field(the_map)
     expect(page.get_by_test_id("map-notice")).to_contain_text("Photo did not load. Showing plain ground.")
 
 
@@ -160,7 +168,7 @@ def test_what_a_photo_does_not_cover_is_said(
     page = plain_browser.new_page()
     the_map = chosen(page, map_server, base)
     the_map.open()
-    the_map.on_row()
+    beside_a_field(the_map)
     expect(page.get_by_test_id("map-notice")).to_contain_text(words)
     page.close()
 
@@ -172,7 +180,7 @@ def test_a_list_that_does_not_load_is_said_on_map_and_menu(plain_browser: Browse
     page = plain_browser.new_page()
     the_map = chosen(page, map_server)
     the_map.open()
-    the_map.on_row()
+    beside_a_field(the_map)
     expect(page.get_by_test_id("map-notice")).to_contain_text("Base map did not load. Showing plain ground.")
     page.get_by_test_id("map-layers").click()
     expect(page.get_by_test_id("map-base")).to_contain_text("did not load")
