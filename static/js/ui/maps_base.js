@@ -48,6 +48,9 @@
       clearTimeout(this.timer);
       const answer = await HL.port.api("GET", PATH);
       if (!this.isOpen) return;
+      const wasStale = this.isStale;
+      this.isStale = !answer.ok;
+      if (answer.ok && wasStale) this.say("");
       if (answer.ok) this.take(answer);
       else if (!this.answer) this.failed(answer);
       else this.say(`The list is not new: ${answer.text || "the server did not answer"}`);
@@ -62,7 +65,6 @@
 
     take(answer) {
       const before = this.answer;
-      if (before) this.say(this.said ?? "");
       this.answer = answer;
       for (const one of before?.work ?? []) {
         if (one.state === "failed" || answer.work.some((now) => now.id === one.id) || this.opened.get(one.id) === "cancelled") continue;
