@@ -5,7 +5,6 @@ import { areaAlpha, lineAlpha, veil, wash } from './base_look.js';
 
 const KEPT = 60; // washed tiles; 1 MB each at 512 px
 const MOST_AT_ONCE = 48;
-const OVERLAP_PX = 0.6; // no seams between tiles
 
 export class CanvasBase {
   /** hear: {loaded(), failed(status)}. */
@@ -18,7 +17,12 @@ export class CanvasBase {
 
   show() {
     this.engine.under = (context, camera, ratio) => this.#draw(context, camera, ratio);
-    this.engine.alphas = { area: areaAlpha, line: lineAlpha };
+    this.engine.redraw();
+  }
+
+  /** Whether the farm's areas make way for the picture. */
+  cover(isCovered) {
+    this.engine.alphas = isCovered ? { area: areaAlpha, line: lineAlpha } : null;
     this.engine.redraw();
   }
 
@@ -64,9 +68,16 @@ export class CanvasBase {
     if (!picture) return;
     const edge = camera.worldPx / 2 ** zoom;
     const [px, py] = camera.project(x / 2 ** zoom, y / 2 ** zoom);
-    const [cos, sin] = [Math.cos(camera.bearing * DEG) * ratio, Math.sin(camera.bearing * DEG) * ratio];
-    context.setTransform(cos, -sin, sin, cos, ratio * px, ratio * py);
-    context.drawImage(picture, 0, 0, edge + OVERLAP_PX, edge + OVERLAP_PX);
+    if (camera.bearing) {
+      const [cos, sin] = [Math.cos(camera.bearing * DEG) * ratio, Math.sin(camera.bearing * DEG) * ratio];
+      context.setTransform(cos, -sin, sin, cos, ratio * px, ratio * py);
+      context.drawImage(picture, 0, 0, edge, edge);
+      return;
+    }
+    // on whole pixels, so that clear tiles neither overlap nor leave a seam
+    const at = [px, py, px + edge, py + edge].map((value) => Math.round(value * ratio));
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.drawImage(picture, at[0], at[1], at[2] - at[0], at[3] - at[1]);
   }
 
   #picture(zoom, x, y) {

@@ -40,7 +40,14 @@ export class GlBase {
       const { opacity, saturation, low, high } = veil();
       paint('base-raster', { 'raster-opacity': opacity, 'raster-saturation': saturation, 'raster-brightness-min': low, 'raster-brightness-max': high, 'raster-fade-duration': 0 });
     }
-    this.#farm(this.spec.isVector ? () => 1 : areaAlpha, this.spec.isVector ? () => 1 : lineAlpha);
+  }
+
+  /** Whether the farm's areas make way for the picture. */
+  cover(isCovered) {
+    if (this.isCovering === isCovered || this.spec.isVector) return;
+    this.isCovering = isCovered;
+    if (isCovered) this.#farm(areaAlpha, lineAlpha);
+    else this.#farm(() => 1, () => 1);
   }
 
   #farm(area, line) {
@@ -65,6 +72,6 @@ export class GlBase {
     if (!map.getStyle()) return;
     for (const id of this.ids ?? []) if (map.getLayer(id)) map.removeLayer(id);
     if (map.getSource(SOURCE)) map.removeSource(SOURCE);
-    this.#farm(() => 1, () => 1);
+    this.cover(false);
   }
 }

@@ -34,7 +34,7 @@ export class BaseMaps {
     this.credit = node('div', 'hl-map-credit');
     this.credit.dataset.testid = 'map-credit';
     this.credit.hidden = true;
-    host.append(this.credit);
+    (host.querySelector('.hl-map-controls') ?? host).append(this.credit);
     const reload = (event) => event?.kind === 'base_map' && this.load();
     this.unsubscribe = window.headland?.on?.('event', reload);
     this.again = setInterval(() => this.#again(), AGAIN_MS);
@@ -158,6 +158,7 @@ export class BaseMaps {
 
   #heard(failure) {
     if (failure) this.#failedAt = performance.now();
+    this.drawn?.cover(!failure); // without the picture, fields are what they were
     if (this.#failure === failure) return;
     this.#failure = failure;
     this.moved();
