@@ -5,8 +5,10 @@ Every field is documented here and printed by ``headland check``. Outside demo m
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Annotated
+from urllib.parse import urlsplit
 
 from pydantic import Field, field_validator, model_validator
 from pydantic_settings import (
@@ -18,6 +20,28 @@ from pydantic_settings import (
 
 DEFAULT_SECRET = "change-me"  # noqa: S105 - the value that is refused
 Port = Annotated[int, Field(ge=0, le=65535)]
+
+
+_HOST = re.compile(r"[A-Za-z0-9.-]+|\[[0-9A-Fa-f:.]+\]")
+
+
+def checked_template(value: str) -> str:
+    """Return the address of online tiles if it names one server and each tile; raises ``ValueError``."""
+    parts = urlsplit(value)
+    host = re.sub(r":\d+\Z", "", parts.netloc)
+    if parts.scheme not in ("http", "https") or not _HOST.fullmatch(host):
+        raise ValueError("online_tiles_url must be http(s)://host/..., one host without name, password or {s}")
+    if not all(parts.path.count(f"{{{key}}}") + parts.query.count(f"{{{key}}}") == 1 for key in "zxy"):
+        raise ValueError("online_tiles_url must hold {z}, {x} and {y} once each")
+    if re.search(r"[{}\s\"'<>\\;,]", re.sub(r"\{[zxy]\}", "", value)):
+        raise ValueError("online_tiles_url may hold {z}, {x}, {y} and nothing else in braces, and no spaces or quotes")
+    return value
+
+
+def origin_of(template: str) -> str:
+    """Return scheme, host and port of the online tiles, as the content security policy names them."""
+    parts = urlsplit(template)
+    return f"{parts.scheme}://{parts.netloc}"
 
 
 class Settings(BaseSettings):
@@ -62,6 +86,23 @@ class Settings(BaseSettings):
         description="Further origins whose pages may talk "
         "to the console, e.g. https://farm.example. Its own is always allowed.",
     )
+
+    base_map_mb: int = Field(
+        4096, ge=1, description="Room for the base maps of a farm in the data folder, MB. What is over it is refused."
+    )
+    base_map_upload_mb: int = Field(2048, ge=1, description="Largest aerial photo or tile archive to upload, MB.")
+    online_tiles_url: str | None = Field(
+        None,
+        description="Online map for everybody, e.g. https://tiles.example/{z}/{x}/{y}.png. Off by default: with it, "
+        "each browser that chooses it asks that server, which sees the tablet's address and what is looked at.",
+    )
+    online_tiles_credit: str = Field("", max_length=160, description="Who must be named beside the online map.")
+    online_tiles_max_zoom: int = Field(19, ge=1, le=24, description="Nearest zoom the online map has.")
+
+    @field_validator("online_tiles_url")
+    @classmethod
+    def _tile_url(cls, value: str | None) -> str | None:
+        return None if not value else checked_template(value)
 
     @field_validator("stop_public_url")
     @classmethod

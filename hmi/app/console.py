@@ -8,6 +8,7 @@ from typing import Any
 
 from hmi.api.health import KeeperReport
 from hmi.api.metrics import ConsoleMetrics
+from hmi.app.base_maps import BaseMapDesk
 from hmi.app.chores import Chores
 from hmi.app.edge import Edge
 from hmi.app.maps import MapDesk
@@ -38,6 +39,7 @@ class Console:
         self.authorize = Authorizer(records.robots.of_any_farm)
         self.missions = MissionDesk(settings, clock, records, edge.fleet, self.authorize, self._lane_event)
         self.maps = MapDesk(settings, records, clock, self.authorize, self._lane_event)
+        self.base_maps = BaseMapDesk(settings, records, clock, self.authorize, self._lane_event)
         self.hub = LiveHub(edge.fleet, edge.ticks, clock, self.missions.title_of)
         self.keeper = KeeperReport(settings.data)
         self.metrics = ConsoleMetrics()
@@ -77,6 +79,7 @@ class Console:
         epoch = await asyncio.to_thread(records.counters.next_epoch, "lease")
         console = cls(settings, clock, records, edge, epoch)
         await console.missions.prepare()
+        await console.base_maps.prepare()
         return console
 
     async def start(self) -> None:
@@ -98,6 +101,7 @@ class Console:
             undo()
         await self.missions.stop()
         await self.maps.stop()
+        await self.base_maps.stop()
         await self.stops.stop()
         await self.desk.close()
         await self.hub.stop()

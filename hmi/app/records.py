@@ -12,6 +12,7 @@ from hmi.security.sessions import Sessions
 from hmi.security.sign_in import SignIn
 from hmi.security.stop_tokens import StopTokens
 from hmi.store.audit import Audit
+from hmi.store.base_maps import BaseMapRecords
 from hmi.store.counters import Counters
 from hmi.store.database import Database
 from hmi.store.devices import Devices
@@ -53,6 +54,7 @@ class Records:
         self.counters = Counters(self.database, farm)
         self.features = Features(self.database, clock)
         self.maps = Maps(self.database, clock)
+        self.base_maps = BaseMapRecords(self.database)
         self.missions = Missions(self.database, clock)
         self.thinning = Thinning(self.database)
         self.passwords = Passwords(settings.secret)

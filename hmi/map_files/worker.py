@@ -13,7 +13,7 @@ from hmi.map_files import limits
 from hmi.map_files.errors import BadMapFile
 from hmi.map_files.imported import Imported
 from hmi.map_files.reader import read_map
-from hmi.planning.side_process import SideProcess, SideProcessDied
+from hmi.planning.side_process import SideProcess, SideProcessDied, limit_memory
 
 READ_LIMIT_S = 60.0  # the largest file that is allowed takes a quarter of it
 MEMORY_BYTES = 2 * 1024**3  # address space of the process; libraries alone take half a GB of it
@@ -118,7 +118,7 @@ async def _watch(share: Path, on_progress: Callable[[float], None]) -> None:
 
 def _read_bounded(data: bytes, name: str, share: str, memory_bytes: int) -> Imported:
     """Read within the memory allowed; runs in the side process."""
-    _limit_memory(memory_bytes)
+    limit_memory(memory_bytes)
     gc.disable()  # the process ends with the file; collecting would take most of the time of a large one
     try:
         return read_map(data, name, lambda done: _tell(share, done))
@@ -129,14 +129,3 @@ def _read_bounded(data: bytes, name: str, share: str, memory_bytes: int) -> Impo
 def _tell(share: str, done: float) -> None:
     with contextlib.suppress(OSError):
         Path(share).write_text(f"{done:.3f}", encoding="ascii")
-
-
-def _limit_memory(memory_bytes: int) -> None:
-    """Bound the address space of this process where the system can (setrlimit, POSIX.1-2017)."""
-    try:
-        import resource
-    except ImportError:
-        return  # Windows; time and size are bounded there
-    _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    most = memory_bytes if hard == resource.RLIM_INFINITY else min(memory_bytes, hard)
-    resource.setrlimit(resource.RLIMIT_AS, (most, hard))

@@ -26,12 +26,12 @@ export class MapEditor {
   #held = null; // what arrow keys move until they are let go
   #isBodyFree = false;
 
-  /** options: {vendorUrl, readOnly, onSelect(ids), onChange({label, changes}), onMeasure(text), onDrawn(drawn), onPoint(lonLat), onNotice(text)}. */
+  /** options: {vendorUrl, baseMapsUrl, readOnly, onSelect(ids), onChange({label, changes}), onMeasure(text), onDrawn(drawn), onPoint(lonLat), onNotice(text)}. */
   constructor(host, options) {
     this.host = host;
     this.options = options;
     this.say = Object.fromEntries(HEARD.map((name) => [name, (value) => options[name]?.(value)]));
-    this.bench = new Workbench(host, options.vendorUrl, {
+    this.bench = new Workbench(host, options, {
       fit: () => this.fit(),
       lost: () => this.#lost(),
       tap: (at, event) => this.#tap(at, event),
@@ -167,6 +167,11 @@ export class MapEditor {
     const { draft, isReady, surface } = this.bench;
     const features = ids ? ids.map((id) => draft.get(id)).filter(Boolean) : draft.features;
     if (isReady) surface.fit(features);
+  }
+
+  /** Lay a base map with these bounds [west, south, east, north] under the map and bring it into view. */
+  showBase(id, bounds) {
+    if (this.bench.isReady) this.bench.surface.showBase(id, bounds);
   }
 
   /** Take the last point of the drawing back; false when nothing is being drawn. */

@@ -7,6 +7,7 @@ import { boxOf, latOf, lonOf, mercX, mercY } from '../map/geometry.js';
 import { GlEngine, hasWebGl } from '../map/gl_engine.js';
 import { LabelLayer } from '../map/labels.js';
 import { Scene } from '../map/scene.js';
+import { baseChoice } from '../map/layers.js';
 import { readPalette, watchTheme } from '../map/theme.js';
 import { addEditorStyle, paintEditorStyle, showBed } from './editor_style.js';
 import { idOf } from './draft.js';
@@ -19,7 +20,8 @@ const START = { mx: mercX(10), my: mercY(50), zoom: 5, bearing: 0 };
 
 export class Surface {
   /** hooks: {moved(), framed(), palette(), lost()}. */
-  constructor(host, { vendorUrl, hooks }) {
+  constructor(host, { vendorUrl, baseMapsUrl, hooks }) {
+    this.baseMapsUrl = baseMapsUrl;
     this.host = host;
     this.vendorUrl = vendorUrl;
     this.hooks = hooks;
@@ -68,6 +70,8 @@ export class Surface {
     if (engine.kind === 'gl') addEditorStyle(engine.map, this.palette);
     this.element.querySelector('canvas').tabIndex = -1; // the host around it is the one stop of the Tab key
     this.controls ??= this.#controls();
+    this.base?.attach(engine, this.palette);
+    if (baseChoice()) this.#under();
     this.#moved();
   }
 
@@ -80,11 +84,43 @@ export class Surface {
         fit: () => this.hooks.fit(),
         zoom: (step) => this.engine.ease({ zoom: this.camera.zoom + step }),
         north: () => this.engine.ease({ bearing: 0 }),
+        menu: (menu) => this.#under(menu),
       },
     });
     controls.first.title = 'Show everything';
     controls.first.setAttribute('aria-label', 'Show everything');
+    controls.menuButton.title = 'Base map';
+    controls.menuButton.setAttribute('aria-label', 'Base map');
     return controls;
+  }
+
+  /** Base maps load when one was chosen, or when the menu asks what there is. */
+  async #under(menu) {
+    if (!this.baseMapsUrl) return;
+    try {
+      const { BaseMaps } = await import('../map/base_maps.js');
+      if (this.isGone) return;
+      if (!this.base) {
+        this.base = new BaseMaps({ host: this.host, url: this.baseMapsUrl, changed: (isLook) => (isLook ? this.#theme(readPalette()) : this.#said()) });
+        this.base.attach(this.engine, this.palette);
+      }
+      if (menu) this.base.fill(menu);
+    } catch (error) {
+      console.warn('map builder: base maps did not load:', error);
+      this.controls.setNotice('Base map did not load. Showing plain ground.', { isSmall: true });
+    }
+  }
+
+  /** Lay a base map with these bounds under the map and bring it into view. */
+  async showBase(id, [west, south, east, north]) {
+    await this.#under();
+    await this.base?.load();
+    this.base?.choose(id);
+    this.fit([{ geometry: { type: 'LineString', coordinates: [[west, south], [east, north]] } }]);
+  }
+
+  #said() {
+    this.controls.setNotice(this.base.note, { isSmall: true });
   }
 
   async #fallBack() {
@@ -182,6 +218,7 @@ export class Surface {
   #moved() {
     if (!this.engine) return;
     this.controls?.setCamera(this.engine.camera);
+    this.base?.moved();
     this.hooks.moved();
   }
 
@@ -191,7 +228,9 @@ export class Surface {
     this.hooks.framed();
   }
 
-  #theme(palette) {
+  #theme(plain) {
+    const palette = this.base?.palette(plain) ?? plain;
+    if (this.base) this.#said();
     this.palette = palette;
     this.engine.setPalette(palette);
     if (this.isEditable) paintEditorStyle(this.engine.map, palette);
@@ -199,8 +238,10 @@ export class Surface {
   }
 
   destroy() {
+    this.isGone = true;
     clearTimeout(this.lostTimer);
     this.unwatch?.();
+    this.base?.destroy();
     this.engine?.destroy();
     this.controls?.destroy();
     this.names.destroy();

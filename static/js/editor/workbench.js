@@ -18,7 +18,7 @@ export class Workbench {
   #drag = null;
 
   /** act: {fit(), lost(), tap(at, event), drawn(tool, points)}; say: what the screen around it hears. */
-  constructor(host, vendorUrl, act, say) {
+  constructor(host, { vendorUrl, baseMapsUrl }, act, say) {
     this.host = host;
     this.act = act;
     this.say = say;
@@ -29,7 +29,7 @@ export class Workbench {
     this.draft = new Draft();
     this.selection = new Selection(this.draft);
     const hooks = { moved: () => this.bed?.refresh(), framed: () => this.#paint(), palette: () => this.repaint(), fit: act.fit, lost: act.lost };
-    this.surface = new Surface(host, { vendorUrl, hooks });
+    this.surface = new Surface(host, { vendorUrl, baseMapsUrl, hooks });
   }
 
   /** Start the map; false where it can only be looked at. */

@@ -6,7 +6,7 @@ import { laneRevision } from './feed.js';
 import { boxOf, mercPerMetre, mercX, mercY } from './geometry.js';
 import { Intake } from './intake.js';
 import { LabelLayer } from './labels.js';
-import { LAYERS, keepLayers, readLayers } from './layers.js';
+import { LAYERS, baseChoice, keepLayers, readLayers } from './layers.js';
 import { noticeOf } from './notice.js';
 import { RobotList } from './robot_list.js';
 import { Scene } from './scene.js';
@@ -30,6 +30,7 @@ const RING_MARGIN = 1.5;
 const USUAL = {
   mode: 'robot', hasButtons: true, engine: 'auto',
   featuresUrl: '/api/v1/features', missionUrl: '/api/v1/robots/{id}/mission.geojson',
+  baseMapsUrl: '/api/v1/base-maps',
 };
 
 export class LiveMap {
@@ -68,6 +69,7 @@ export class LiveMap {
         north: () => this.engine?.ease({ bearing: 0 }),
         layer: (name, isOn) => this.#layer(name, isOn),
         retry: () => this.intake.retry(),
+        menu: (menu) => this.#under(menu),
       },
     });
   }
@@ -124,7 +126,26 @@ export class LiveMap {
     engine.setFollowing(this.isFollowing);
     this.#told('farm');
     this.#told('mission');
+    this.base?.attach(engine, this.palette);
+    if (baseChoice()) this.#under();
     this.#moved();
+  }
+
+  /** Base maps load when one was chosen, or when the menu asks what there is. */
+  async #under(menu) {
+    try {
+      const { BaseMaps } = await import('./base_maps.js');
+      if (this.isGone || !this.engine) return;
+      if (!this.base) {
+        this.base = new BaseMaps({ host: this.host, url: this.options.baseMapsUrl, changed: (isLook) => (isLook ? this.#theme(readPalette()) : this.#notice()) });
+        this.base.attach(this.engine, this.palette);
+      }
+      if (menu) this.base.fill(menu);
+    } catch (error) {
+      console.warn('map: base maps did not load:', error);
+      this.engineNote ||= 'Base map did not load. Showing plain ground.';
+      this.#notice();
+    }
   }
 
   /** The graphics context is gone for good: go on without it. */
@@ -293,7 +314,9 @@ export class LiveMap {
   }
 
   #moved() {
-    if (this.engine) this.controls.setCamera(this.engine.camera);
+    if (!this.engine) return;
+    this.controls.setCamera(this.engine.camera);
+    this.base?.moved();
   }
 
   #framed() {
@@ -318,7 +341,8 @@ export class LiveMap {
     }
   }
 
-  #theme(palette) {
+  #theme(plain) {
+    const palette = this.base?.palette(plain) ?? plain;
     this.palette = palette;
     this.scene.setPalette(palette);
     this.engine?.setPalette(palette);
@@ -359,7 +383,7 @@ export class LiveMap {
   }
 
   #notice() {
-    const [text, how] = noticeOf(this.intake, { isReady: Boolean(this.engine) && this.frameNumber > 0, engineNote: this.engineNote });
+    const [text, how] = noticeOf(this.intake, { isReady: Boolean(this.engine) && this.frameNumber > 0, engineNote: [this.engineNote, this.engine && this.base?.note].filter(Boolean).join(' ') });
     this.controls.setNotice(text, how);
   }
 
@@ -371,6 +395,7 @@ export class LiveMap {
     clearTimeout(this.lostTimer);
     this.intake.destroy();
     this.unwatch?.();
+    this.base?.destroy();
     if (this.keys) this.host.removeEventListener('keydown', this.keys);
     this.engine?.destroy();
     this.labelLayer.destroy();

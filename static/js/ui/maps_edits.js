@@ -109,7 +109,13 @@
     }
 
     import(file) {
+      if (M.isBaseFile(file)) return this.baseMaps(file);
       M.importFile(file, { opened: () => this.open(false), take: (...chosen) => this.imported(...chosen) });
+      return undefined;
+    }
+
+    baseMaps(file = null) {
+      M.showBaseMaps({ mayEdit: this.may.edit, reason: this.dataset.noEdit, show: (one) => this.editor?.showBase(one.id, one.bounds) }, file);
     }
 
     async imported(importId, items, kinds, limitMs) {

@@ -3,7 +3,7 @@
   "use strict";
   const { el, icon, text, attr } = HL;
   const M = HL.maps;
-  const ACCEPT = ".geojson,.json,.kml,.kmz,.zip,.shp,.xml,.gpx,.csv,.dxf";
+  const ACCEPT = ".geojson,.json,.kml,.kmz,.zip,.shp,.xml,.gpx,.csv,.dxf,.tif,.tiff,.pmtiles";
   const TAKE_MS = 60000;
 
   function progress(file, cancel) {

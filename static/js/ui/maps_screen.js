@@ -32,6 +32,7 @@
       this.side = el("aside", { class: "m-side", "aria-label": "Details" }, this.panel.node, this.checkList.node, this.changes.node);
       this.append(this.chips.node, el("div", { class: "m-work" }, this.bar.node, this.tools.column, this.field), this.side, this.dock.node);
       this.drops();
+      this.addEventListener("headland:base-maps", () => this.baseMaps());
     }
 
     enter() {
@@ -70,6 +71,7 @@
         layers: () => this.replaced(),
         walk: () => this.walk.open(),
         pick: () => this.file.click(),
+        baseMaps: () => this.baseMaps(),
         versions: () => M.showVersions(client.published.version, { mayEdit: this.may.edit && !this.lockReason(), reason: this.lockReason() || this.dataset.noEdit, restore: (version) => this.restore(version) }),
         undoPoint: () => this.editor?.undoPoint(),
         merge: () => this.merge(),

@@ -19,7 +19,7 @@
   const LEADER_MS = 1500; // "g" then a letter moves to another screen
   const isTyping = (target) => target instanceof HTMLElement && target.closest("input, textarea, select, [contenteditable]");
 
-  // act: {tool, undo, redo, snap, layers, walk, pick, versions, undoPoint, remove, nudge, unsaved}
+  // act: {tool, undo, redo, snap, layers, walk, pick, baseMaps, versions, undoPoint, remove, nudge, unsaved}
   class Tools {
     constructor(act) {
       this.act = act;
@@ -69,7 +69,7 @@
       this.isSnap = HL.keep.read(SNAP, true) !== false;
       this.snap = el("button", { type: "button", "data-testid": "editor-snap", "aria-pressed": String(this.isSnap), title: "Corners snap to edges and corners nearby", "aria-label": "Snap", onclick: () => this.toggleSnap() }, icon("grid_goldenratio", "m"), el("span", { class: "m-word" }, "Snap"));
       this.layersButton = el("button", { type: "button", "data-testid": "editor-layers", "aria-label": "Layers" }, icon("layers", "m"), el("span", { class: "m-word" }, "Layers"));
-      this.layers = dropdown(this.layersButton, () => this.layerRows());
+      this.layers = dropdown(this.layersButton, (close) => this.layerRows(close));
       this.walk = button("editor-walk", "my_location", "Walk the edge", () => act.walk());
       this.import = button("editor-import", "upload_file", "Import", () => act.pick());
       this.exportButton = button("editor-export", "download", "Export", () => {});
@@ -84,12 +84,13 @@
       attr(this.snap, "aria-pressed", String(this.isSnap));
       this.act.snap(this.isSnap);
     }
-    layerRows() {
-      return LAYERS.map(([name, word]) => {
+    layerRows(close) {
+      const base = el("button", { type: "button", class: "item", "data-testid": "editor-base-maps", onclick: () => (close(), this.act.baseMaps()) }, icon("map", "m"), "Base maps");
+      return [...LAYERS.map(([name, word]) => {
         const box = el("input", { type: "checkbox", "data-testid": `editor-layer-${name}`, onchange: () => this.toggleLayer(name, box.checked) });
         box.checked = !this.hidden.has(name);
         return el("label", { class: "h-check m-layer" }, box, word);
-      });
+      }), base];
     }
     toggleLayer(name, isOn) {
       if (isOn) this.hidden.delete(name);
