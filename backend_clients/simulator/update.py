@@ -39,9 +39,9 @@ def continued(weeder: Weeder, order: Mission, continues: Continues) -> Verdict:
         verdict = _same(run, order, continues.segments)
         if not verdict.is_accepted:
             return verdict
-        if after.is_jump:
+        if after.is_jump and not _is_known(run, order, continues.segments):
             return _taken_up(weeder, fresh, run, stitch_m, after.own_start_m)
-        return _changed(weeder, fresh, run, stitch_m)
+        return _changed(weeder, fresh, run, after.drive_from_m)
     if run is not None and run.is_open:
         return refused("mission_active")
     if not after.is_jump or (run is not None and run.mission.mission_id == order.mission_id):
@@ -59,6 +59,14 @@ def _same(run: MissionRun, order: Mission, kept: int) -> Verdict:
     if kept and not _begins(order.segments[kept - 1], base.segments[kept - 1]):
         return refused("not_an_update")
     return OK
+
+
+def _is_known(run: MissionRun, order: Mission, number: int) -> bool:
+    """Say whether the robot is on the way back of that jump already."""
+    base = run.mission.segments
+    return (
+        number < len(base) and base[number].jump is True and base[number].points[0] == order.segments[number].points[0]
+    )
 
 
 def _begins(part: Segment, whole: Segment) -> bool:
