@@ -22,7 +22,7 @@ from hmi.store.errors import NotFound
 
 
 class RestBody(Body):
-    """What the rest shall be. ``change``: of what is under way; ``later``: taken up again from where the robot stands."""
+    """What the rest shall be: ``change`` of what is under way, ``later`` from where the robot stands."""
 
     kind: Literal["change", "later"]
     leave_out: Annotated[list[int], Field(max_length=20_000, description="numbers of pieces")] = Field(default=[])

@@ -162,6 +162,8 @@ def _add_maps(router: APIRouter, book: MissionBook, fleet: FleetReader, encoded:
             return Response(status_code=304)
         document = {**await book.document(session, mission.id), "robot": robot_id}
         if mission_sha256(document) != order.sha256:
+            document = await book.document_read_back(session, mission.id, order.sha256) or document
+        if mission_sha256(document) != order.sha256:
             raise not_found(f"{robot.name} has another version of {mission.name} than is stored here.")
         return _geojson(await encoded.of(order.sha256, document), order.sha256)
 

@@ -56,6 +56,7 @@ class MissionFactsBook:
             None if around is None else around.map_text,
             None if around is None else around.start,
             () if around is None else around.fence,
+            bool(mission.pending_sha256),
         )
 
     def map_published(self) -> None:

@@ -108,6 +108,11 @@ class MissionBook:
         self._parts.authorize(session, Permission.WATCH)
         return await self._database.run(self._missions.document, session.farm_id, mission_id)
 
+    async def document_read_back(self, session: SessionInfo, mission_id: str, sha256: str) -> Document | None:
+        """Return the document of this hash if a robot was sent it, e.g. one that is just being read back."""
+        self._parts.authorize(session, Permission.WATCH)
+        return await self._database.run(self.revisions.document, session.farm_id, mission_id, sha256)
+
     async def features(self, session: SessionInfo, kinds: Sequence[str] = ()) -> Sequence[Feature]:
         """Return the farm's map."""
         self._parts.authorize(session, Permission.WATCH)

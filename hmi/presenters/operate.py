@@ -86,6 +86,7 @@ def _mission(robot: Robot, context: Context) -> Any:
     if robot.state is None or robot.state.order is None:
         return None
     order = robot.state.order
+    facts = context.facts_of(order.mission_id)
     title = context.title_of(order.mission_id) or MissionTitle(order.mission_id, "")
     return {
         "t": milliseconds(robot.state.stamp.source_s),
@@ -103,6 +104,7 @@ def _mission(robot: Robot, context: Context) -> Any:
         "is_supervised": order.is_supervised,
         "segment": order.segment,
         "segment_s_m": round(order.segment_s_m, 2),
+        "is_pending": facts is not None and facts.is_pending,
     }
 
 

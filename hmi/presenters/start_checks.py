@@ -29,6 +29,7 @@ class MissionFacts(NamedTuple):
         map_text: empty if the map around it is as it was planned, ``None`` if that is not known, else what changed.
         start: longitude and latitude of its first point.
         fence: corners of the farm, longitude and latitude; empty without one.
+        is_pending: another document of it was sent and not read back yet.
     """
 
     sha256: str
@@ -40,6 +41,7 @@ class MissionFacts(NamedTuple):
     map_text: str | None = None
     start: Place | None = None
     fence: Sequence[Place] = ()
+    is_pending: bool = False
 
 
 def start_checks(robot: Robot, facts: MissionFacts | None) -> list[Check]:

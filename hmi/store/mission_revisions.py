@@ -111,6 +111,13 @@ class MissionRevisions:
             document, statistics = self._missions.document(farm_id, mission_id), known.statistics
         return canonical({**document, "revision": self.next_revision(mission_id)}), statistics
 
+    def document(self, farm_id: str, mission_id: str, sha256: str) -> Document | None:
+        """Return a document that was proposed, by its hash."""
+        with self._database.read() as session:
+            query = select(MissionRevisionRow).filter_by(farm_id=farm_id, mission_id=mission_id, sha256=sha256)
+            row = session.scalar(query.limit(1))
+            return None if row is None else dict(row.document)
+
     def next_revision(self, mission_id: str) -> int:
         """Return a revision no document of this mission has had."""
         known = self._missions.known(mission_id)
