@@ -115,15 +115,16 @@ def _later(robot: Robot) -> str:
 
 def _fresh(robot: Robot) -> str:
     """Whether the whole mission can be sent again from its first row."""
-    if mode_of(robot) in (Mode.AUTO, Mode.MANUAL):
-        return "Pause it first"
+    if mode_of(robot) not in (Mode.IDLE, Mode.PAUSED):
+        return _held(robot) or "Pause it first"
     is_left = has_mission(robot, OrderStatus.PAUSED, OrderStatus.DONE, OrderStatus.ABORTED, OrderStatus.FAILED)
     return "" if is_left else "No mission to begin again"
 
 
 def _change(robot: Robot) -> str:
     """Whether the rest of what is under way can be changed."""
-    if not has_mission(robot, *_ACTIVE):
+    is_running = mode_of(robot) is Mode.AUTO and has_mission(robot, OrderStatus.RUNNING)
+    if not is_running and not (mode_of(robot) is Mode.PAUSED and has_mission(robot, OrderStatus.PAUSED)):
         return "No mission under way"
     is_away = has_mission(robot, OrderStatus.PAUSED) and _was_moved(robot)
     return "It was moved since the pause. Resume later brings it back first" if is_away else ""

@@ -2,7 +2,7 @@
 (() => {
   "use strict";
   const { el, icon, text, attr, LiveElement, define } = HL;
-  const SIGN = { yes: "check_circle", no: "block", warn: "warning", unknown: "help" };
+  const SIGN = { yes: "check", no: "block", warn: "warning", unknown: "help" };
   const AGAIN_MS = 30000; // a list ticked on another tablet, or run out, is seen by then
   const lists = new Map();
 
@@ -71,7 +71,7 @@
     }
     item(one, isDone) {
       const isOn = isDone || this.ticked.has(one.id);
-      return el("button", { type: "button", class: "h-btn h-tick", role: "checkbox", "aria-checked": String(isOn), "data-testid": `check-${one.id}`, disabled: isDone || !HL.config.rights.includes("start"), onclick: () => this.tap(one.id) }, icon(isOn ? "check_box" : "check_box_outline_blank", "l"), el("span", {}, one.text));
+      return el("button", { type: "button", class: "h-btn h-tick", role: "checkbox", "aria-checked": String(isOn), "data-testid": `check-${one.id}`, disabled: isDone || !HL.config.rights.includes("start"), onclick: () => this.tap(one.id) }, el("span", { class: "h-box" }, isOn ? icon("check", "l") : ""), el("span", {}, one.text));
     }
     tap(id) {
       if (!this.ticked.delete(id)) this.ticked.add(id);
