@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import contextlib
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from hmi.clock import Clock
 from hmi.commands.gate import Gate
@@ -301,7 +302,7 @@ class _RestSource:
     async def stored(self, farm_id: str, mission_id: str, robot_id: str) -> StoredMission | None:
         """Keep the document as sent, not confirmed."""
         planned, mission = self._planned, self._mission
-        statistics = {**mission.statistics, **planned.statistics}
+        statistics = _merged(mission.statistics, planned.statistics)
         await self._parts.database.run(
             self._parts.revisions.propose,
             farm_id,
@@ -355,6 +356,12 @@ class _FreshSource:
         if progress is None or not progress.is_begun:
             return FRESH
         return f"{FRESH} Forgotten: {forgotten_words(progress)}."
+
+
+def _merged(before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a mission's figures after its rest changed; the area goes with the length of its rows."""
+    covered = {"covered_m2": before["covered_m2"] * now["covered_share"]} if "covered_m2" in before else {}
+    return {**before, **{key: value for key, value in now.items() if key != "covered_share"}, **covered}
 
 
 def forgotten_words(progress: Progress) -> str:

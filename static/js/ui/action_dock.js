@@ -76,7 +76,7 @@
     drive: (dock) => [button("drive-open", "sports_esports", "Drive", () => HL.drive.open(HL.view.robot)), "drive"],
     start: (dock) => [slide(dock, { hook: "mission-start", label: "Slide to start", line: motionLine(), act: start("start") }), "start", motionLine],
     checks: () => [checks(), null],
-    later: () => [button("mission-later", "history", "Resume later", () => HL.rest?.later(onRobot()), "pri", "Drives back, goes on where it stopped"), "later"],
+    later: () => [button("mission-later", "history", "Resume later", () => void HL.rest?.later(onRobot()), "pri", "Drives back, goes on where it stopped"), "later"],
     fresh: (dock) => [slide(dock, { hook: "mission-fresh", icon: "refresh", label: "Hold to start fresh", line: HL.rest?.forgets(HL.port.robot(HL.view.robot).mission), goal: "refresh", isHold: true, button: { icon: "refresh", label: "Start fresh" }, act: () => HL.rest.fresh(onRobot().id) }), "fresh"],
     resume: (dock) => [slide(dock, { hook: "mission-resume", label: "Slide to resume", line: motionLine(), act: start("resume") }), "resume", motionLine],
     reset: (dock) => [slide(dock, { hook: "stop-reset", label: "Slide to reset stop", line: "Robot stays still. Check the area is clear.", goal: "lock_open", act: () => reset() }), "reset"],
@@ -110,7 +110,7 @@
   }
 
   function checks() {
-    const made = button("mission-checks", "check", "Checks", () => HL.startChecks?.open(HL.view.robot));
+    const made = button("mission-checks", "check", "Checks", () => void HL.startChecks?.open(HL.view.robot));
     const sub = made.node.querySelector(".sub");
     return { ...made, allow: () => text(sub, HL.startChecks?.summary(HL.view.robot) ?? "") };
   }

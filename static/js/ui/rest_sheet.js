@@ -26,7 +26,7 @@
       this.said = el("div", { class: "h-t16 h-b", role: "status", "data-testid": "rest-said" }, "Looking at how far it is");
       this.options = el("div", { class: "h-col" });
       this.shown = el("div", { class: "h-col" });
-      this.close = HL.sheet({ title: kind === "change" ? `Change the rest of ${mission.name}` : `Resume ${mission.name} later`, hook: "rest-sheet", body: [this.options, this.said, this.shown], buttons: [["Keep it as it is", (close) => close()], [kind === "change" ? "Send update" : "Send the way back", () => this.send(), true]] });
+      this.close = HL.sheet({ title: kind === "change" ? `Change the rest: ${mission.name}` : `Resume later: ${mission.name}`, hook: "rest-sheet", body: [this.options, this.said, this.shown], buttons: [["Keep it as it is", (close) => close()], [kind === "change" ? "Send update" : "Send the way back", () => this.send(), true]] });
       this.button = document.querySelector("[data-testid=rest-sheet] .foot .pri");
       attr(this.button, "data-testid", "rest-send");
       this.button.disabled = true;
