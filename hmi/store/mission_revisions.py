@@ -21,6 +21,14 @@ from hmi.store.missions import Mission, Missions
 WHOLE, PENDING, TAKEN, DROPPED = "whole", "pending", "taken", "dropped"
 
 
+class _Taken(Exception):
+    """Answer and report of the robot came together; the other one was first."""
+
+    def __init__(self, mission: Mission) -> None:
+        super().__init__(mission.id)
+        self.mission = mission
+
+
 class MissionRevisions:
     """Proposes documents, and makes them the mission's own when a robot has read them back."""
 
@@ -57,6 +65,8 @@ class MissionRevisions:
             return known
 
         def work(session: Session, mission: Mission, _current: Document) -> tuple[Mission, Document]:
+            if mission.sha256 == sha256:
+                raise _Taken(mission)
             row = session.scalar(
                 select(MissionRevisionRow)
                 .filter_by(farm_id=farm_id, mission_id=mission_id, sha256=sha256)
@@ -82,7 +92,10 @@ class MissionRevisions:
                 dict(row.document),
             )
 
-        return self._missions.change(farm_id, mission_id, work, by, why, {"sha256": sha256})
+        try:
+            return self._missions.change(farm_id, mission_id, work, by, why, {"sha256": sha256})
+        except _Taken as taken:
+            return taken.mission
 
     def drop(self, farm_id: str, mission_id: str, by: str, why: str) -> Mission:
         """Forget the pending document: the robot refused it, or said that it has the old one."""

@@ -8,7 +8,6 @@ import logging
 from collections.abc import Callable
 
 from hmi.domain.mission import (
-    ENDED,
     ON_ROBOT,
     BadMove,
     MissionChange,
@@ -27,6 +26,7 @@ from hmi.store.missions import Mission, Missions
 RETRY_S = 5.0  # the database was away; the robot's next report is asked again
 READ_BACK = "The robot has read the new version back."
 log = logging.getLogger(__name__)
+HORN = "start_horn"
 OnMoved = Callable[[Mission, MissionChange], None]
 
 
@@ -112,6 +112,8 @@ class MissionTracking:
     async def _follow(self, mission: Mission, state: RobotState, robot_name: str) -> None:
         order = state.order
         mission = await self._read_back(mission, order, robot_name)
+        if _is_about_to_move(mission, state):
+            return  # it sounds its horn: resuming, not running
         open_mission = OpenMission(
             mission.id, mission.status, mission.robot_id, mission.sha256, self._acted.get(mission.id)
         )
@@ -120,7 +122,7 @@ class MissionTracking:
         if move is None:
             return
         steps, why = move
-        if mission.status not in ENDED and steps[-1] is MissionStatus.PAUSED and state.hold is not None:
+        if steps[-1] is MissionStatus.PAUSED and state.hold is not None:
             why = state.hold.text
         try:
             for step in steps:
@@ -165,3 +167,10 @@ class MissionTracking:
                 log.warning("missions could not be moved on: %s", error)
                 await asyncio.sleep(RETRY_S)
                 self._news.set()
+
+
+def _is_about_to_move(mission: Mission, state: RobotState) -> bool:
+    """Say whether it has taken the order to go on and does not move yet."""
+    is_held = state.hold is not None and state.hold.code == HORN
+    waits = mission.status in (MissionStatus.PAUSED, MissionStatus.RESUMING)
+    return is_held and waits and state.order is not None and state.order.sha256 == mission.sha256
