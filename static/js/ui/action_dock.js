@@ -34,6 +34,7 @@
     if (groups.actions?.later?.ok) return groups.mission?.status === "paused" ? "moved" : "interrupted";
     if (mode === "paused" && groups.why?.code === "continued") return "ready";
     if (mode === "paused" && ["running", "paused"].includes(groups.mission?.status ?? "paused")) return "paused";
+    if (groups.mission?.status === "done") return "done";
     return groups.mission ? "idle" : "empty";
   }
 
@@ -96,6 +97,7 @@
     empty: ["start", "home", "drive"],
     moved: ["later", "fresh", "home", "abort", "drive"],
     interrupted: ["later", "fresh", "home", "drive"],
+    done: ["fresh", "home", "drive"],
     ready: ["resume", "checks", "abort", "drive"],
     latched: ["reset", "resumeOff"],
     driving: ["endManual", "gap", "timer"],
