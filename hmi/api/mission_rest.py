@@ -14,8 +14,9 @@ from hmi.api.errors import not_found
 from hmi.api.missions import MissionId, row, translated
 from hmi.api.orders import RobotId, raise_if_forbidden
 from hmi.commands.checklist_desk import ChecklistDesk
-from hmi.commands.mission_rest import MissionRests, RestOrder, RestView, forgotten_words
+from hmi.commands.mission_rest import MissionRests, RestOrder, RestView
 from hmi.commands.mission_send import MissionSent
+from hmi.commands.rest_sources import forgotten_words
 from hmi.planning.mission_map import mission_geojson
 from hmi.store.checklists import Checklist
 from hmi.store.errors import NotFound

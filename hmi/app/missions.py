@@ -16,8 +16,9 @@ from hmi.commands.desk import CommandDesk
 from hmi.commands.map_watch import MapWatch
 from hmi.commands.mission_acts import MissionActs
 from hmi.commands.mission_book import MissionBook, MissionParts
-from hmi.commands.mission_rest import MissionRests, RestParts
+from hmi.commands.mission_rest import MissionRests
 from hmi.commands.ports import LaneEvent
+from hmi.commands.rest_sources import RestParts
 from hmi.commands.start_rules import MissionStartRules
 from hmi.demo.seed import DemoSeed, SeedParts
 from hmi.domain.mission import MissionChange

@@ -8,8 +8,9 @@ from typing import Any
 
 import pytest
 
-from hmi.commands.mission_rest import MissionRests, RestOrder, RestParts
+from hmi.commands.mission_rest import MissionRests, RestOrder
 from hmi.commands.mission_send import MissionSender
+from hmi.commands.rest_sources import RestParts
 from hmi.commands.start_rules import MissionStartRules
 from hmi.domain.command import Acknowledgement, OrderFailed, Outcome
 from hmi.domain.mission import MissionStatus, Mover
