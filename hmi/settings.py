@@ -81,6 +81,12 @@ class Settings(BaseSettings):
     farm_id: str = Field("farm", description="Id of the farm this console serves.")
     farm_name: str = Field("My farm", description="Name of the farm, shown in the top bar.")
     session_hours: float = Field(12, gt=0, le=168, description="A signed-in browser stays signed in this long.")
+    checklist_required: bool = Field(
+        True, description="A supervised mission starts only after the person has ticked the robot's pre-start list."
+    )
+    checklist_hours: float = Field(
+        12, gt=0, le=168, description="A ticked pre-start list counts this long, for the person who ticked it."
+    )
     allowed_origins: list[str] = Field(
         default_factory=list,
         description="Further origins whose pages may talk "

@@ -53,6 +53,7 @@ class MissionRun:
         self.pause_pose: Point | None = None
         self._row_weeds = 0.0
         self._row_treated_m = 0.0
+        self._must_be_on_path = False
 
     @property
     def is_open(self) -> bool:
@@ -88,11 +89,36 @@ class MissionRun:
 
     def rest(self, pose: Point) -> None:
         """Note where it stands; a resume far from here is refused."""
-        self.pause_pose = pose
         s = self.tracker.s_m
+        self.pause_pose = pose
         rolled_to = self.route.locate(*pose, s, min(s + ROLL_OUT_M, self.route.next_pivot(s + 1e-6)))
         if math.dist(pose, self.route.point_at(rolled_to)) < MOVED_LIMIT_M:
             self.tracker.s_m = rolled_to
+        elif self._must_be_on_path:
+            # switched off while it ran and found elsewhere: somebody moved it meanwhile
+            self.pause_pose = self.route.point_at(s)
+        self._must_be_on_path = False
+
+    def take_over(self, base: MissionRun, s_m: float) -> None:
+        """Go on with the progress of ``base`` at ``s_m`` of this path; its state stays what it was."""
+        self.tracker = Tracker(self.route, s_m)
+        self.row, self.treated_m, self.driven_m = base.row, base.treated_m, base.driven_m
+        self._row_weeds, self._row_treated_m = base._row_weeds, base._row_treated_m
+        self.status, self.is_supervised = base.status, base.is_supervised
+        self.pause_code, self.pause_pose = base.pause_code, base.pause_pose
+
+    def count_done(self, until_m: float) -> None:
+        """Take the path before ``until_m`` as treated: it was, before this robot had the document."""
+        self.treated_m = self.driven_m = 0.0
+        for leg in self.route.legs:
+            length_m = max(min(leg.end_m, until_m) - leg.own_start_m, 0.0)
+            self.treated_m += length_m if leg.is_tool_on else 0.0
+            self.row = leg.row if leg.row and length_m > 0 else self.row
+
+    def stand_at(self, s_m: float, pose: Point) -> None:
+        """Be paused before ``s_m``, standing at ``pose``: ready to go on from there."""
+        self.tracker = Tracker(self.route, s_m)
+        self.status, self.pause_code, self.pause_pose = "paused", "continued", pose
 
     def moved_m(self, pose: Point) -> float:
         """Return how far it stands from where it was paused."""
@@ -134,7 +160,7 @@ class MissionRun:
             row=self.row,
             rows=self.route.rows,
             segment=min(leg.index, len(self.mission.segments) - 1),
-            segment_s_m=round(max(self.tracker.s_m - leg.start_m, 0.0), 2),
+            segment_s_m=round(max(self.tracker.s_m - leg.own_start_m, 0.0), 2),
             area_m2=self.mission.area_m2,
             area_done_m2=round(self.mission.area_m2 * share, 1),
             distance_m=round(self.driven_m, 1),
@@ -146,6 +172,7 @@ class MissionRun:
         """Write what has to survive a reboot into ``saved``."""
         saved.status, saved.sha256, saved.s_m = self.status, self.sha256, self.tracker.s_m
         saved.row, saved.treated_m, saved.driven_m = self.row, self.treated_m, self.driven_m
+        saved.row_treated_m, saved.row_weeds = self._row_treated_m, self._row_weeds
         saved.is_supervised, saved.pause_code, saved.pause_pose = self.is_supervised, self.pause_code, self.pause_pose
 
     def restore(self, saved: SavedProgress) -> None:
@@ -154,10 +181,12 @@ class MissionRun:
             return
         self.tracker = Tracker(self.route, min(saved.s_m, self.route.length_m))
         self.row, self.treated_m, self.driven_m = saved.row, saved.treated_m, saved.driven_m
+        self._row_treated_m, self._row_weeds = saved.row_treated_m, saved.row_weeds
         self.is_supervised = saved.is_supervised
         if saved.status in ("running", "paused"):
             self.pause((saved.pause_code if saved.status == "paused" else "") or "rebooted")
             self.pause_pose = saved.pause_pose
+            self._must_be_on_path = saved.pause_pose is None
         elif saved.status in ("done", "aborted", "failed"):
             self.status = saved.status  # type: ignore[assignment]
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from msgspec import UNSET
 from msgspec.structs import replace
 
 from backend_clients.edge import messages_down as down
@@ -12,6 +13,7 @@ from backend_clients.edge.codec import mission_hash
 from backend_clients.simulator.mission_run import AT_HOME_M, MOVED_LIMIT_M
 from backend_clients.simulator.reports import Reporter
 from backend_clients.simulator.route import RouteError
+from backend_clients.simulator.update import continued
 from backend_clients.simulator.verdict import OK, Verdict, accepted, refused
 from backend_clients.simulator.weeder import BATTERY_VERY_LOW, DriveState, Weeder
 
@@ -151,6 +153,8 @@ class OrderDesk:
             return refused("already_running")
         if run.status == "paused" and run.moved_m(weeder.place) <= MOVED_LIMIT_M:
             return refused("mission_paused")
+        if run.status != "paused" and run.route.has_jump:
+            return refused("not_whole")
         s = run.tracker.s_m if run.status == "paused" else 0.0
         if math.dist(weeder.place, run.route.point_at(s)) > MAX_START_DISTANCE_M:
             return refused("mission_too_far")
@@ -170,8 +174,8 @@ class OrderDesk:
         if moved_m > MOVED_LIMIT_M:
             return refused(
                 "moved_while_paused",
-                f"It was moved {moved_m:.1f} m since the pause. Drive it back to where it stopped, or start: "
-                "it then goes to the nearest point of the path ahead and works on from there.",
+                f"It was moved {moved_m:.1f} m since the pause. Drive it back to where it stopped, "
+                "or plan the way back with Resume later.",
             )
         verdict = self._may_work()
         if verdict.is_accepted:
@@ -276,6 +280,8 @@ class OrderDesk:
             return refused("retained")
         if run is not None and run.sha256 == sha256:
             return accepted("already_stored", "The robot has this mission already.")
+        if order.continues is not UNSET:
+            return continued(weeder, order, order.continues)
         if run is not None and run.is_open:
             return refused("mission_active")
         try:

@@ -300,6 +300,17 @@ class Weeder:
         self.note("mission", "Mission loaded", mission.name)
         self.save()
 
+    def renew(self, run: MissionRun) -> None:
+        """Take a mission that goes on with what was done; moves nothing that does not move already."""
+        if self.run is not None and self.run.status == "running" and run.status == "running":
+            run.tracker.go_on_as(self.run.tracker)
+        else:
+            self._lead = None
+        self.run = run
+        self._store.save_mission(run.mission)
+        self.note("mission", "Mission changed", run.mission.name, revision=run.mission.revision)
+        self.save()
+
     def begin(self, *, is_supervised: bool) -> None:
         """Start the loaded mission, or rejoin its path after it was moved; the horn sounds first."""
         assert self.run is not None

@@ -110,12 +110,12 @@ def _add_reading(router: APIRouter, book: MissionBook, encoded: _Encoded) -> Non
 def _add_planning(router: APIRouter, book: MissionBook) -> None:
     @router.post("/missions/plan", status_code=201, summary="Plan a field and store the mission")
     async def plan(body: PlanBody, session: SignedIn) -> dict[str, Any]:
-        with_errors = _translated(lambda: book.plan(session, _order(body)))
+        with_errors = translated(lambda: book.plan(session, _order(body)))
         return row(await with_errors)
 
     @router.post("/missions/preview", summary="Plan a field without storing: numbers and geometry")
     async def preview(body: PlanBody, session: SignedIn) -> dict[str, Any]:
-        planned = await _translated(lambda: book.preview(session, _order(body)))
+        planned = await translated(lambda: book.preview(session, _order(body)))
         shape = await asyncio.to_thread(mission_geojson, planned.document)
         return {"statistics": planned.statistics, "name": planned.document["name"], "geometry": shape}
 
@@ -123,15 +123,15 @@ def _add_planning(router: APIRouter, book: MissionBook) -> None:
 def _add_changing(router: APIRouter, book: MissionBook) -> None:
     @router.post("/missions/{mission_id}/copy", status_code=201, summary="Copy a mission; the copy has not run")
     async def copy(mission_id: MissionId, body: CopyBody, session: SignedIn) -> dict[str, Any]:
-        return row(await _translated(lambda: book.copy(session, mission_id, " ".join(body.name.split()))))
+        return row(await translated(lambda: book.copy(session, mission_id, " ".join(body.name.split()))))
 
     @router.patch("/missions/{mission_id}", summary="Rename a mission no robot holds")
     async def rename(mission_id: MissionId, body: NameBody, session: SignedIn) -> dict[str, Any]:
-        return row(await _translated(lambda: book.rename(session, mission_id, body.name)))
+        return row(await translated(lambda: book.rename(session, mission_id, body.name)))
 
     @router.delete("/missions/{mission_id}", status_code=204, summary="Delete a mission that never ran")
     async def delete(mission_id: MissionId, session: SignedIn) -> None:
-        await _translated(lambda: book.delete(session, mission_id))
+        await translated(lambda: book.delete(session, mission_id))
 
 
 def _add_maps(router: APIRouter, book: MissionBook, fleet: FleetReader, encoded: _Encoded) -> None:
@@ -162,11 +162,13 @@ def _add_maps(router: APIRouter, book: MissionBook, fleet: FleetReader, encoded:
             return Response(status_code=304)
         document = {**await book.document(session, mission.id), "robot": robot_id}
         if mission_sha256(document) != order.sha256:
+            document = await book.document_read_back(session, mission.id, order.sha256) or document
+        if mission_sha256(document) != order.sha256:
             raise not_found(f"{robot.name} has another version of {mission.name} than is stored here.")
         return _geojson(await encoded.of(order.sha256, document), order.sha256)
 
 
-async def _translated(work: Callable[[], Any]) -> Any:
+async def translated(work: Callable[[], Any]) -> Any:
     """Await the book's answer; its refusals become errors of the request."""
     try:
         return await work()
@@ -199,6 +201,9 @@ def row(mission: Mission) -> dict[str, Any]:
         "status": mission.status.value,
         "is_supervised": mission.is_supervised,
         "revision": mission.revision,
+        "map_version": mission.map_version,
+        "progress": mission.progress,
+        "is_pending": bool(mission.pending_sha256),
         "sha256": mission.sha256,
         "statistics": mission.statistics,
         "row_bearing_deg": bearing,

@@ -40,7 +40,7 @@ class Console:
         self.missions = MissionDesk(settings, clock, records, edge.fleet, self.authorize, self._lane_event)
         self.maps = MapDesk(settings, records, clock, self.authorize, self._lane_event)
         self.base_maps = BaseMapDesk(settings, records, clock, self.authorize, self._lane_event)
-        self.hub = LiveHub(edge.fleet, edge.ticks, clock, self.missions.title_of)
+        self.hub = LiveHub(edge.fleet, edge.ticks, clock, self.missions.title_of, self.missions.facts.of)
         self.keeper = KeeperReport(settings.data)
         self.metrics = ConsoleMetrics()
         self.desk = CommandDesk(
@@ -55,6 +55,7 @@ class Console:
                 on_event=self._lane_event,
                 epoch=epoch,
                 next_epoch=self._next_epoch,
+                start_rules=self.missions.start_rules,
                 is_signed_in=lambda session_id: records.sessions.get(session_id) is not None,
             )
         )
@@ -134,6 +135,7 @@ class Console:
         hear.on_safety += [self._safety, self.stops.service.on_safety]
         hear.on_event += [self.records.recorder.see_event, self._robot_event]
         self.desk.ledger.when_settled(self.metrics.observe)
+        self.desk.ledger.when_settled(self.missions.acts.settled)
         self._undo = [
             self.records.sessions.on_ended(self._session_ended),
             self._witness.start(),
@@ -157,6 +159,8 @@ class Console:
 
     def _lane_event(self, event: dict[str, Any]) -> None:
         self.hub.event(event)
+        if event.get("kind") == "map" and event.get("what") == "published":
+            self.missions.facts.map_published()
         if event.get("kind") == "lease":
             self.show_lease(str(event["robot"]))
 

@@ -13,6 +13,7 @@ from hmi.security.sign_in import SignIn
 from hmi.security.stop_tokens import StopTokens
 from hmi.store.audit import Audit
 from hmi.store.base_maps import BaseMapRecords
+from hmi.store.checklists import Checklists
 from hmi.store.counters import Counters
 from hmi.store.database import Database
 from hmi.store.devices import Devices
@@ -56,6 +57,7 @@ class Records:
         self.maps = Maps(self.database, clock)
         self.base_maps = BaseMapRecords(self.database)
         self.missions = Missions(self.database, clock)
+        self.checklists = Checklists(self.database, clock)
         self.thinning = Thinning(self.database)
         self.passwords = Passwords(settings.secret)
         self.tokens = StopTokens(settings.secret, self.devices.is_revoked)
@@ -86,6 +88,7 @@ class Records:
         self.farms.ensure(self._settings.farm_id, self._settings.farm_name)
         self.robots.load()
         self.devices.load()
+        self.checklists.load()
         self.stop_list.export()
 
     def start(self) -> None:

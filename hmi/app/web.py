@@ -119,6 +119,7 @@ def _api(console: Console) -> ApiServices:
         clock=console.clock,
         on_registry=console.sync_registry,
         title_of=console.missions.title_of,
+        facts_of=console.missions.facts.of,
     )
     return ApiServices(
         access=Access(records.sessions, records.tokens, console.authorize),
@@ -142,7 +143,7 @@ def _api(console: Console) -> ApiServices:
         desk=console.desk,
         stop=console.stops,
         diagnostics=_diagnostics(console),
-        further=[console.missions.routes(), console.maps.routes(), console.base_maps.routes()],
+        further=[*console.missions.routes(console.desk), console.maps.routes(), console.base_maps.routes()],
     )
 
 

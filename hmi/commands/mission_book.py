@@ -9,10 +9,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from hmi.clock import Clock
+from hmi.commands.map_watch import MapStamp, MapWatch
 from hmi.commands.ports import AuditSink, FleetReader, StoredMission
 from hmi.commands.refusal import OrderRefused
 from hmi.domain.ids import new_id
-from hmi.domain.mission import UNDER_WAY, BadMove, MissionStatus, Mover
+from hmi.domain.mission import ENDED, UNDER_WAY, BadMove, MissionStatus, Mover
 from hmi.domain.mission_document import Document, for_robot, mission_sha256, renamed
 from hmi.domain.mission_plan import PlannedMission, Planner, PlanWish, Surroundings
 from hmi.domain.robot import Robot
@@ -21,9 +22,13 @@ from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
 from hmi.store.audit_chain import AuditEntry
 from hmi.store.database import Database
+from hmi.store.errors import NotFound
 from hmi.store.features import Feature, Features
+from hmi.store.maps import Maps
+from hmi.store.mission_revisions import MissionRevisions
 from hmi.store.missions import Mission, MissionLogEntry, Missions
 
+FRESH = "The whole mission again, from its first row."
 NEAR_HOME_M = 2000.0  # a home further away belongs to another site
 FAR_M = 3000.0  # a robot this far from a field is at another site: sending must be a mistake
 EARTH_M = 6_371_000.0
@@ -63,6 +68,7 @@ class MissionParts:
     audit: AuditSink
     authorize: Authorize
     clock: Clock
+    maps: Maps
 
 
 class MissionBook:
@@ -75,6 +81,8 @@ class MissionBook:
     def __init__(self, parts: MissionParts) -> None:
         self._parts = parts
         self._missions, self._database = parts.missions, parts.database
+        self.revisions = MissionRevisions(parts.missions, parts.database, parts.clock)
+        self._map = MapWatch(parts.maps, parts.database)
 
     async def load(self) -> None:
         """Read the missions into memory; at start."""
@@ -100,6 +108,11 @@ class MissionBook:
         self._parts.authorize(session, Permission.WATCH)
         return await self._database.run(self._missions.document, session.farm_id, mission_id)
 
+    async def document_read_back(self, session: SessionInfo, mission_id: str, sha256: str) -> Document | None:
+        """Return the document of this hash if a robot was sent it, e.g. one that is just being read back."""
+        self._parts.authorize(session, Permission.WATCH)
+        return await self._database.run(self.revisions.document, session.farm_id, mission_id, sha256)
+
     async def features(self, session: SessionInfo, kinds: Sequence[str] = ()) -> Sequence[Feature]:
         """Return the farm's map."""
         self._parts.authorize(session, Permission.WATCH)
@@ -115,7 +128,8 @@ class MissionBook:
         self._parts.authorize(session, Permission.EDIT_MISSION, order.robot_id)
         mission_id = f"m-{new_id()[:12]}"
         wish = await self._wish(session, order, mission_id)
-        planned = await self._parts.planner.plan(wish)
+        version = await self._map.now(session.farm_id)
+        planned = _on_map(await self._parts.planner.plan(wish), version)
         now = self._parts.clock.utc()
         mission = Mission(
             id=mission_id,
@@ -131,6 +145,7 @@ class MissionBook:
             field_id=order.field_id,
             is_supervised=order.is_supervised,
             statistics=planned.statistics,
+            map_version=version.number,
         )
         stored = await self._database.run(self._missions.add, mission, planned.document, "Planned.")
         self._audit(session, stored, "planned", {"width_m": order.width_m, "field_id": order.field_id})
@@ -162,7 +177,7 @@ class MissionBook:
         """Return a mission as it goes to this robot, ``None`` if there is none.
 
         Raises:
-            OrderRefused: another robot works on it, or the robot is at another site.
+            OrderRefused: another robot works on it, the robot is at another site, or the map changed around it.
         """
         mission = self._missions.known(mission_id)
         if mission is None or mission.farm_id != farm_id:
@@ -170,11 +185,19 @@ class MissionBook:
         if mission.status in UNDER_WAY and mission.robot_id != robot_id:
             text = f"{mission.name} is {mission.status.value} on {mission.robot_id}. Copy it for another robot."
             raise OrderRefused("in_use", text)
-        document = for_robot(await self._database.run(self._missions.document, farm_id, mission_id), robot_id)
+        is_fresh = mission.status in ENDED
+        if is_fresh:
+            document, statistics = await self._database.run(self.revisions.whole, farm_id, mission_id)
+        else:
+            document, statistics = await self._database.run(self._missions.document, farm_id, mission_id), {}
+        document = for_robot(document, robot_id)
         robot = self._parts.fleet.robot(robot_id)
         if robot is not None:
             _refuse_if_far(robot, mission, document)
-        return StoredMission(mission_id, mission.name, document, mission_sha256(document))
+        note = await self._map.check(farm_id, mission.map_version, document)
+        if is_fresh:  # the same bytes again would be no new beginning for a robot that has them
+            await self._database.run(self.revisions.propose, farm_id, mission_id, document, statistics, "", FRESH)
+        return StoredMission(mission_id, mission.name, document, mission_sha256(document), note)
 
     async def sent(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> None:
         """Note that the robot holds this mission now."""
@@ -182,6 +205,9 @@ class MissionBook:
 
     def _sent(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> None:
         why = f"Sent to {robot_id}, read back whole."
+        known = self._missions.known(mission_id)
+        if known is not None and known.pending_sha256:
+            self.revisions.take(farm_id, mission_id, known.pending_sha256, by, FRESH)
         known = self._missions.known(mission_id)
         if known is not None and known.robot_id == robot_id and known.status is MissionStatus.ACCEPTED:
             # the robot's report was faster than its answer to the sending
@@ -193,11 +219,23 @@ class MissionBook:
             log.warning("mission %s was sent to %s but stays as it is: %s", mission_id, robot_id, error)
 
     def _copy(self, session: SessionInfo, mission_id: str, name: str) -> Mission:
-        document = self._missions.document(session.farm_id, mission_id)
         known = self._missions.known(mission_id)
-        assert known is not None  # the document was there
+        if known is None or known.farm_id != session.farm_id:
+            raise NotFound(f"there is no mission {mission_id!r}")
         copy_id, name = f"m-{new_id()[:12]}", name or f"{known.name[:73]}, copy"
-        copy = replace(known, id=copy_id, name=name, status=MissionStatus.VALIDATED, created_by=session.user_name)
+        document, statistics = self.revisions.whole(session.farm_id, mission_id)
+        document = {**document, "revision": 1}
+        copy = replace(
+            known,
+            id=copy_id,
+            name=name,
+            status=MissionStatus.VALIDATED,
+            created_by=session.user_name,
+            statistics=statistics,
+            revision=1,
+            progress=None,
+            pending_sha256="",
+        )
         return self._missions.add(copy, renamed(document, mission_id=copy_id, name=name), f"Copy of {known.name}.")
 
     async def _wish(self, session: SessionInfo, order: PlanOrder, mission_id: str) -> PlanWish:
@@ -222,7 +260,7 @@ class MissionBook:
             headland_passes=order.headland_passes,
             home=home,
             returns_home=order.returns_home,
-            surroundings=_surroundings(features, field),
+            surroundings=surroundings_of(features, place, field.id),
         )
 
     def _audit(self, session: SessionInfo, mission: Mission, outcome: str, data: dict[str, Any]) -> None:
@@ -257,15 +295,22 @@ def _home(features: Sequence[Feature], order: PlanOrder, place: tuple[float, flo
     return None if best is None else _places(best.geometry)[0]
 
 
-def _surroundings(features: Sequence[Feature], field: Feature) -> Surroundings:
-    """Return what is near the field; a farm may have sites on other continents."""
-    place = _places(field.geometry)[0]
-    near = [one for one in features if one.id != field.id and _metres(_places(one.geometry)[0], place) < FAR_M]
+def surroundings_of(features: Sequence[Feature], place: tuple[float, float], field_id: str | None) -> Surroundings:
+    """Return what is near a place of a field; a farm may have sites on other continents."""
+    near = [one for one in features if one.id != field_id and _metres(_places(one.geometry)[0], place) < FAR_M]
     solid = [one for one in near if one.kind in ("obstacle", "building", "no-go", "no_go", "hole")]
     roads = [one for one in near if one.kind in ("road", "yard")]
     return Surroundings(
         tuple((one.geometry, _width(one)) for one in solid), tuple((one.geometry, _width(one)) for one in roads)
     )
+
+
+def _on_map(planned: PlannedMission, version: MapStamp) -> PlannedMission:
+    """Write into a plan which map it was made on."""
+    if not version.number:
+        return planned
+    document = {**planned.document, "map_version": version.as_json()}
+    return replace(planned, document=document, sha256=mission_sha256(document))
 
 
 def _width(feature: Feature) -> float:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from hmi.commands.gate import Gate
 from hmi.commands.lease_service import LeaseService
 from hmi.commands.ledger import CommandResult, OrderLedger, Ticket
+from hmi.commands.ports import StartRules
 from hmi.commands.refusal import ACTION_PERMISSION, NO_LEASE, WRONG_MISSION, OrderRefused
 from hmi.domain.command import LEASED_ACTIONS, Action, CommandOrder
 from hmi.domain.robot import Order, OrderStatus, Robot
@@ -29,13 +30,14 @@ class CommandRequest:
     command_id: str
     tick_id: str
     mission_id: str | None = None
+    checklist_id: str | None = None
 
 
 class CommandService:
     """Sends instant actions. Refusals are results with code and sentence, never exceptions."""
 
-    def __init__(self, gate: Gate, leases: LeaseService, ledger: OrderLedger) -> None:
-        self._gate, self._leases, self._ledger = gate, leases, ledger
+    def __init__(self, gate: Gate, leases: LeaseService, ledger: OrderLedger, rules: StartRules | None = None) -> None:
+        self._gate, self._leases, self._ledger, self._rules = gate, leases, ledger, rules
 
     async def submit(self, actor: SessionInfo, request: CommandRequest) -> CommandResult:
         """Send one command and return what became of it within 2 s.
@@ -75,6 +77,8 @@ class CommandService:
         if request.action in _MOVING:
             self._gate.may_move(robot)
         mission = _mission(robot, request)
+        if mission is not None and self._rules is not None:
+            self._rules.check(actor, robot, mission, request.checklist_id)
         return self._build(actor, robot, request.action, request.command_id, mission=mission)
 
     def _build(

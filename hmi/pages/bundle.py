@@ -35,7 +35,8 @@ SCRIPTS = {
         "maps_feature", "maps_checks", "maps_changes", "maps_upload", "maps_base", "maps_import", "maps_versions",
         "maps_publish", "maps_dock", "maps_chips", "maps_walk", "maps_surface", "maps_edits", "maps_screen",
     ),
-    "missions": ("field_picture", "mission_numbers", "mission_form", "missions"),
+    "missions": ("mission_numbers", "mission_form", "mission_ways", "missions"),
+    "run": ("field_picture", "start_checks", "rest_sheet"),
 }  # fmt: skip
 """Scripts by file, in load order: each uses only names of those before it.
 What few people open loads with its screen.

@@ -114,6 +114,7 @@
         el("div", { class: "h-row" }, back, el("div", { class: "h-sp" }, el("h2", { "data-testid": "mission-name" }, mission.name), el("div", { class: "h-t14 h-2" }, `${mission.field_name} · ${robotName(mission.robot_id)}`)), el("span", { class: "h-chip dark", "data-testid": "mission-status", "data-state": mission.status }, HL.plan.status(mission.status)), ...this.edits(mission)),
         el("div", { class: "h-row h-wrap" }, ...this.buttons(mission, result), el("span", { class: "h-t13 h-2" }, this.may.send ? "Sending does not move the robot." : this.dataset.noSend)),
         result,
+        ...HL.missionWays(mission, this.may.send, () => this.load(false)),
         el("div", { class: "h-mpicture" }, shape ? HL.fieldPicture(shape, `${mission.name}, ${mission.field_name}`) : el("div", { class: "h-notice" }, "The picture did not load.")),
         Object.keys(mission.statistics ?? {}).length ? HL.plan.cards(mission.statistics) : "",
         ...(mission.statistics?.notes ?? []).map((note) => el("div", { class: "h-row h-t14 h-b" }, icon("warning", "m"), note)),
@@ -131,6 +132,7 @@
       const send = el("button", { type: "button", class: isOnRobot ? "h-btn" : "h-btn pri", "data-testid": "plan-send", disabled: !this.may.send, onclick: () => this.send(mission, target.value || mission.robot_id, send, result) }, ...label());
       target.addEventListener("change", () => send.replaceChildren(...label()));
       const operate = el("a", { class: "h-btn pri", href: `/operate/${mission.robot_id}`, "data-testid": "mission-operate" }, icon("gamepad", "m"), "Operate");
+      if (HL.isInterrupted(mission) || ["running", "resuming", "paused"].includes(mission.status)) return [operate];
       return [isOnRobot ? operate : "", robots.length > 1 ? target : "", send];
     }
 

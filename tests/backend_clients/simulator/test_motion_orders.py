@@ -128,7 +128,7 @@ def test_resume_is_refused_with_the_way_out_after_the_robot_was_moved() -> None:
     ack = rig.do("resume")
     assert (ack.outcome, ack.code) == ("rejected", "moved_while_paused")
     assert "Drive it back" in ack.text
-    assert "start" in ack.text
+    assert "Resume later" in ack.text
     assert rig.state.hold is not None
     assert rig.state.hold.code == "moved_while_paused"
 

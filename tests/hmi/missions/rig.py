@@ -38,6 +38,7 @@ from hmi.security.session_info import SessionInfo
 from hmi.store.audit_chain import AuditEntry
 from hmi.store.database import Database
 from hmi.store.features import Feature, Features
+from hmi.store.maps import Maps
 from hmi.store.missions import Missions
 
 FARM, OTHER_FARM = "farm", "other-farm"
@@ -136,7 +137,15 @@ class Rig:
         self.authorize = Authorizer(self.fleet.robot)
         self.book = MissionBook(
             MissionParts(
-                self.missions, self.features, database, self.fleet, HerePlanner(), self.audit, self.authorize, clock
+                self.missions,
+                self.features,
+                database,
+                self.fleet,
+                HerePlanner(),
+                self.audit,
+                self.authorize,
+                clock,
+                Maps(database, clock),
             )
         )
         self.features.put(farm_map())

@@ -31,6 +31,7 @@ segments = st.builds(
     tool_on=st.booleans(),
     row=st.integers(0, 500),
     pivot=st.booleans(),
+    jump=st.sampled_from([msgspec.UNSET, True]),
 )
 missions = st.builds(
     down.Mission,
@@ -47,6 +48,10 @@ missions = st.builds(
     note=names,
     at_end=st.sampled_from(["stay", "return_home"]),
     home=st.none() | st.tuples(metres, metres),
+    map_version=st.just(msgspec.UNSET)
+    | st.builds(down.MapVersion, number=st.integers(0, 99), sha256=st.just("a" * 64)),
+    continues=st.just(msgspec.UNSET)
+    | st.builds(down.Continues, base_sha256=st.just("b" * 64), segments=st.integers(0, 9)),
 )
 
 
@@ -84,9 +89,11 @@ def test_a_document_without_its_defaults_has_the_same_hash() -> None:
 
 
 def test_the_contract_has_no_field_the_document_lacks() -> None:
-    document = canonical(plan_mission(wish()).document)
+    more = {"map_version": {"number": 1, "sha256": "a" * 64}, "continues": {"base_sha256": "b" * 64, "segments": 0}}
+    document = canonical({**plan_mission(wish()).document, **more})
     assert set(document) == {f.encode_name for f in msgspec.structs.fields(down.Mission)}
-    assert set(document["segments"][0]) == {f.encode_name for f in msgspec.structs.fields(down.Segment)}
+    with_jump = canonical({**document, "segments": [{**document["segments"][0], "jump": True}]})["segments"][0]
+    assert set(with_jump) == {f.encode_name for f in msgspec.structs.fields(down.Segment)}
     assert set(document["datum"]) == {f.encode_name for f in msgspec.structs.fields(Datum)}
 
 
