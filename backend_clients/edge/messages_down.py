@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from msgspec import Meta, Struct, field
+from msgspec import UNSET, Meta, Struct, UnsetType, field
 
 from backend_clients.edge.messages_up import (
     Count,
@@ -102,6 +102,7 @@ class Segment(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     ``row`` counts from 1 for rows and is 0 elsewhere. The tool works only where ``tool_on``.
     Segments join end to start. Inside a segment the heading turns gently; where it jumps between two
     segments the later one says ``pivot``: stop, turn on the spot to its first direction, drive on.
+    ``dose`` is times the tool's usual one where the tool works; left out it is 1 and is no part of the hash.
     """
 
     kind: Literal["approach", "row", "turn", "headland", "exit"]
@@ -110,6 +111,7 @@ class Segment(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     tool_on: bool = False
     row: Count = 0
     pivot: bool = False
+    dose: Annotated[float, Meta(ge=0, le=2)] | UnsetType = UNSET
 
 
 class Mission(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):

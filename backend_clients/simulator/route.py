@@ -43,6 +43,7 @@ class Leg:
     start_m: float
     end_m: float
     own_start_m: float  # where its first point lies; before it is the way over from the segment before
+    dose: float = 1.0
 
     def is_tool_wanted(self, s_m: float) -> bool:
         """Whether the tool works at ``s_m`` on this segment."""
@@ -193,7 +194,8 @@ def straight(points: Sequence[Point], speed_mps: float) -> Route:
 
 def _leg(index: int, segment: Segment, start_m: float, own_start_m: float, end_m: float) -> Leg:
     speed = min(segment.speed_mps, MAX_SPEED_MPS)
-    return Leg(index, segment.kind, segment.row, segment.tool_on, speed, start_m, end_m, own_start_m)
+    dose = segment.dose if isinstance(segment.dose, float) else 1.0
+    return Leg(index, segment.kind, segment.row, segment.tool_on, speed, start_m, end_m, own_start_m, dose)
 
 
 def _join(segments: Sequence[Segment]) -> tuple[list[Point], list[tuple[int, int, int]]]:

@@ -62,7 +62,7 @@ def renamed(document: Mapping[str, Any], *, mission_id: str | None = None, name:
 
 
 def _segment(segment: Mapping[str, Any]) -> Document:
-    return {
+    whole: Document = {
         "kind": segment["kind"],
         "points": _points(segment["points"]),
         "speed_mps": float(segment["speed_mps"]),
@@ -70,6 +70,8 @@ def _segment(segment: Mapping[str, Any]) -> Document:
         "row": int(segment.get("row", 0)),
         "pivot": bool(segment.get("pivot", False)),
     }
+    # the contract leaves out a dose that nobody gave
+    return {**whole, "dose": float(segment["dose"])} if "dose" in segment else whole
 
 
 def _points(points: Sequence[Sequence[float]]) -> list[list[float]]:

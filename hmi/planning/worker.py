@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
+from typing import TypeVar
 
-from hmi.domain.mission_plan import PlannedMission, PlanRefused, PlanWish
-from hmi.planning.mission import plan_mission
+from hmi.domain.mission_plan import Candidate, PlannedMission, PlanRefused, PlanWish
+from hmi.planning.mission import plan_candidate, plan_mission
 from hmi.planning.side_process import SideProcess, SideProcessDied
 
+Planned = TypeVar("Planned")
 PLAN_LIMIT_S = 60.0  # a hundred hectares with ten holes at half a metre take less
 WAITING_LIMIT = 8  # plans that may wait for the one at work
 
@@ -31,12 +34,19 @@ class PlanningProcess:
         Raises:
             PlanRefused: it cannot be planned, took too long, or too many are waiting.
         """
+        return await self._run(plan_mission, wish)
+
+    async def candidate(self, wish: PlanWish) -> Candidate:
+        """Return the plan to look at; raises as ``plan``, and cancelling it frees the process."""
+        return await self._run(plan_candidate, wish)
+
+    async def _run(self, work: Callable[[PlanWish], Planned], wish: PlanWish) -> Planned:
         if self._waiting >= WAITING_LIMIT:
             raise PlanRefused("busy", "The planner is busy. Try again in a minute.")
         self._waiting += 1
         try:
             async with self._turn:
-                return await asyncio.wait_for(self._process.run(plan_mission, wish), self._limit_s)
+                return await asyncio.wait_for(self._process.run(work, wish), self._limit_s)
         except TimeoutError as error:
             text = f"Planning took more than {self._limit_s:.0f} s. Choose a larger row distance or a smaller field."
             raise PlanRefused("too_long", text, "width_m") from error
