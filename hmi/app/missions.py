@@ -7,10 +7,12 @@ import asyncio
 from fastapi import APIRouter
 
 from hmi.api.missions import mission_routes
+from hmi.api.templates import template_routes
 from hmi.app.records import Records
 from hmi.clock import Clock
 from hmi.commands.mission_book import MissionBook, MissionParts
 from hmi.commands.ports import LaneEvent
+from hmi.commands.template_book import TemplateBook
 from hmi.demo.seed import DemoSeed, SeedParts
 from hmi.domain.mission import MissionChange
 from hmi.planning.worker import PlanningProcess
@@ -52,6 +54,7 @@ class MissionDesk:
                 clock=clock,
             )
         )
+        self.templates = TemplateBook(records.templates, records.database, records.audit, authorize)
         self.tracking = MissionTracking(records.missions, records.database, settings.farm_id, self._moved)
 
     def title_of(self, mission_id: str) -> MissionTitle | None:
@@ -61,7 +64,9 @@ class MissionDesk:
 
     def routes(self) -> APIRouter:
         """Return the REST routes of missions and map."""
-        return mission_routes(self.book, self._fleet)
+        router = mission_routes(self.book, self._fleet)
+        router.include_router(template_routes(self.templates))
+        return router
 
     async def prepare(self) -> None:
         """Read missions into memory; in the demo, fill an empty installation first."""

@@ -23,6 +23,7 @@ from hmi.store.missions import Missions
 from hmi.store.recorder import Recorder
 from hmi.store.robots import Robots
 from hmi.store.stop_list import StopList
+from hmi.store.templates import Templates
 from hmi.store.thinning import Thinning
 from hmi.store.users import Users
 
@@ -54,6 +55,7 @@ class Records:
         self.features = Features(self.database, clock)
         self.maps = Maps(self.database, clock)
         self.missions = Missions(self.database, clock)
+        self.templates = Templates(self.database, clock)
         self.thinning = Thinning(self.database)
         self.passwords = Passwords(settings.secret)
         self.tokens = StopTokens(settings.secret, self.devices.is_revoked)

@@ -89,7 +89,7 @@ class _Course:
         driven = [
             row
             for group in groups
-            for cell in driving_order(job.pattern, group, inner, job.home, job.corner, span)
+            for cell in driving_order(job.pattern, group, inner, home=job.home, corner=job.corner, span=span)
             for row in cell
         ]
         around = headlands.after_rows(

@@ -14,7 +14,7 @@ from hmi.domain.mission_plan import Corner, Pattern, PlanRefused
 from hmi.planning.ground import erode, polygons_of
 from hmi.planning.headland import Headland
 from hmi.planning.machine import RobotProfile
-from hmi.planning.treatment import DoseMap
+from hmi.planning.treatment import EVERYWHERE, DoseMap
 
 MIN_WIDTH_M, MAX_WIDTH_M = 0.05, 50.0
 MAX_POINTS = 200_000  # corners of the field as given
@@ -55,7 +55,7 @@ class Job:
     pattern: Pattern = Pattern.SHORTEST
     corner: Corner | None = None
     tool_width_m: float | None = None
-    doses: DoseMap = DoseMap()
+    doses: DoseMap = EVERYWHERE
 
     @property
     def treated_width_m(self) -> float:

@@ -32,7 +32,13 @@ _TOWARD: dict[Corner, Place] = {
 
 
 def driving_order(
-    pattern: Pattern, cells: list[list[Swath]], inner: BaseGeometry, home: Place | None, corner: Corner | None, span: int
+    pattern: Pattern,
+    cells: list[list[Swath]],
+    inner: BaseGeometry,
+    *,
+    home: Place | None,
+    corner: Corner | None,
+    span: int,
 ) -> list[list[Swath]]:
     """Return cells in driving order, each with its rows as they are driven.
 

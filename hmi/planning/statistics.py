@@ -35,7 +35,7 @@ def statistics(wish: PlanWish, job: Job, plan: Plan) -> dict[str, Any]:
 
 
 def _reserve_share(job: Job, plan: Plan) -> float:
-    """Return the share of the battery to keep: enough to come home from the furthest point, at least a usual reserve."""
+    """Return the share of the battery to keep: it brings the robot home from the furthest point, or more."""
     if job.home is None:
         return LEAST_RESERVE
     points = np.concatenate([leg.points for leg in plan.legs])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -20,7 +21,7 @@ Span = tuple[float, float, float]
 """From and to in metres along a line, and the dose there."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True)  # no slots: the zones are worked out once
 class DoseMap:
     """The doses of a field, in the plan's plane.
 
@@ -147,7 +148,7 @@ def _joined(spans: list[Span]) -> list[Span]:
 def _merged(spans: list[Span]) -> list[Span]:
     """Give slivers to their neighbours."""
     kept = [span for span in spans if span[1] - span[0] > SLIVER_M] or spans[:1]
-    edges = [spans[0][0], *((a[1] + b[0]) / 2 for a, b in zip(kept, kept[1:], strict=False)), spans[-1][1]]
+    edges = [spans[0][0], *((a[1] + b[0]) / 2 for a, b in pairwise(kept)), spans[-1][1]]
     return _joined([(edges[k], edges[k + 1], span[2]) for k, span in enumerate(kept)])
 
 
@@ -159,3 +160,6 @@ def _between(points: Floats, begin_m: float, end_m: float) -> Floats:
     inside = (along > begin_m + 1e-6) & (along < end_m - 1e-6)
     ends = np.array([[np.interp(s, along, points[:, 0]), np.interp(s, along, points[:, 1])] for s in (begin_m, end_m)])
     return np.vstack([ends[:1], points[inside], ends[1:]])
+
+
+EVERYWHERE = DoseMap()
