@@ -77,15 +77,19 @@
 
     // what is typed is kept, and a plan that no longer fits is not sent
     follow() {
-      this.inputs.get("field_id").addEventListener("change", () => {
-        this.inputs.offerWidth();
-        this.treatment.follow(this.inputs.fieldPlace);
-        this.outline();
-      });
-      this.inputs.get("robot_id").addEventListener("change", () => this.outline());
+      this.inputs.get("field_id").addEventListener("change", () => this.newField());
+      this.inputs.get("robot_id").addEventListener("change", () => (this.inputs.offerField() ? this.newField() : this.outline()));
+      if (this.inputs.offerField()) this.inputs.offerWidth();
       this.form.addEventListener("input", () => this.changed());
       this.treatment.follow(this.inputs.fieldPlace);
       this.steps.treatment.fold(this.treatment.summary());
+    }
+
+    newField() {
+      this.inputs.offerWidth();
+      this.treatment.follow(this.inputs.fieldPlace);
+      this.outline();
+      this.changed();
     }
 
     wish() {
@@ -100,6 +104,7 @@
 
     changed() {
       this.inputs.keep();
+      this.refusal = "";
       const pattern = this.inputs.get("pattern").value;
       if (this.planned === this.ground() && this.answers.get(pattern)?.state !== undefined) this.show(pattern, false);
       this.paint();
@@ -112,6 +117,7 @@
     look() {
       this.cancel();
       text(this.problem, this.treatment.problem());
+      this.refusal = "";
       if (this.treatment.problem()) return this.steps.treatment.open();
       this.answers = new Map();
       this.shown = null;
@@ -147,6 +153,7 @@
       if (answer?.state === "same") return this.show(answer.as, true);
       if (!answer) this.planned = this.answers.size ? this.planned : null;
       text(this.problem, refusal.text || "Not planned: the server did not answer. Try again.");
+      this.refusal = this.problem.textContent;
       const input = refusal.field ? this.inputs.get(refusal.field) : null;
       const step = ["robot_id", "home", "home_id"].includes(refusal.field) ? this.steps.robot : refusal.field === "field_id" ? this.steps.field : refusal.field?.startsWith("treatment") ? this.steps.treatment : this.steps.preview;
       step.open();
@@ -162,6 +169,7 @@
       this.inputs.keep();
       text(this.problem, answer?.state === "refused" ? answer.text : "");
       if (answer?.state !== "planned") return this.paint();
+      this.refusal = "";
       const isOther = this.shown !== pattern || this.drawn !== answer;
       this.shown = pattern;
       this.drawn = answer;
@@ -219,7 +227,7 @@
       this.side.hidden = !this.answers.size && !this.isPlanning;
       attr(this.node, "data-state", isFresh ? "fresh" : isStale ? "stale" : "none");
       this.compare.paint(this.answers, this.shown, this.isPlanning);
-      this.picture.say(this.isPlanning && !this.shown ? `Planning ${NAMES[this.inputs.get("pattern").value].toLowerCase()}` : isStale ? "Changed. Preview again." : "");
+      this.picture.say(this.isPlanning && !this.shown ? `Planning ${NAMES[this.inputs.get("pattern").value].toLowerCase()}` : this.isPlanning ? "" : this.refusal ? `Not planned. ${this.refusal}` : isStale ? "Changed. Preview again." : "");
       text(this.dockHint, !this.maySend ? "Sending needs the operator role." : isFresh ? "The person on site starts it with a slide." : this.isPlanning ? "" : "Preview first.");
     }
 

@@ -6,6 +6,9 @@
   const CORNERS = [["", "Any"], ["north_west", "North-west"], ["north_east", "North-east"], ["south_west", "South-west"], ["south_east", "South-east"]];
   const PATTERNS = ["row_by_row", "skip_rows", "spiral", "shortest"];
 
+  const FAR_M = 3000;
+  const METRES_PER_DEGREE = 111320;
+  const firstPlace = (geometry) => (geometry?.type === "Polygon" ? geometry.coordinates[0][0] : geometry?.coordinates?.[0]?.[0]?.[0]);
   const options = (rows) => rows.map(({ id, name }) => el("option", { value: id }, name));
   const select = (hook, name, rows) => el("select", { class: "h-select", "data-testid": hook, name }, ...rows);
   const number = (hook, name, props) => el("input", { class: "h-input", "data-testid": hook, name, type: "number", inputmode: "decimal", step: "any", ...props });
@@ -82,6 +85,21 @@
     offerWidth() {
       const spacing = this.fieldPlace?.properties?.row_spacing_m;
       if (spacing) this.all.width_m.value = String(Math.max(spacing, 0.5));
+    }
+
+    // a field of another site is of no use to a robot: the nearest one is offered
+    offerField() {
+      const robot = HL.port.fleet()[this.all.robot_id.value];
+      if (robot?.lat === null || robot?.lat === undefined) return false;
+      const away = (one) => {
+        const [lon, lat] = firstPlace(one.geometry) ?? [NaN, NaN];
+        return Math.hypot((lon - robot.lon) * Math.cos((lat * Math.PI) / 180), lat - robot.lat) * METRES_PER_DEGREE;
+      };
+      if (!this.fieldPlace || !(away(this.fieldPlace) > FAR_M)) return false;
+      const nearest = this.places.fields.filter((one) => away(one) <= FAR_M).sort((a, b) => away(a) - away(b))[0];
+      if (!nearest) return false;
+      this.all.field_id.value = nearest.id;
+      return true;
     }
 
     // only planters plant; HL.port knows the family as soon as the robot was heard

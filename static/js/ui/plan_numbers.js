@@ -7,6 +7,8 @@
   const share = (part, whole) => (whole > 0 ? (100 * part) / whole : 0);
   const kwh = (j) => (j / 3.6e6).toFixed(1);
   const hours = (s) => `${Math.floor(s / 3600)}:${String(Math.round((s % 3600) / 60) % 60).padStart(2, "0")}`;
+  // the last word is the unit: 6 h 12 and min
+  const time = (s) => [words.left(s).replace(/ min$/, ""), "min"];
   const km = (m) => (m >= 1000 ? [(m / 1000).toFixed(2), "km"] : [m.toFixed(0), "m"]);
 
   function card(hook, label, [number, unit], line, value) {
@@ -21,8 +23,8 @@
     const overlap = el("span", { "data-testid": "plan-stat-overlap", "data-value": share(s.overlap_m2, s.area_m2) / 100 }, `overlap ${share(s.overlap_m2, s.area_m2).toFixed(1)}`);
     const more = s.seedlings === undefined ? [] : [card("seedlings", "Seedlings", [String(s.seedlings), ""], `one every ${s.plant_spacing_m.toFixed(2)} m`, s.seedlings)];
     return el("div", { class: "p-stats" },
-      card("length", "Path", km(s.length_m), `${s.rows} rows, ${s.headland_passes} ${s.headland_passes === 1 ? "lap" : "laps"}, ${km(s.working_length_m).join(" ")} work`, s.length_m),
-      card("time", "Time", [words.left(s.duration_s), ""], `${words.left(s.working_s)} work, ${words.left(turning)} turns`, s.duration_s),
+      card("length", "Path", km(s.length_m), `${s.rows} rows, ${s.headland_passes} ${s.headland_passes === 1 ? "lap" : "laps"}, ${km(s.working_length_m).join(" ")} worked`, s.length_m),
+      card("time", "Time", time(s.duration_s), `${words.left(s.working_s)} work, ${words.left(turning)} turns`, s.duration_s),
       card("turns", "Turns", [String(s.turns), ""], `${s.turns ? `${(turning / s.turns).toFixed(0)} s each with ways, ` : ""}${s.pivots ? `${s.pivots} on the spot` : "none on the spot"}`, s.turns),
       card("coverage", "Covered", [share(wanted - missed, wanted).toFixed(1), "%"], el("span", {}, overlap, `, missed ${share(missed, wanted).toFixed(1)}, ${area.text} ${area.unit}`), share(wanted - missed, wanted) / 100),
       ...more);
@@ -39,7 +41,7 @@
     const isOver = s.battery_share + reserve > 1;
     return el("div", { class: "h-card p-energy", "data-testid": "plan-stat-energy", "data-value": s.energy_j, "data-state": isOver ? "over" : "enough" },
       el("div", { class: "h-h" }, "Energy", el("span", { class: "h-end h-t14 h-b p-ink" }, `${kwh(s.energy_j)} kWh of ${kwh(battery)}`)), bar,
-      el("div", { class: "h-row h-t13 h-2" }, el("span", {}, `mission ${Math.round(100 * s.battery_share)} %`), el("span", { class: "h-end" }, `reserve to get home ${Math.round(100 * reserve)} %`)),
+      el("div", { class: "h-row h-t13 h-2 p-shares" }, el("span", {}, `mission ${Math.round(100 * s.battery_share)} %`), el("span", { class: "h-end" }, `reserve to get home ${Math.round(100 * reserve)} %`)),
       isOver ? el("div", { class: "h-t13 h-b p-ink" }, `Takes ${Math.ceil(s.battery_share / Math.max(0.05, 1 - reserve))} battery charges. Split the field, or charge on the way.`) : "");
   }
 

@@ -3,7 +3,7 @@
   "use strict";
   const { el, icon, text, attr } = HL;
   const NS = "http://www.w3.org/2000/svg";
-  const MARGIN = 0.07;
+  const FREE = { left: 20, right: 76, top: 70, bottom: 88 }; // pixels that views, zoom and scrubber stand on
   const TIMES = 8; // shades of the time view: more cannot be told apart
   const MOST_ZOOM = 60;
   const VIEWS = [["path", "Path"], ["turns", "Turns"], ["overlap", "Overlap"], ["time", "Time"]];
@@ -40,7 +40,7 @@
         el("div", { class: "p-zooms" }, zoom("Zoom in", icon("add"), () => this.zoom(0.6)), zoom("Zoom out", "−", () => this.zoom(1 / 0.6)), zoom("Whole field", icon("my_location", "m"), () => this.fit())), this.legend);
       this.pointers = new Map();
       this.listen();
-      this.sized = new ResizeObserver(() => this.apply());
+      this.sized = new ResizeObserver(() => (this.isWhole ? this.fit() : this.apply()));
       this.sized.observe(this.root);
     }
 
@@ -156,13 +156,18 @@
 
     fit() {
       const [x0, y0, x1, y1] = this.box ?? [-50, -50, 50, 50];
-      this.window = { x: (x0 + x1) / 2, y: (y0 + y1) / 2, w: (x1 - x0) * (1 + 2 * MARGIN) || 1, h: (y1 - y0) * (1 + 2 * MARGIN) || 1 };
+      const { width, height } = this.root.getBoundingClientRect();
+      const [wide, high] = [Math.max(80, width - FREE.left - FREE.right), Math.max(80, height - FREE.top - FREE.bottom)];
+      const px = Math.max((x1 - x0) / wide, (y1 - y0) / high, 0.001);
+      this.window = { x: (x0 + x1) / 2 + ((FREE.right - FREE.left) / 2) * px, y: (y0 + y1) / 2 + ((FREE.bottom - FREE.top) / 2) * px, w: px * Math.max(width, 1), h: px * Math.max(height, 1) };
       this.whole = { ...this.window };
+      this.isWhole = true;
       this.apply();
     }
 
     zoom(factor, at) {
       if (!this.window) return;
+      this.isWhole = false;
       const wanted = Math.min(Math.max(this.window.w * factor, this.whole.w / MOST_ZOOM), this.whole.w * 2);
       const real = wanted / this.window.w;
       const pin = at ?? [this.window.x, this.window.y];
@@ -216,6 +221,7 @@
         const span = (one) => Math.hypot(one.clientX - others[0].clientX, one.clientY - others[0].clientY) || 1;
         this.zoom(span(before) / span(event), this.metres(others[0]));
       } else {
+        this.isWhole = false;
         this.window.x -= (event.clientX - before.clientX) * this.px;
         this.window.y -= (event.clientY - before.clientY) * this.px;
         this.apply();
