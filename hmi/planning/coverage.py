@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from hmi.domain.mission_plan import PlanRefused
+from hmi.domain.mission_plan import Pattern, PlanRefused
 from hmi.planning import headland as headlands
 from hmi.planning import swaths as rows_of
 from hmi.planning.dubins import Pose
@@ -40,7 +40,8 @@ def plan_coverage(job: Job) -> Plan:
         PlanRefused: the input is unusable or the field cannot be worked like this; says why.
     """
     field = checked_field(job)
-    division = headlands.divide(job.machine, job.width_m, job.headland_passes)
+    is_wide = job.pattern is Pattern.SKIP_ROWS
+    division = headlands.divide(job.machine, job.width_m, job.headland_passes, is_wide=is_wide)
     inner = inner_field(field, division, job)
     ground = Ground(field, job.machine, crop=erode(inner, min(job.width_m, 1.0) * 0.6))
     angle = job.angle_rad if job.angle_rad is not None else rows_of.best_angle(inner, job.width_m)

@@ -7,6 +7,7 @@ import json
 from typing import Any
 
 import pytest
+import shapely
 
 from hmi.commands.mission_book import MissionBook, MissionParts
 from hmi.commands.plan_wish import PlanOrder
@@ -33,7 +34,7 @@ async def test_every_row_order_comes_with_numbers_and_a_drawing_the_wished_one_f
     first, *found, last = await compared(rig, pattern="spiral")
     assert set(first["patterns"]) == {pattern.value for pattern in Pattern}
     assert last == {"state": "done"}
-    assert [one["pattern"] for one in found][0] == "spiral"
+    assert found[0]["pattern"] == "spiral"
     assert {one["pattern"] for one in found} == {pattern.value for pattern in Pattern}
     for one in found:
         if one["state"] == "same":
@@ -51,8 +52,6 @@ async def test_nothing_is_stored_by_comparing(rig: Rig) -> None:
 
 
 async def test_the_ground_of_the_drawing_adds_up_to_the_field(rig: Rig) -> None:
-    import shapely
-
     drawing = next(one for one in await compared(rig) if one.get("state") == "planned")["drawing"]
 
     def area(polygons: list[list[list[list[float]]]]) -> float:
@@ -75,9 +74,8 @@ class Picky(HerePlanner):
 
 async def test_one_order_that_cannot_be_driven_does_not_hide_the_others(rig: Rig) -> None:
     book = with_planner(rig, Picky())
-    answers = [
-        one async for one in await book.candidates(rig.person(Role.PLANNER), PlanOrder("field-1", "weeder-01", 3.0))
-    ]
+    stream = await book.candidates(rig.person(Role.PLANNER), PlanOrder("field-1", "weeder-01", 3.0))
+    answers = [one async for one in stream]
     refused = {one.pattern: one.refusal.text for one in answers if one.refusal}
     assert set(refused) == set(Pattern) - {Pattern.ROW_BY_ROW}
     assert set(refused.values()) == {"The turn does not fit."}

@@ -108,7 +108,7 @@ def test_wide_turns_need_no_turn_on_the_spot() -> None:
     wide = plan_coverage(Job(square(80), 1.0, machine, pattern=Pattern.SKIP_ROWS)).figures
     assert span_for(machine, 1.0) == 2
     assert wide.pivots < tight.pivots / 4
-    assert wide.rows == tight.rows
+    assert wide.covered_m2 >= 0.99 * tight.covered_m2
 
 
 def test_rows_lie_closer_where_they_shall_overlap() -> None:
