@@ -30,7 +30,7 @@ from hmi.store.missions import Mission, MissionLogEntry
 
 GEOJSON = "application/geo+json"
 KEPT = 16  # encoded geometries: a map asks again at each reload, a plan of half a metre takes 50 ms to make
-AREA_KINDS = ("treatment", "slow", "no-go")  # ground that may get a dose of its own
+AREA_KINDS = ("treatment", "slow")  # ground that may get a dose of its own
 MissionId = Annotated[str, Path(max_length=64)]
 
 

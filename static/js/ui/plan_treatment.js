@@ -28,7 +28,7 @@
       this.leadIn = metres("plan-lead-in", "Tool on before, m");
       this.leadOut = metres("plan-lead-out", "Tool off after, m");
       this.list = el("div", { class: "p-areas" });
-      this.none = el("p", { class: "h-t13 h-2" }, "No treatment areas lie in this field. Draw them under Maps as treatment area, slow zone or no-go zone.");
+      this.none = el("p", { class: "h-t13 h-2" }, "No treatment areas lie in this field. Draw them under Maps: an area of kind Treatment area.");
       const field = (label, input) => el("label", { class: "h-field" }, label, input);
       this.node = el("div", { class: "p-treatment" }, this.list, this.none, field("Rest of the field", this.rest), el("div", { class: "p-two" }, field("Tool on before, m", this.leadIn), field("Tool off after, m", this.leadOut)));
     }
