@@ -7,7 +7,19 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 KINDS_OF = {  # docs/protocols/map.md, Features; likeliest first
-    "Polygon": ("parcel", "no-go", "obstacle", "building", "road", "water", "hedge", "tree", "slow", "farm", "treatment"),
+    "Polygon": (
+        "parcel",
+        "no-go",
+        "obstacle",
+        "building",
+        "road",
+        "water",
+        "hedge",
+        "tree",
+        "slow",
+        "farm",
+        "treatment",
+    ),
     "LineString": ("road", "rows", "hedge", "water", "tree"),
     "MultiLineString": ("rows",),
     "Point": ("obstacle", "tree", "home", "gate"),

@@ -16,15 +16,7 @@
     const needs = statistics.battery_share + (statistics.reserve_share ?? 0.15);
     if (needs <= has) return good(`Battery is enough: ${percent(has)} now`);
     if (needs > 1) return bad(`Not enough: needs ${percent(needs)} with reserve, has ${percent(has)}. One charge does not last.`);
-    return bad(`Not enough: needs ${percent(needs)}, has ${percent(has)}.${charge(statistics, needs - has)}`);
-  }
-
-  // how long to charge, where the robot says how fast it charges
-  function charge(statistics, share) {
-    if (!statistics.charge_w) return " Charge first.";
-    const minutes = Math.ceil((share * statistics.battery_j) / statistics.charge_w / 60);
-    const time = minutes < 60 ? `${minutes} min` : `${Math.floor(minutes / 60)} h ${String(minutes % 60).padStart(2, "0")}`;
-    return ` Charge ${time} first.`;
+    return bad(`Not enough: needs ${percent(needs)}, has ${percent(has)}. Charge first.`);
   }
 
   function link(name, robot, ageMs) {
