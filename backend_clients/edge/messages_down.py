@@ -105,6 +105,7 @@ class Segment(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     segments the later one says ``pivot``: stop, turn on the spot to its first direction, drive on.
     ``jump``: it begins where the robot stood when the rest was planned, not where the segment before ends;
     nothing drives from one to the other.
+    ``dose`` is times the tool's usual one where the tool works; left out it is 1 and is no part of the hash.
     """
 
     kind: Literal["approach", "row", "turn", "headland", "exit"]
@@ -114,6 +115,7 @@ class Segment(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     row: Count = 0
     pivot: bool = False
     jump: bool | UnsetType = UNSET
+    dose: Annotated[float, Meta(ge=0, le=2)] | UnsetType = UNSET
 
 
 class MapVersion(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -44,6 +44,7 @@ class Leg:
     end_m: float
     own_start_m: float  # where its first point lies; before it is the way over from the segment before
     is_jump: bool = False  # nobody drives that way over
+    dose: float = 1.0
 
     @property
     def drive_from_m(self) -> float:
@@ -203,7 +204,8 @@ def straight(points: Sequence[Point], speed_mps: float) -> Route:
 def _leg(index: int, segment: Segment, start_m: float, own_start_m: float, end_m: float) -> Leg:
     speed = min(segment.speed_mps, MAX_SPEED_MPS)
     is_jump = segment.jump is True
-    return Leg(index, segment.kind, segment.row, segment.tool_on, speed, start_m, end_m, own_start_m, is_jump)
+    dose = segment.dose if isinstance(segment.dose, float) else 1.0
+    return Leg(index, segment.kind, segment.row, segment.tool_on, speed, start_m, end_m, own_start_m, is_jump, dose)
 
 
 def _join(segments: Sequence[Segment]) -> tuple[list[Point], list[tuple[int, int, int]]]:

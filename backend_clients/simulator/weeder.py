@@ -270,7 +270,8 @@ class Weeder:
 
     def _count(self, before_m: float, dt_s: float) -> None:
         assert self.run is not None
-        weeds = (self.machine.weeds_per_min or 0.0) * dt_s / 60
+        # a low dose spares weeds; a high one takes longer on each, which the slower segment brings by itself
+        weeds = (self.machine.weeds_per_min or 0.0) * dt_s / 60 * min(self.run.leg.dose, 1 / max(self.run.leg.dose, 1))
         self.run.advance(
             before_m,
             laser_on=self.machine.laser_on,

@@ -12,12 +12,15 @@ from typing import Annotated, Any
 import msgspec
 from fastapi import APIRouter, Path, Request, Response
 from pydantic import Field
+from starlette.responses import StreamingResponse
 
 from hmi.api.access import SignedIn, Watcher
-from hmi.api.body import Body, Id, Name
+from hmi.api.body import Body, Name
+from hmi.api.candidates import candidate_stream
 from hmi.api.errors import ApiError, not_found
 from hmi.api.orders import RobotId
-from hmi.commands.mission_book import MissionBook, PlanOrder
+from hmi.api.plan_body import PlanBody, order_of
+from hmi.commands.mission_book import MissionBook
 from hmi.commands.ports import FleetReader
 from hmi.domain.mission_document import Document, mission_sha256
 from hmi.domain.mission_plan import MissionError, MissionRefused, PlanRefused
@@ -27,21 +30,8 @@ from hmi.store.missions import Mission, MissionLogEntry
 
 GEOJSON = "application/geo+json"
 KEPT = 16  # encoded geometries: a map asks again at each reload, a plan of half a metre takes 50 ms to make
+AREA_KINDS = ("treatment", "slow")  # ground that may get a dose of its own
 MissionId = Annotated[str, Path(max_length=64)]
-
-
-class PlanBody(Body):
-    """What to plan; what is left out is chosen."""
-
-    field_id: Id
-    robot_id: Id
-    width_m: Annotated[float, Field(description="distance of the rows")]
-    name: Annotated[str, Field(max_length=80)] = ""
-    row_bearing_deg: Annotated[float | None, Field(ge=-360, le=360, description="clockwise from north")] = None
-    headland_passes: Annotated[int | None, Field(ge=0, le=50)] = None
-    home_id: Id | None = None
-    returns_home: bool = True
-    is_supervised: bool = True
 
 
 class NameBody(Body):
@@ -110,14 +100,18 @@ def _add_reading(router: APIRouter, book: MissionBook, encoded: _Encoded) -> Non
 def _add_planning(router: APIRouter, book: MissionBook) -> None:
     @router.post("/missions/plan", status_code=201, summary="Plan a field and store the mission")
     async def plan(body: PlanBody, session: SignedIn) -> dict[str, Any]:
-        with_errors = translated(lambda: book.plan(session, _order(body)))
+        with_errors = translated(lambda: book.plan(session, order_of(body)))
         return row(await with_errors)
 
     @router.post("/missions/preview", summary="Plan a field without storing: numbers and geometry")
     async def preview(body: PlanBody, session: SignedIn) -> dict[str, Any]:
-        planned = await translated(lambda: book.preview(session, _order(body)))
+        planned = await translated(lambda: book.preview(session, order_of(body)))
         shape = await asyncio.to_thread(mission_geojson, planned.document)
         return {"statistics": planned.statistics, "name": planned.document["name"], "geometry": shape}
+
+    @router.post("/missions/candidates", summary="Plan a field in every pattern without storing: one line of JSON each")
+    async def candidates(body: PlanBody, session: SignedIn) -> StreamingResponse:
+        return candidate_stream(await translated(lambda: book.candidates(session, order_of(body))))
 
 
 def _add_changing(router: APIRouter, book: MissionBook) -> None:
@@ -146,7 +140,12 @@ def _add_maps(router: APIRouter, book: MissionBook, fleet: FleetReader, encoded:
     async def fields(session: Watcher) -> dict[str, Any]:
         found = await book.features(session, ("parcel",))
         homes = await book.features(session, ("home",))
-        return {"fields": [_field(one) for one in found], "homes": [_field(one) for one in homes]}
+        areas = await book.features(session, AREA_KINDS)
+        return {
+            "fields": [_field(one) for one in found],
+            "homes": [_field(one) for one in homes],
+            "areas": [{**_field(one), "kind": one.kind} for one in areas if "Polygon" in one.geometry["type"]],
+        }
 
     @router.get("/robots/{robot_id}/mission.geojson", summary="What the robot drives", response_class=Response)
     async def on_robot(robot_id: RobotId, request: Request, session: Watcher) -> Response:
@@ -220,11 +219,6 @@ def _entry(entry: MissionLogEntry) -> dict[str, Any]:
 
 def _field(feature: Feature) -> dict[str, Any]:
     return {"id": feature.id, "name": feature.title, "properties": feature.properties, "geometry": feature.geometry}
-
-
-def _order(body: PlanBody) -> PlanOrder:
-    given = body.model_dump()
-    return PlanOrder(**{**given, "name": " ".join(body.name.split())})
 
 
 def _encode(document: Document, sha256: str) -> bytes:

@@ -8,6 +8,7 @@ from fastapi import APIRouter
 
 from hmi.api.mission_rest import rest_routes
 from hmi.api.missions import mission_routes
+from hmi.api.templates import template_routes
 from hmi.app.mission_facts import MissionFactsBook
 from hmi.app.records import Records
 from hmi.clock import Clock
@@ -20,6 +21,7 @@ from hmi.commands.mission_rest import MissionRests
 from hmi.commands.ports import LaneEvent
 from hmi.commands.rest_sources import RestParts
 from hmi.commands.start_rules import MissionStartRules
+from hmi.commands.template_book import TemplateBook
 from hmi.demo.seed import DemoSeed, SeedParts
 from hmi.domain.mission import MissionChange
 from hmi.planning.worker import PlanningProcess
@@ -82,6 +84,7 @@ class MissionDesk:
         )
         self.start_rules = MissionStartRules(records.missions, records.checklists, lambda: self.checklists.is_required)
         self._authorize = authorize
+        self.templates = TemplateBook(records.templates, records.database, records.audit, authorize)
 
     def title_of(self, mission_id: str) -> MissionTitle | None:
         """Return what people call a mission and its field; from memory."""
@@ -108,7 +111,11 @@ class MissionDesk:
                 clock=self._clock,
             )
         )
-        return [mission_routes(self.book, self._fleet), rest_routes(rests, self.checklists)]
+        return [
+            mission_routes(self.book, self._fleet),
+            rest_routes(rests, self.checklists),
+            template_routes(self.templates),
+        ]
 
     async def prepare(self) -> None:
         """Read missions into memory; in the demo, fill an empty installation first."""

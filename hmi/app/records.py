@@ -25,6 +25,7 @@ from hmi.store.missions import Missions
 from hmi.store.recorder import Recorder
 from hmi.store.robots import Robots
 from hmi.store.stop_list import StopList
+from hmi.store.templates import Templates
 from hmi.store.thinning import Thinning
 from hmi.store.users import Users
 
@@ -58,6 +59,7 @@ class Records:
         self.base_maps = BaseMapRecords(self.database)
         self.missions = Missions(self.database, clock)
         self.checklists = Checklists(self.database, clock)
+        self.templates = Templates(self.database, clock)
         self.thinning = Thinning(self.database)
         self.passwords = Passwords(settings.secret)
         self.tokens = StopTokens(settings.secret, self.devices.is_revoked)

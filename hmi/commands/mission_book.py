@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import logging
-import math
-from collections.abc import Sequence
+from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from hmi.clock import Clock
 from hmi.commands.map_watch import MapStamp, MapWatch
+from hmi.commands.plan_wish import FAR_M, PlanOrder, metres, wish_for
 from hmi.commands.ports import AuditSink, FleetReader, StoredMission
 from hmi.commands.refusal import OrderRefused
 from hmi.domain.ids import new_id
 from hmi.domain.mission import ENDED, UNDER_WAY, BadMove, MissionStatus, Mover
 from hmi.domain.mission_document import Document, for_robot, mission_sha256, renamed
-from hmi.domain.mission_plan import PlannedMission, Planner, PlanWish, Surroundings
+from hmi.domain.mission_plan import Candidate, Pattern, PlannedMission, Planner, PlanRefused, PlanWish
 from hmi.domain.robot import Robot
 from hmi.domain.role import Permission
 from hmi.security.authorization import Authorize
@@ -29,31 +29,7 @@ from hmi.store.mission_revisions import MissionRevisions
 from hmi.store.missions import Mission, MissionLogEntry, Missions
 
 FRESH = "The whole mission again, from its first row."
-NEAR_HOME_M = 2000.0  # a home further away belongs to another site
-FAR_M = 3000.0  # a robot this far from a field is at another site: sending must be a mistake
-EARTH_M = 6_371_000.0
 log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True, slots=True)
-class PlanOrder:
-    """What a person asks to be planned.
-
-    Args:
-        row_bearing_deg: clockwise from north; ``None`` follows the field's crop rows, or searches the best.
-        headland_passes: ``None`` takes as many as turning needs.
-        home_id: map feature where the robot stands; ``None`` takes its own or the nearest.
-    """
-
-    field_id: str
-    robot_id: str
-    width_m: float
-    name: str = ""
-    row_bearing_deg: float | None = None
-    headland_passes: int | None = None
-    home_id: str | None = None
-    returns_home: bool = True
-    is_supervised: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +45,16 @@ class MissionParts:
     authorize: Authorize
     clock: Clock
     maps: Maps
+
+
+@dataclass(frozen=True, slots=True)
+class CandidateAnswer:
+    """One pattern of a comparison: the plan, or why there is none; ``same_as`` names one with the same path."""
+
+    pattern: Pattern
+    candidate: Candidate | None = None
+    refusal: PlanRefused | None = None
+    same_as: Pattern | None = None
 
 
 class MissionBook:
@@ -122,6 +108,29 @@ class MissionBook:
         """Plan without storing; raises ``PlanRefused`` and ``NotFound`` (field or home)."""
         self._parts.authorize(session, Permission.EDIT_MISSION, order.robot_id)
         return await self._parts.planner.plan(await self._wish(session, order, "preview"))
+
+    async def candidates(self, session: SessionInfo, order: PlanOrder) -> AsyncIterator[CandidateAnswer]:
+        """Return the same wish in one pattern after another, the wished one first, each as soon as it is planned.
+
+        A pattern that cannot be planned says so; the others come all the same. Ending the iteration frees the planner.
+
+        Raises:
+            NotFound: field, home or a treatment area; before anything is planned.
+        """
+        self._parts.authorize(session, Permission.EDIT_MISSION, order.robot_id)
+        return self._compared(await self._wish(session, order, "preview"))
+
+    async def _compared(self, wish: PlanWish) -> AsyncIterator[CandidateAnswer]:
+        patterns = sorted(Pattern, key=lambda pattern: (pattern is not wish.pattern, pattern is Pattern.SHORTEST))
+        paths: dict[tuple[float, ...], Pattern] = {}
+        for pattern in patterns:
+            try:
+                found = await self._parts.planner.candidate(replace(wish, pattern=pattern))
+            except PlanRefused as refusal:
+                yield CandidateAnswer(pattern, refusal=refusal)
+                continue
+            same = paths.setdefault(_fingerprint(found), pattern)
+            yield CandidateAnswer(pattern, found, same_as=None if same is pattern else same)
 
     async def plan(self, session: SessionInfo, order: PlanOrder) -> Mission:
         """Plan and store a mission; raises as ``preview``."""
@@ -241,27 +250,8 @@ class MissionBook:
     async def _wish(self, session: SessionInfo, order: PlanOrder, mission_id: str) -> PlanWish:
         features = await self._database.run(self._parts.features.all, session.farm_id)
         field = await self._database.run(self._parts.features.get, session.farm_id, order.field_id)
-        place = _places(field.geometry)[0]
-        home = _home(features, order, place)
         robot = self._parts.fleet.robot(order.robot_id)
-        sheet = None if robot is None else robot.factsheet
-        origin = (sheet.datum_lon_deg, sheet.datum_lat_deg) if sheet else home or place
-        return PlanWish(
-            mission_id=mission_id,
-            name=order.name or f"{field.title[:60]}, {order.width_m:g} m",
-            robot_id=order.robot_id,
-            field_name=field.title,
-            parcel=field.geometry,
-            width_m=order.width_m,
-            datum_lat_deg=round(origin[1], 7),
-            datum_lon_deg=round(origin[0], 7),
-            robot=sheet,
-            angle_rad=_row_angle(order, field),
-            headland_passes=order.headland_passes,
-            home=home,
-            returns_home=order.returns_home,
-            surroundings=surroundings_of(features, place, field.id),
-        )
+        return wish_for(order, mission_id, field, features, None if robot is None else robot.factsheet)
 
     def _audit(self, session: SessionInfo, mission: Mission, outcome: str, data: dict[str, Any]) -> None:
         self._parts.audit.append(
@@ -279,32 +269,6 @@ class MissionBook:
         )
 
 
-def _row_angle(order: PlanOrder, field: Feature) -> float | None:
-    """Return the ENU angle of the rows: as asked, else along the crop rows of the map, else to be searched."""
-    bearing = order.row_bearing_deg if order.row_bearing_deg is not None else field.properties.get("row_bearing_deg")
-    return None if bearing is None else math.pi / 2 - math.radians(float(bearing))
-
-
-def _home(features: Sequence[Feature], order: PlanOrder, place: tuple[float, float]) -> tuple[float, float] | None:
-    homes = {one.id: one for one in features if one.kind == "home"}
-    if order.home_id is not None and order.home_id in homes:
-        return _places(homes[order.home_id].geometry)[0]
-    near = [one for one in homes.values() if _metres(_places(one.geometry)[0], place) < NEAR_HOME_M]
-    own = [one for one in near if one.properties.get("robot") == order.robot_id]
-    best = min(own or near, key=lambda one: _metres(_places(one.geometry)[0], place), default=None)
-    return None if best is None else _places(best.geometry)[0]
-
-
-def surroundings_of(features: Sequence[Feature], place: tuple[float, float], field_id: str | None) -> Surroundings:
-    """Return what is near a place of a field; a farm may have sites on other continents."""
-    near = [one for one in features if one.id != field_id and _metres(_places(one.geometry)[0], place) < FAR_M]
-    solid = [one for one in near if one.kind in ("obstacle", "building", "no-go", "no_go", "hole")]
-    roads = [one for one in near if one.kind in ("road", "yard")]
-    return Surroundings(
-        tuple((one.geometry, _width(one)) for one in solid), tuple((one.geometry, _width(one)) for one in roads)
-    )
-
-
 def _on_map(planned: PlannedMission, version: MapStamp) -> PlannedMission:
     """Write into a plan which map it was made on."""
     if not version.number:
@@ -313,30 +277,9 @@ def _on_map(planned: PlannedMission, version: MapStamp) -> PlannedMission:
     return replace(planned, document=document, sha256=mission_sha256(document))
 
 
-def _width(feature: Feature) -> float:
-    """Return how wide a line is, or a point across."""
-    radius = feature.properties.get("radius_m")
-    return float(feature.properties.get("width_m", 4.0)) if radius is None else 2 * float(radius)
-
-
-def _places(geometry: dict[str, Any]) -> list[tuple[float, float]]:
-    """Return the positions of any GeoJSON geometry, longitude and latitude."""
-    found: list[tuple[float, float]] = []
-    waiting = [geometry["coordinates"]]
-    while waiting:
-        one = waiting.pop(0)
-        if one and isinstance(one[0], int | float):
-            found.append((float(one[0]), float(one[1])))
-        else:
-            waiting = [*one, *waiting]
-    return found
-
-
-def _metres(a: tuple[float, float], b: tuple[float, float]) -> float:
-    """Return the distance of two places, longitude and latitude, on a round earth."""
-    lon_a, lat_a, lon_b, lat_b = map(math.radians, (*a, *b))
-    half = math.sin((lat_b - lat_a) / 2) ** 2 + math.cos(lat_a) * math.cos(lat_b) * math.sin((lon_b - lon_a) / 2) ** 2
-    return 2 * EARTH_M * math.asin(min(1.0, math.sqrt(half)))
+def _fingerprint(found: Candidate) -> tuple[float, ...]:
+    """Return what only plans of one path have in common."""
+    return tuple(found.statistics[key] for key in ("length_m", "duration_s", "turns", "pivots", "covered_m2"))
 
 
 def _refuse_if_far(robot: Robot, mission: Mission, document: Document) -> None:
@@ -344,7 +287,7 @@ def _refuse_if_far(robot: Robot, mission: Mission, document: Document) -> None:
         return
     pose = robot.telemetry.pose
     corner = document["parcel"][0][0]
-    away = _metres((pose.lon_deg, pose.lat_deg), (corner[0], corner[1]))
+    away = metres((pose.lon_deg, pose.lat_deg), (corner[0], corner[1]))
     if away > FAR_M:
         text = f"{robot.name} is {away / 1000:.0f} km from {mission.field_name}. Choose a robot of that site."
         raise OrderRefused("wrong_site", text)

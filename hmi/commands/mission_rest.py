@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from hmi.commands.map_watch import MapWatch
-from hmi.commands.mission_book import surroundings_of
 from hmi.commands.mission_send import MissionSent
+from hmi.commands.plan_wish import surroundings_of
 from hmi.commands.refusal import HELD_BY_OTHER, OrderRefused
 from hmi.commands.rest_sources import FreshSource, RestParts, RestSource
 from hmi.commands.service import CommandRequest

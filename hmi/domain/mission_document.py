@@ -75,7 +75,7 @@ def _continues(given: Mapping[str, Any]) -> Document:
 
 def _segment(segment: Mapping[str, Any]) -> Document:
     jump = {"jump": True} if segment.get("jump") else {}
-    return {
+    whole: Document = {
         "kind": segment["kind"],
         "points": _points(segment["points"]),
         "speed_mps": float(segment["speed_mps"]),
@@ -84,6 +84,8 @@ def _segment(segment: Mapping[str, Any]) -> Document:
         "pivot": bool(segment.get("pivot", False)),
         **jump,
     }
+    # the contract leaves out a dose that nobody gave
+    return {**whole, "dose": float(segment["dose"])} if "dose" in segment else whole
 
 
 def _points(points: Sequence[Sequence[float]]) -> list[list[float]]:

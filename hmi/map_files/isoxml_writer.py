@@ -2,8 +2,8 @@
 
 Each parcel is a partfield (PFD); everything else goes into the partfield it lies in or next to. The format has room for
 a kind where its types have one, 32 letters of a name, the crop, the variety and the width of a line, and for nothing
-else. What loses its kind: farm and slow zone become "other" areas, trees obstacles or windbreaks. A point obstacle
-becomes an outline of its radius, so that a machine keeps away from all of it.
+else. What loses its kind: farm, slow zone and treatment area become "other" areas, trees obstacles or windbreaks. A
+point obstacle becomes an outline of its radius, so that a machine keeps away from all of it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ DESIGNATOR_CHARS = 32
 CIRCLE_CORNERS = 24  # the outline lies outside of the circle: its corners stand a little further out
 _GEOD = Geod(ellps="WGS84")
 _POLYGON = {"water": "3", "building": "4", "road": "5", "obstacle": "6", "farm": "8", "slow": "8", "no-go": "11",
-            "hedge": "12", "tree": "12"}  # fmt: skip
+            "treatment": "8", "hedge": "12", "tree": "12"}  # fmt: skip
 _LINE = {"road": "3", "water": "6", "hedge": "7", "tree": "9"}
 _POINT = {"gate": "3", "tree": "2", "home": "11"}
 _GUIDANCE = {"a-b": "1", "curve": "3", "recorded": "3"}

@@ -34,6 +34,7 @@ RANGES = {
     "width_m": Range("Width", 0, 200, "m"),
     "heading_deg": Range("Heading", -360, 360, "degrees", True),
     "speed_mps": Range("Speed", 0, 20, "m/s"),
+    "dose": Range("Dose", 0, 2, "times the usual one", True),
 }
 TYPES = {"home": ("home", "garage", "charging"), "rows": ("a-b", "curve", "recorded")}
 TEXTS = {"crop": "Crop", "species": "Species", "status": "Growth stage", "category": "Category", "type": "Type"}

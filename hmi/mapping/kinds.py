@@ -37,6 +37,7 @@ KINDS: MappingProxyType[str, Kind] = MappingProxyType(
         "gate": Kind("gate", (POINT,), ("width_m",)),
         "no-go": Kind("keep-out zone", (POLYGON,)),
         "slow": Kind("slow zone", (POLYGON,), ("speed_mps",)),
+        "treatment": Kind("treatment area", (POLYGON,), ("dose",)),
         "rows": Kind("rows", (LINE, LINES), ("parcel_id", "type")),
         "tree": Kind("tree", (POLYGON, LINE, POINT), ("width_m",)),
         "hedge": Kind("hedge", (POLYGON, LINE), ("width_m",)),

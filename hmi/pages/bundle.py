@@ -19,7 +19,7 @@ STATIC = Path(__file__).resolve().parents[2] / "static"
 STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 """Cascade order of what every page carries: tokens first, screens last."""
 
-SCREEN_STYLES = ("maps",)
+SCREEN_STYLES = ("maps", "plan")
 """Styles that a screen fetches with its scripts."""
 
 SCRIPTS = {
@@ -35,7 +35,10 @@ SCRIPTS = {
         "maps_feature", "maps_checks", "maps_changes", "maps_upload", "maps_base", "maps_import", "maps_versions",
         "maps_publish", "maps_dock", "maps_chips", "maps_walk", "maps_surface", "maps_edits", "maps_screen",
     ),
-    "missions": ("mission_numbers", "mission_form", "mission_ways", "missions"),
+    "missions": (
+        "mission_numbers", "plan_client", "plan_path", "plan_picture", "plan_scrubber", "plan_numbers", "plan_checks",
+        "plan_treatment", "plan_steps", "plan_templates", "plan_inputs", "mission_form", "mission_ways", "missions",
+    ),
     "run": ("field_picture", "start_checks", "rest_sheet"),
 }  # fmt: skip
 """Scripts by file, in load order: each uses only names of those before it.

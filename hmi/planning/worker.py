@@ -6,9 +6,9 @@ import asyncio
 from collections.abc import Callable
 from typing import TypeVar
 
-from hmi.domain.mission_plan import PlannedMission, PlanRefused, PlanWish
+from hmi.domain.mission_plan import Candidate, PlannedMission, PlanRefused, PlanWish
 from hmi.domain.mission_rest import PlannedRest, RestWish
-from hmi.planning.mission import plan_mission
+from hmi.planning.mission import plan_candidate, plan_mission
 from hmi.planning.rest import plan_rest
 from hmi.planning.side_process import SideProcess, SideProcessDied
 
@@ -44,6 +44,10 @@ class PlanningProcess:
     async def rest(self, wish: RestWish) -> PlannedRest:
         """Return the new rest of a mission; raises as ``plan``."""
         return await self._run(plan_rest, wish)
+
+    async def candidate(self, wish: PlanWish) -> Candidate:
+        """Return the plan to look at; raises as ``plan``, and cancelling it frees the process."""
+        return await self._run(plan_candidate, wish)
 
     async def _run(self, work: Callable[[W], P], wish: W) -> P:
         if self._waiting >= WAITING_LIMIT:

@@ -14,6 +14,7 @@ const isLook = (look) => ['==', ['get', 'look'], look];
 /** [layer, id of the layer above it or null]; paint values starting with '@' are palette names. */
 const LAYERS = [
   [{ id: 'edit-farm', source: 'farm', type: 'line', filter: ['all', ofKind('farm'), AREAS], paint: { 'line-color': '@edge', 'line-width': 1.4, 'line-dasharray': [8, 4] } }, 'parcel'],
+  [{ id: 'edit-treatment', source: 'farm', type: 'line', filter: ['all', ofKind('treatment'), AREAS], paint: { 'line-color': '@plan', 'line-width': 1.6, 'line-dasharray': [4, 3] } }, null],
   [{ id: 'edit-slow', source: 'farm', type: 'line', filter: ['all', ofKind('slow'), AREAS], paint: { 'line-color': '@plan', 'line-width': 1.6, 'line-dasharray': [2, 3] } }, null],
   [{ id: 'edit-rows-kept', source: 'farm', type: 'line', filter: ['all', ofKind('rows'), LINES], paint: { 'line-color': '@plan', 'line-width': 2 } }, null],
   [{ id: 'edit-place', source: 'farm', type: 'circle', filter: ['all', ofKind('home', 'gate'), POINTS], paint: { 'circle-color': '@raised', 'circle-radius': 8, 'circle-stroke-color': '@ink', 'circle-stroke-width': 2 } }, null],

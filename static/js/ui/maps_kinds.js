@@ -2,17 +2,17 @@
 (() => {
   "use strict";
   const KINDS = {
-    parcel: "Parcel", farm: "Farm", obstacle: "Obstacle", "no-go": "No-go zone", slow: "Slow zone", building: "Building", road: "Road",
+    parcel: "Parcel", farm: "Farm", obstacle: "Obstacle", "no-go": "No-go zone", slow: "Slow zone", treatment: "Treatment area", building: "Building", road: "Road",
     home: "Home", gate: "Gate", rows: "Rows", tree: "Tree", hedge: "Hedge", water: "Water",
   };
   const SHAPES = {
-    Polygon: ["parcel", "farm", "obstacle", "no-go", "slow", "building", "road", "tree", "hedge", "water"],
+    Polygon: ["parcel", "farm", "obstacle", "no-go", "slow", "treatment", "building", "road", "tree", "hedge", "water"],
     LineString: ["road", "rows", "tree", "hedge", "water"],
     MultiLineString: ["rows"],
     Point: ["home", "gate", "obstacle", "tree"],
   };
   const LAYERS = [
-    ["parcels", "Parcels", ["parcel", "farm"]], ["rows", "Rows", ["rows"]], ["obstacles", "Obstacles, no-go and slow zones", ["obstacle", "no-go", "slow"]],
+    ["parcels", "Parcels", ["parcel", "farm"]], ["rows", "Rows", ["rows"]], ["obstacles", "Obstacles, zones, treatment", ["obstacle", "no-go", "slow", "treatment"]],
     ["roads", "Roads, homes, gates", ["road", "home", "gate"]], ["surroundings", "Buildings, trees, water", ["building", "tree", "hedge", "water"]],
   ];
 
@@ -36,6 +36,7 @@
       number("heading_deg", "Heading, 0 is east", "°", -360, 360, 1),
     ],
     gate: [WIDTH],
+    treatment: [number("dose", "Dose, 0 is off", "× usual", 0, 2, 2)],
     slow: [number("speed_mps", "Speed limit", "m/s", 0.01, 10, 2)],
     rows: [choice("type", "Type", [["a-b", "Straight, A to B"], ["curve", "Curve"], ["recorded", "Recorded"]])],
     tree: { LineString: [WIDTH], Point: [RADIUS] },

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import msgspec
 import pytest
 
+from backend_clients.edge import messages_down as down
 from tests.backend_clients.simulator.rig import Rig, small_mission
 
 
@@ -75,6 +77,19 @@ def test_a_mission_is_driven_to_its_end_with_the_laser_on_in_rows_only() -> None
     assert worst_m < 0.05
     assert [e.data["row"] for e in rig.events if e.kind == "treatment"] == [1, 2, 3]
     assert rig.state.mode == "idle"
+
+
+@pytest.mark.parametrize(("dose", "share"), [(1.0, 1.0), (0.5, 0.5), (2.0, 0.5)])
+def test_a_dose_changes_what_is_treated_in_the_same_time(dose: float, share: float) -> None:
+    def weeds(mission: down.Mission) -> float:
+        rig = Rig()
+        rig.start(mission)
+        rig.run(60)
+        return float(next(e.data["weeds"] for e in rig.events if e.kind == "treatment"))
+
+    usual = small_mission(rows=1, length_m=60)
+    dosed = [msgspec.structs.replace(s, dose=dose) if s.tool_on else s for s in usual.segments]
+    assert weeds(small_mission(segments=dosed)) == pytest.approx(share * weeds(usual), rel=0.05, abs=1)
 
 
 def test_the_speed_never_exceeds_six_kilometres_an_hour() -> None:

@@ -32,6 +32,7 @@ segments = st.builds(
     row=st.integers(0, 500),
     pivot=st.booleans(),
     jump=st.sampled_from([msgspec.UNSET, True]),
+    dose=st.just(msgspec.UNSET) | st.floats(0, 2),
 )
 missions = st.builds(
     down.Mission,
@@ -92,8 +93,11 @@ def test_the_contract_has_no_field_the_document_lacks() -> None:
     more = {"map_version": {"number": 1, "sha256": "a" * 64}, "continues": {"base_sha256": "b" * 64, "segments": 0}}
     document = canonical({**plan_mission(wish()).document, **more})
     assert set(document) == {f.encode_name for f in msgspec.structs.fields(down.Mission)}
-    with_jump = canonical({**document, "segments": [{**document["segments"][0], "jump": True}]})["segments"][0]
-    assert set(with_jump) == {f.encode_name for f in msgspec.structs.fields(down.Segment)}
+    more_of_it = {**document["segments"][0], "jump": True, "dose": 0.5}
+    segment = canonical({**document, "segments": [more_of_it]})["segments"][0]
+    assert set(segment) == {f.encode_name for f in msgspec.structs.fields(down.Segment)}
+    left_out = {"jump", "dose"}  # where nobody gave one
+    assert set(document["segments"][0]) == set(segment) - left_out
     assert set(document["datum"]) == {f.encode_name for f in msgspec.structs.fields(Datum)}
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from hmi.commands.mission_book import PlanOrder
+from hmi.commands.plan_wish import PlanOrder
 from hmi.commands.refusal import OrderRefused
 from hmi.domain.map_log import FeatureChange, Transaction
 from hmi.domain.role import Role
