@@ -122,9 +122,7 @@ def test_overlapping_holes_are_made_one() -> None:
     assert after_fix(only(bad), bad) == []
 
 
-@pytest.mark.parametrize(
-    "hole", [box(40, 0, 60, 20), [(50, 0), (60, 10), (40, 10), (50, 0)], box(40, 0.005, 60, 20)]
-)
+@pytest.mark.parametrize("hole", [box(40, 0, 60, 20), [(50, 0), (60, 10), (40, 10), (50, 0)], box(40, 0.005, 60, 20)])
 def test_a_hole_that_touches_the_edge_becomes_a_bay(hole: list[tuple[float, float]]) -> None:
     bad = area("bad", box(0, 0, 100, 60), hole[::-1])
     finding = only(bad)
