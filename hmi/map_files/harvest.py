@@ -8,6 +8,8 @@ from dataclasses import replace
 from statistics import median
 from typing import Any
 
+from pyproj import Geod
+
 from hmi.map_files import attributes
 from hmi.map_files.coordinate_system import WGS84, CoordinateSystem
 from hmi.map_files.errors import BadMapFile
@@ -17,9 +19,8 @@ from hmi.map_files.limits import Allowance
 from hmi.map_files.own_words import settled
 from hmi.map_files.shape import BadShape, fit, lines_of, simple_parts
 from hmi.map_files.source import Source, SourceFeature, SourceLayer
-from hmi.mapping.feature import MapFeature
-from hmi.mapping.measures import area_m2
 
+_GEOD = Geod(ellps="WGS84")
 TOLD_EVERY = 50  # shapes
 FAR_DEG = 5.0  # about 500 km: no farm is that large
 _ASSUMED = "The file does not name its coordinate system; WGS84 was assumed. Check the place on the map."
@@ -113,7 +114,10 @@ class _Reaper:
 
 
 def _area_m2(shape: Geometry) -> float:
-    return area_m2(MapFeature("item", "farm", "", shape, {})) if shape["type"] == "Polygon" else 0.0
+    """Return the area on the ellipsoid; a plane for each shape would take longer than reading the file."""
+    rings = shape["coordinates"] if shape["type"] == "Polygon" else []
+    areas = [abs(_GEOD.polygon_area_perimeter(*zip(*ring, strict=True))[0]) for ring in rings]
+    return float(max(areas[0] - sum(areas[1:]), 0.0)) if areas else 0.0
 
 
 def _told(feature: SourceFeature, problems: list[str]) -> tuple[str | None, str | None, dict[str, Any]]:

@@ -8,7 +8,7 @@ import { GlEngine, hasWebGl } from '../map/gl_engine.js';
 import { LabelLayer } from '../map/labels.js';
 import { Scene } from '../map/scene.js';
 import { readPalette, watchTheme } from '../map/theme.js';
-import { addEditorStyle, paintEditorStyle, showBed } from './editor_style.js';
+import { addEditorStyle, paintEditorStyle, showBed, showStrips } from './editor_style.js';
 import { idOf } from './draft.js';
 
 const LOST_CONTEXT_MS = 3000;
@@ -138,6 +138,11 @@ export class Surface {
 
   showBed(beds) {
     if (this.isEditable) showBed(this.engine.map, beds, latOf(this.camera.my));
+  }
+
+  showStrips(lines) {
+    this.host.dataset.strips = lines.length;
+    if (this.isEditable) showStrips(this.engine.map, lines);
   }
 
   redraw() {

@@ -3,12 +3,12 @@
   "use strict";
   const LIMIT_MS = 180000; // large files over a field radio
 
-  // upload(file, onProgress(share 0..1, or null while the server reads)) -> {answer: Promise, cancel}
-  function upload(file, onProgress) {
+  // upload(file, ref, onProgress(share 0..1, or null while the server reads)) -> {answer: Promise, cancel}
+  function upload(file, ref, onProgress) {
     const request = new XMLHttpRequest();
     const answer = new Promise((resolve) => {
       const lost = (text, code) => resolve({ ok: false, status: 0, code, text });
-      request.open("POST", `${HL.config.apiPath}/map/imports?name=${encodeURIComponent(file.name)}`);
+      request.open("POST", `${HL.config.apiPath}/map/imports?name=${encodeURIComponent(file.name)}&ref=${ref}&geometry=false`);
       request.responseType = "json";
       request.timeout = LIMIT_MS;
       request.setRequestHeader("X-Headland-CSRF", HL.config.csrf || "");
