@@ -168,7 +168,7 @@ def _add_review(router: APIRouter, review: MapReview) -> None:
     @router.post("/map/draft/preview", summary="What an operation would do; nothing is changed")
     async def preview(body: TrialBody, session: SignedIn) -> Any:
         work = review.trial(session, body.op, body.features, body.args)
-        return await tried(lambda: work, lambda found: {**found.as_json()})
+        return await tried(lambda: work, lambda found: found.as_json())
 
     @router.post("/map/walks", summary="The outline of positions walked; nothing is changed")
     async def walk(body: WalkBody, session: SignedIn) -> Any:

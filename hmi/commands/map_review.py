@@ -10,6 +10,7 @@ from typing import Any
 from hmi.commands.map_book import MapParts, parsed
 from hmi.domain.role import Permission
 from hmi.mapping.effect import Effect, effect_of
+from hmi.mapping.errors import OperationRefused
 from hmi.mapping.feature import as_geojson
 from hmi.mapping.history import Entry, Published, attribute_history
 from hmi.mapping.operations import Outcome, apply
@@ -20,18 +21,22 @@ from hmi.store.errors import NotFound
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """An operation that was not done."""
+    """An operation that was not done; ``refused`` says why it could not be, and has no outcome then."""
 
-    outcome: Outcome
-    effect: Effect
+    outcome: Outcome | None
+    effect: Effect | None
+    refused: OperationRefused | None = None
 
     def as_json(self) -> dict[str, Any]:
         """Return it with each feature as it would become."""
+        if self.outcome is None or self.effect is None:
+            said = self.refused and {"code": self.refused.code, "text": self.refused.text}
+            return {"label": "", "changes": [], "effect": None, "refused": said}
         after = [
             {"id": one.id, "after": None if one.after is None else as_geojson(one.after)}
             for one in self.outcome.changes
         ]
-        return {"label": self.outcome.label, "changes": after, "effect": self.effect.as_json()}
+        return {"label": self.outcome.label, "changes": after, "effect": self.effect.as_json(), "refused": None}
 
 
 class MapReview:
@@ -44,12 +49,15 @@ class MapReview:
         self._parts = parts
 
     async def trial(self, session: SessionInfo, op: str, ids: Sequence[str], args: Mapping[str, Any]) -> Trial:
-        """Return what an operation would do to the draft; raises ``OperationRefused`` and ``NotFound``."""
+        """Return what an operation would do to the draft, or why it does not fit; raises ``NotFound``."""
         self._parts.authorize(session, Permission.EDIT_MAP)
         draft = await self._parts.database.run(self._parts.maps.draft, session.farm_id)
         if draft is None:
             raise NotFound("there is no draft of this map")
-        outcome = await asyncio.to_thread(lambda: apply(op, parsed(draft.features), ids, args))
+        try:
+            outcome = await asyncio.to_thread(lambda: apply(op, parsed(draft.features), ids, args))
+        except OperationRefused as error:
+            return Trial(None, None, error)
         return Trial(outcome, await asyncio.to_thread(effect_of, outcome))
 
     async def outline(

@@ -112,7 +112,7 @@ class Maps:
         row = MapVersionRow
         query = select(row.number, row.by, row.note, row.published_at, row.features[feature_id])
         with self._database.read() as session:
-            found = session.execute(query.filter_by(farm_id=farm_id).order_by(row.number)).all()
+            found = session.execute(query.where(row.farm_id == farm_id).order_by(row.number)).all()
         return [(MapVersion(number, by, note, at, 0), raw) for number, by, note, at, raw in found]
 
     def draft(self, farm_id: str) -> MapDraft | None:

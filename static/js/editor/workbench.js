@@ -182,6 +182,7 @@ export class Workbench {
   }
 
   get dial() {
+    if (this.trial.length && this.turning === null) return null;
     if (this.turning !== null) return turnDialOf(this.inHand[0], this.surface, this.turning);
     return dialOf(this.inHand[0], this.surface);
   }

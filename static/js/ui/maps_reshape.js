@@ -143,6 +143,7 @@
       const answer = await this.act.trial(wish.op, [this.id], wish.args);
       if (turn !== this.turn || !this.isOpen) return undefined;
       if (!answer.ok) return this.tell(answer.text || "The server did not answer. Try again.", []);
+      if (answer.refused) return this.tell(answer.refused.text, []);
       attr(this.go, "disabled", null);
       return this.tell(this.words(answer.effect), answer.changes.map((one) => one.after).filter(Boolean));
     }

@@ -16,7 +16,7 @@ from hmi.api.access import Access
 from hmi.api.maps import map_routes
 from hmi.clock import FakeClock
 from hmi.commands.map_book import MapBook, MapParts
-from hmi.commands.map_exchange import MapExchange
+from hmi.commands.map_exchange import MapExchange, Reader
 from hmi.commands.map_review import MapReview
 from hmi.domain.role import Role
 from hmi.map_files.imported import Imported
@@ -51,6 +51,11 @@ class MapRig(Rig):
         )
         self.map_book, self.review = MapBook(parts), MapReview(parts)
         self.exchange = MapExchange(self.map_book, HereReader(), self.authorize, "My farm")
+
+    def read_with(self, reader: Reader) -> MapExchange:
+        """Let files be read by another reader."""
+        self.exchange = MapExchange(self.map_book, reader, self.authorize, "My farm")
+        return self.exchange
 
     def browser(self, role: Role, farm_id: str = FARM) -> httpx.AsyncClient:
         """Return a browser of somebody, at the map's routes."""
