@@ -57,6 +57,7 @@ export class MapEditor {
       tap: (at, event) => this.#tap(at, event),
       hover: (at) => this.#hover(at),
       hold: () => bench.surface.hold(),
+      share: () => bench.surface.share(),
       release: () => bench.surface.release(Boolean(bench.pen)),
     });
     this.keyboard = new Keyboard(host, {

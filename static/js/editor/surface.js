@@ -4,6 +4,7 @@ import { CanvasEngine } from '../map/canvas_engine.js';
 import { farmLabels, readableLabels } from '../map/captions.js';
 import { Controls } from '../map/controls.js';
 import { boxOf, latOf, lonOf, mercX, mercY } from '../map/geometry.js';
+import { farmWidths } from '../map/farm_style.js';
 import { GlEngine, hasWebGl } from '../map/gl_engine.js';
 import { LabelLayer } from '../map/labels.js';
 import { Scene } from '../map/scene.js';
@@ -15,6 +16,7 @@ const LOST_CONTEXT_MS = 3000;
 const FIT_MARGIN_PX = 72;
 const NEAREST_ZOOM = 20.5; // a single corner must not fill the screen
 const BELOW_PX = 20;
+const SAME_SCALE_DEG = 0.5; // a metre is drawn within 1 % of what it should be
 const START = { mx: mercX(10), my: mercY(50), zoom: 5, bearing: 0 };
 
 export class Surface {
@@ -65,6 +67,7 @@ export class Surface {
     this.engine = engine;
     this.host.dataset.engine = engine.kind;
     engine.setPalette(this.palette);
+    this.scaledAt = latOf(START.my);
     if (engine.kind === 'gl') addEditorStyle(engine.map, this.palette);
     this.element.querySelector('canvas').tabIndex = -1; // the host around it is the one stop of the Tab key
     this.controls ??= this.#controls();
@@ -154,6 +157,11 @@ export class Surface {
     this.#hands(false, false);
   }
 
+  /** Let two fingers move the map. Not as a tap: the first finger dragged something, and lifting both must not zoom. */
+  share() {
+    this.#hands(true, false);
+  }
+
   /** Give the fingers back to the map; `isDrawing`: a double tap ends the drawing instead of zooming. */
   release(isDrawing) {
     this.#hands(true, !isDrawing);
@@ -170,9 +178,17 @@ export class Surface {
   fit(features) {
     const box = boxOf(features);
     if (!box) return false;
+    this.#rescale(latOf((box[1] + box[3]) / 2));
     const zoom = Math.min(this.camera.zoomFor(box, FIT_MARGIN_PX), NEAREST_ZOOM);
     this.engine.jump({ mx: (box[0] + box[2]) / 2, my: (box[1] + box[3]) / 2, zoom });
     return true;
+  }
+
+  /** Widths and radii in metres are right at one latitude: that of the farm, which is known with its first features. */
+  #rescale(lat) {
+    if (!this.isEditable || Math.abs(lat - this.scaledAt) < SAME_SCALE_DEG) return;
+    this.scaledAt = lat;
+    for (const [layer, key, value] of farmWidths(lat)) this.engine.map.setPaintProperty(layer, key, value);
   }
 
   toPx([lon, lat]) {
