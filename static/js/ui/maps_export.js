@@ -12,9 +12,11 @@
     link.remove();
   };
 
+  const exportPath = (format, of) => `${HL.config.apiPath}/map/export?format=${format}&of=${of}`;
+
   // format: [name, word]; of: "draft" or "published"
   async function exportMap([format, word], of) {
-    const path = `${HL.config.apiPath}/map/export?format=${format}&of=${of}`;
+    const path = exportPath(format, of);
     const answer = await HL.port.api("GET", `/map/export/losses?format=${format}&of=${of}`, null, 30000);
     if (!answer.ok) return HL.toast(`Not exported: ${answer.text || "the server did not answer"}`, "block");
     const lost = [...(answer.left_out ?? []), ...(answer.cut ?? [])];
@@ -25,5 +27,5 @@
     return HL.sheet({ title: `${word} leaves something out`, hook: "export-lossy", body: [head, list, ...more], buttons: [["Cancel", (close) => close()], ["Export without", (close) => (close(), save(path)), true]] });
   }
 
-  M.exportMap = exportMap;
+  Object.assign(M, { exportMap, exportPath });
 })();

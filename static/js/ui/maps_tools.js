@@ -99,7 +99,7 @@
     exportRows(close) {
       const group = (of, title) => el("div", {},
         el("div", { class: "line h-2 h-t13" }, title),
-        ...FORMATS.map(([format, word]) => el("button", { type: "button", class: "item m-format", "data-testid": `editor-export-${of}-${format}`, onclick: () => (close(), HL.maps.exportMap([format, word], of)) }, icon("download", "m"), word)),
+        ...FORMATS.map(([format, word]) => el("a", { class: "item m-format", href: HL.maps.exportPath(format, of), download: "", "data-testid": `editor-export-${of}-${format}`, onclick: (event) => (event.preventDefault(), close(), HL.maps.exportMap([format, word], of)) }, icon("download", "m"), word)),
       );
       const { version, hasDraft } = this.of;
       return [el("div", { class: "m-exports" }, hasDraft ? group("draft", "This draft") : "", version ? group("published", `Published v${version}`) : "")];
