@@ -6,12 +6,12 @@ import asyncio
 import contextlib
 import gc
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 
 from hmi.map_files import limits
 from hmi.map_files.errors import BadMapFile
 from hmi.map_files.imported import Imported
+from hmi.map_files.progress import Progress, Report
 from hmi.map_files.reader import read_map
 from hmi.planning.side_process import SideProcess, SideProcessDied, limit_memory
 
@@ -39,11 +39,13 @@ class MapReader:
         self._waiting = 0
         self._work: asyncio.Task[Imported] | None = None
 
-    async def read(self, data: bytes, name: str, on_progress: Callable[[float], None] | None = None) -> Imported:
+    async def read(self, data: bytes, name: str, on_progress: Report | None = None) -> Imported:
         """Return what the file holds.
 
         Args:
-            on_progress: called on this loop with the share that is done, 0 to 1, rising.
+            on_progress: called on this loop with how far it is, rising.
+
+        Cancelling the task that waits here kills the process at work; nothing of the file stays.
 
         Raises:
             BadMapFile: see ``read_map``; and ``too_long``, ``too_large``, ``cancelled``, ``busy``.
@@ -55,7 +57,7 @@ class MapReader:
         self._waiting += 1
         try:
             async with self._turn:
-                return await self._read(data, name, on_progress or (lambda share: None))
+                return await self._read(data, name, on_progress or (lambda progress: None))
         finally:
             self._waiting -= 1
 
@@ -70,7 +72,7 @@ class MapReader:
         if self._work is not None:
             await asyncio.wait({self._work})
 
-    async def _read(self, data: bytes, name: str, on_progress: Callable[[float], None]) -> Imported:
+    async def _read(self, data: bytes, name: str, on_progress: Report) -> Imported:
         with tempfile.TemporaryDirectory(prefix="headland-import-") as folder:
             share = Path(folder) / "share"
             work = asyncio.create_task(self._run(data, name, share), name="map-read")
@@ -105,12 +107,13 @@ async def _outcome(work: asyncio.Task[Imported], *, is_late: bool, limit_s: floa
     return work.result()
 
 
-async def _watch(share: Path, on_progress: Callable[[float], None]) -> None:
-    told = 0.0
+async def _watch(share: Path, on_progress: Report) -> None:
+    told = Progress(0.0)
     while True:
         await asyncio.sleep(PROGRESS_S)
         with contextlib.suppress(OSError, ValueError):
-            now = float(await asyncio.to_thread(share.read_text, encoding="ascii"))
+            done, shapes = (await asyncio.to_thread(share.read_text, encoding="ascii")).split()
+            now = Progress(float(done), int(shapes))
             if now > told:
                 told = now
                 on_progress(told)
@@ -126,6 +129,6 @@ def _read_bounded(data: bytes, name: str, share: str, memory_bytes: int) -> Impo
         raise BadMapFile("too_large", _TOO_LARGE) from error
 
 
-def _tell(share: str, done: float) -> None:
+def _tell(share: str, done: Progress) -> None:
     with contextlib.suppress(OSError):
-        Path(share).write_text(f"{done:.3f}", encoding="ascii")
+        Path(share).write_text(f"{done.share:.3f} {done.shapes}", encoding="ascii")

@@ -4,18 +4,20 @@ import { CanvasEngine } from '../map/canvas_engine.js';
 import { farmLabels, readableLabels } from '../map/captions.js';
 import { Controls } from '../map/controls.js';
 import { boxOf, latOf, lonOf, mercX, mercY } from '../map/geometry.js';
+import { farmWidths } from '../map/farm_style.js';
 import { GlEngine, hasWebGl } from '../map/gl_engine.js';
 import { LabelLayer } from '../map/labels.js';
 import { Scene } from '../map/scene.js';
 import { baseChoice } from '../map/layers.js';
 import { readPalette, watchTheme } from '../map/theme.js';
-import { addEditorStyle, paintEditorStyle, showBed } from './editor_style.js';
+import { addEditorStyle, paintEditorStyle, showBed, showStrips } from './editor_style.js';
 import { idOf } from './draft.js';
 
 const LOST_CONTEXT_MS = 3000;
 const FIT_MARGIN_PX = 72;
 const NEAREST_ZOOM = 20.5; // a single corner must not fill the screen
 const BELOW_PX = 20;
+const SAME_SCALE_DEG = 0.5; // a metre is drawn within 1 % of what it should be
 const START = { mx: mercX(10), my: mercY(50), zoom: 5, bearing: 0 };
 
 export class Surface {
@@ -67,6 +69,7 @@ export class Surface {
     this.engine = engine;
     this.host.dataset.engine = engine.kind;
     engine.setPalette(this.palette);
+    this.scaledAt = latOf(START.my);
     if (engine.kind === 'gl') addEditorStyle(engine.map, this.palette);
     this.element.querySelector('canvas').tabIndex = -1; // the host around it is the one stop of the Tab key
     this.controls ??= this.#controls();
@@ -176,6 +179,11 @@ export class Surface {
     if (this.isEditable) showBed(this.engine.map, beds, latOf(this.camera.my));
   }
 
+  showStrips(lines) {
+    this.host.dataset.strips = lines.length;
+    if (this.isEditable) showStrips(this.engine.map, lines);
+  }
+
   redraw() {
     this.engine?.redraw();
   }
@@ -183,6 +191,11 @@ export class Surface {
   /** While a corner is dragged, the map itself must not move. */
   hold() {
     this.#hands(false, false);
+  }
+
+  /** Let two fingers move the map. Not as a tap: the first finger dragged something, and lifting both must not zoom. */
+  share() {
+    this.#hands(true, false);
   }
 
   /** Give the fingers back to the map; `isDrawing`: a double tap ends the drawing instead of zooming. */
@@ -201,9 +214,17 @@ export class Surface {
   fit(features) {
     const box = boxOf(features);
     if (!box) return false;
+    this.#rescale(latOf((box[1] + box[3]) / 2));
     const zoom = Math.min(this.camera.zoomFor(box, FIT_MARGIN_PX), NEAREST_ZOOM);
     this.engine.jump({ mx: (box[0] + box[2]) / 2, my: (box[1] + box[3]) / 2, zoom });
     return true;
+  }
+
+  /** Widths and radii in metres are right at one latitude: that of the farm, which is known with its first features. */
+  #rescale(lat) {
+    if (!this.isEditable || Math.abs(lat - this.scaledAt) < SAME_SCALE_DEG) return;
+    this.scaledAt = lat;
+    for (const [layer, key, value] of farmWidths(lat)) this.engine.map.setPaintProperty(layer, key, value);
   }
 
   toPx([lon, lat]) {

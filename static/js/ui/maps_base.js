@@ -177,7 +177,7 @@
     uploads += 1;
     const n = uploads;
     const one = { name: file.name, size: file.size, share: 0 };
-    const upload = M.upload(file, (share) => { one.share = share; panel?.isOpen && panel.answer && panel.paint(); }, { path: PATH, limitMs: 0 });
+    const upload = M.upload(file, PATH, (share) => { one.share = share; panel?.isOpen && panel.answer && panel.paint(); }, 0);
     one.cancel = upload.cancel;
     sending.set(n, one);
     panel?.isOpen && panel.look();

@@ -8,10 +8,6 @@
     ["road", "Road", "R", "edit_road"], ["home", "Home", "G", "home"], ["rows", "Rows", "D", "align_vertical_bottom"], ["split", "Split", "X", "content_cut"],
     ["merge", "Merge", "M", "merge"], ["measure", "Measure", "L", "straighten"],
   ];
-  const HINTS = {
-    parcel: "Tap the corners of the field.", hole: "Tap the corners of what is left out, inside a parcel.", obstacle: "Tap the corners of the obstacle.", road: "Tap along the middle of the road.",
-    home: "Tap the place where a robot stands at home.", rows: "Tap where the first row begins and ends.", split: "Tap a line across the parcel.", merge: "Tap the parcels to merge, then Merge.", measure: "Tap points to measure between them.",
-  };
   const FREE = new Set(["select", "measure"]); // change nothing: for everybody
   const FORMATS = [["geojson", "GeoJSON"], ["kml", "KML"], ["kmz", "KMZ"], ["shapefile", "Shapefile"], ["isoxml", "ISOXML"], ["gpx", "GPX"], ["fiware", "FIWARE"]];
   const SNAP = "headland.map.snap";
@@ -102,10 +98,9 @@
       return !LAYERS.some(([name, , kinds]) => this.hidden.has(name) && kinds.includes(kind));
     }
     exportRows(close) {
-      const base = HL.config.apiPath;
       const group = (of, title) => el("div", {},
         el("div", { class: "line h-2 h-t13" }, title),
-        ...FORMATS.map(([format, word]) => el("a", { class: "item m-format", href: `${base}/map/export?format=${format}&of=${of}`, download: "", "data-testid": `editor-export-${of}-${format}`, onclick: () => setTimeout(close) }, icon("download", "m"), word)),
+        ...FORMATS.map(([format, word]) => el("a", { class: "item m-format", href: HL.maps.exportPath(format, of), download: "", "data-testid": `editor-export-${of}-${format}`, onclick: (event) => (event.preventDefault(), close(), HL.maps.exportMap([format, word], of)) }, icon("download", "m"), word)),
       );
       const { version, hasDraft } = this.of;
       return [el("div", { class: "m-exports" }, hasDraft ? group("draft", "This draft") : "", version ? group("published", `Published v${version}`) : "")];
@@ -122,23 +117,5 @@
     }
   }
 
-  // what the tool in hand waits for, over the map
-  class Hint {
-    constructor(act) {
-      this.words = el("span");
-      this.point = el("button", { type: "button", class: "h-btn", "data-testid": "editor-undo-point", onclick: () => act.undoPoint() }, icon("backspace", "m"), "Last point");
-      this.merge = el("button", { type: "button", class: "h-btn pri", "data-testid": "editor-merge", onclick: () => act.merge() }, icon("merge", "m"), "Merge");
-      this.done = el("button", { type: "button", class: "h-btn", onclick: () => act.tool("select") }, "Leave");
-      this.node = el("div", { class: "h-card m-hint", hidden: true, "data-testid": "editor-hint" }, this.words, this.point, this.merge, this.done);
-    }
-    paint(tool, measured, chosen) {
-      attr(this.node, "hidden", tool === "select");
-      text(this.words, tool === "measure" && measured ? measured : tool === "merge" && chosen ? HL.maps.count(chosen, "parcel chosen", "parcels chosen") : HINTS[tool]);
-      attr(this.point, "hidden", ["merge", "home"].includes(tool));
-      attr(this.merge, "hidden", tool !== "merge");
-      attr(this.merge, "disabled", chosen < 2);
-    }
-  }
-
-  Object.assign(HL.maps, { Tools, Bar, Hint, isTyping, isFree: (tool) => FREE.has(tool) });
+  Object.assign(HL.maps, { Tools, Bar, isTyping, isFree: (tool) => FREE.has(tool) });
 })();

@@ -12,7 +12,7 @@ from hmi.map_files.writer import FORMATS, write_map
 from hmi.mapping.feature import MapFeature
 from tests.hmi.map_files.features import features, maps
 
-LOSSLESS = ("geojson", "kml", "kmz", "shapefile", "gpx")
+LOSSLESS = ("geojson", "kml", "kmz", "shapefile", "gpx", "isoxml")
 
 
 def again(written: list[MapFeature], format_: str) -> Imported:
