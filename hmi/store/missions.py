@@ -143,6 +143,34 @@ class Missions:
 
         return self._change(farm_id, mission_id, change, by, "Renamed.", {"name": name})
 
+    def adjust(
+        self,
+        farm_id: str,
+        mission_id: str,
+        by: str,
+        *,
+        is_supervised: bool | None = None,
+        robot_id: str | None = None,
+    ) -> Mission:
+        """Mark a mission attended or not, or give it to another robot; its hash changes with the robot.
+
+        Raises:
+            NotFound: there is no such mission.
+            MissionRefused: a robot holds it or a queue waits for it.
+        """
+
+        def change(mission: Mission, document: Document) -> tuple[Mission, Document]:
+            if mission.status not in EDITABLE:
+                raise MissionRefused("in_use", f"{mission.name} is {mission.status.value}. Copy it instead.")
+            if robot_id is not None and robot_id != document["robot"]:
+                document = for_robot(document, robot_id)
+            attended = mission.is_supervised if is_supervised is None else is_supervised
+            return replace(mission, is_supervised=attended, robot_id=robot_id or mission.robot_id), document
+
+        words = [] if is_supervised is None else ["A person must be there." if is_supervised else "May run unattended."]
+        words += [] if robot_id is None else [f"For {robot_id} now."]
+        return self._change(farm_id, mission_id, change, by, " ".join(words), {})
+
     def move(
         self,
         farm_id: str,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from alembic import context
 
-from hmi.store import map_tables  # noqa: F401 - so that its tables are known
+from hmi.store import map_tables, queue_tables  # noqa: F401 - so that their tables are known
 from hmi.store.tables import Base
 
 context.configure(
