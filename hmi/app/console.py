@@ -12,6 +12,7 @@ from hmi.app.chores import Chores
 from hmi.app.edge import Edge
 from hmi.app.maps import MapDesk
 from hmi.app.missions import MissionDesk
+from hmi.app.queue import QueueDesk
 from hmi.app.records import Records
 from hmi.app.stops import StopDesk
 from hmi.app.witness import FleetWitness
@@ -56,7 +57,26 @@ class Console:
                 is_signed_in=lambda session_id: records.sessions.get(session_id) is not None,
             )
         )
-        self.stops = StopDesk(edge.sender, clock, records.robots, records.audit, self.desk.leases)
+        self.queue = QueueDesk(
+            settings,
+            clock,
+            records,
+            edge.fleet,
+            edge.ticks,
+            self.desk,
+            self.missions.book,
+            self.authorize,
+            self._lane_event,
+        )
+        self.stops = StopDesk(
+            edge.sender,
+            clock,
+            records.robots,
+            records.audit,
+            self.desk.leases,
+            on_stop=self.queue.stopped,
+            on_stop_all=self.queue.freeze.stop_all,
+        )
         self.chores = Chores(records, self.hub, self.keeper, clock)
         see = [records.recorder.see, self.missions.tracking.see]
         self._witness = FleetWitness(edge.fleet, clock, self.stops.service.on_return, see)
@@ -77,6 +97,7 @@ class Console:
         epoch = await asyncio.to_thread(records.counters.next_epoch, "lease")
         console = cls(settings, clock, records, edge, epoch)
         await console.missions.prepare()
+        await console.queue.prepare()
         return console
 
     async def start(self) -> None:
@@ -89,6 +110,7 @@ class Console:
         self.desk.start()
         self.stops.start()
         self.missions.start()
+        self.queue.start()
         self.chores.start()
 
     async def stop(self) -> None:
@@ -96,6 +118,7 @@ class Console:
         await self.chores.stop()
         for undo in self._undo:
             undo()
+        await self.queue.stop()
         await self.missions.stop()
         await self.maps.stop()
         await self.stops.stop()
@@ -140,7 +163,10 @@ class Console:
 
     def _safety(self, robot_id: str, safety: SafetyState) -> None:
         robot = self.edge.fleet.robot(robot_id)
-        if robot is not None and safety.latched:
+        if robot is None:
+            return
+        self.queue.see(robot)
+        if safety.latched:
             self.desk.leases.observe(robot)
 
     def _robot_event(self, event: RobotEvent) -> None:

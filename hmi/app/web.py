@@ -137,7 +137,7 @@ def _api(console: Console) -> ApiServices:
         desk=console.desk,
         stop=console.stops,
         diagnostics=_diagnostics(console),
-        further=[console.missions.routes(), console.maps.routes()],
+        further=[console.missions.routes(), console.maps.routes(), console.queue.routes()],
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from typing import Any
 
@@ -39,7 +39,7 @@ class EntryOrder:
     earliest: datetime | None = None
     window_s: int = WINDOW_S
     repeat: Repeat | None = None
-    conditions: Conditions = Conditions()
+    conditions: Conditions = field(default_factory=Conditions)
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,10 +180,7 @@ class QueueBook:
 
     async def _into_queue(self, session: SessionInfo, mission: Mission, robot_id: str) -> None:
         if mission.status is not MissionStatus.VALIDATED:
-            words = {MissionStatus.QUEUED: "in a queue already", MissionStatus.WAITING: "in a queue already"}
-            state = words.get(
-                mission.status, "a draft" if mission.status is MissionStatus.DRAFT else "on a robot already"
-            )
+            state = _STATE.get(mission.status, "on a robot already")
             raise OrderRefused("not_ready", f"{mission.name} is {state}. Copy it to run it again.")
         await self._move(session, mission, MissionStatus.QUEUED, "Put into the queue.", robot_id)
 
@@ -241,6 +238,13 @@ class QueueBook:
     ) -> None:
         who = (session.user_name, session.device_name)
         self._parts.audit.append(AuditEntry(session.farm_id, *who, "queue", outcome, robot_id, ref, text, data))
+
+
+_STATE = {
+    MissionStatus.DRAFT: "a draft",
+    MissionStatus.QUEUED: "in a queue already",
+    MissionStatus.WAITING: "in a queue already",
+}
 
 
 def _fields(order: EntryOrder) -> dict[str, Any]:

@@ -11,10 +11,10 @@ from zoneinfo import ZoneInfo
 
 from hmi.clock import Clock
 from hmi.commands.mission_book import MissionBook
-from hmi.commands.ports import AuditSink, LaneEvent
+from hmi.commands.ports import AuditSink, FleetReader, LaneEvent
 from hmi.commands.queue_arming import QueueArming
 from hmi.domain.ids import new_id
-from hmi.domain.mission import ENDED, BadMove, MissionStatus, Mover
+from hmi.domain.mission import ENDED, UNDER_WAY, BadMove, MissionStatus, Mover
 from hmi.domain.queue.entry import Entry, EntryState
 from hmi.domain.queue.reason import clock_text
 from hmi.domain.queue.repeat import next_start
@@ -40,6 +40,7 @@ class LifeParts:
     book: MissionBook
     arming: QueueArming
     database: Database
+    fleet: FleetReader
     audit: AuditSink
     clock: Clock
     zone: ZoneInfo
@@ -60,7 +61,7 @@ class QueueLife:
                 continue
             if mission.status in ENDED:
                 await self._end(entry, mission)
-            elif mission.status is MissionStatus.RUNNING and entry.started_at is None:
+            elif mission.status in UNDER_WAY and entry.started_at is None:
                 await self._save(replace(entry, started_at=self._parts.clock.utc()))
             elif mission.status is MissionStatus.VALIDATED:
                 await self._back_in_line(entry, mission)
@@ -134,7 +135,10 @@ class QueueLife:
 
     async def _back_in_line(self, entry: Entry, mission: Mission) -> None:
         """The robot lost it, or a person gave it another one: it waits again, and nothing starts by itself."""
-        self._parts.arming.end(entry.robot_id, f"The robot does not have {mission.name} any more.")
+        robot = self._parts.fleet.robot(entry.robot_id)
+        order = robot.state.order if robot is not None and robot.state is not None else None
+        if order is None or order.mission_id not in self._parts.store.mission_ids(entry.robot_id):
+            self._parts.arming.end(entry.robot_id, f"The robot does not have {mission.name} any more.")
         why = "Back in the queue: the robot does not have it any more."
         await self._move(mission, MissionStatus.QUEUED, why, Mover.PERSON, entry.added_by, entry.robot_id)
 
@@ -161,10 +165,9 @@ class QueueLife:
         await self._parts.database.run(self._parts.store.save, [entry])
 
     def _note(self, entry: Entry, outcome: str, text: str) -> None:
+        data = {"mission": entry.mission_id}
         self._parts.audit.append(
-            AuditEntry(
-                entry.farm_id, BY, "", "queue", outcome, entry.robot_id, entry.id, text, {"mission": entry.mission_id}
-            )
+            AuditEntry(entry.farm_id, BY, "", "queue", outcome, entry.robot_id, entry.id, text, data)
         )
         told = {"kind": "queue", "robot": entry.robot_id, "what": outcome, "entry": entry.id, "text": text}
         self._parts.on_event(told)

@@ -16,7 +16,7 @@ from datetime import datetime, timedelta
 from hmi.clock import Clock
 from hmi.commands.ledger import CommandResult
 from hmi.commands.mission_send import MissionSender
-from hmi.commands.ports import FleetReader, LaneEvent
+from hmi.commands.ports import LaneEvent
 from hmi.commands.queue_arming import QueueArming, system_session
 from hmi.commands.queue_facts import FactDesk
 from hmi.commands.queue_life import QueueLife
@@ -48,7 +48,6 @@ class RunnerParts:
 
     store: QueueStore
     missions: Missions
-    fleet: FleetReader
     facts: FactDesk
     life: QueueLife
     arming: QueueArming
@@ -104,6 +103,8 @@ class QueueRunner:
                 await self._look_at(robot_id)
         known = {one.id for one in parts.store.entries()}
         self._shown = {key: one for key, one in self._shown.items() if key in known}
+        self._started = {key: at for key, at in self._started.items() if key in known}
+        self._pauses = {key: one for key, one in self._pauses.items() if key in known}
 
     async def settled(self) -> None:
         """Wait until nothing is being sent or started."""
@@ -198,9 +199,8 @@ class QueueRunner:
         """
         parts = self._parts
         now, now_s = parts.clock.utc(), parts.clock.mono_s()
-        is_same = (
-            parts.store.revision(entry.robot_id) == arming.revision and parts.arming.book.of(entry.robot_id) is arming
-        )
+        is_same = parts.store.revision(entry.robot_id) == arming.revision
+        is_same = is_same and parts.arming.book.of(entry.robot_id) is arming
         if not is_same or arming.is_over(now, now_s):
             raise OrderRefused("not_armed", "The queue is not armed any more.")
         entries = self._in_order(entry.robot_id)
