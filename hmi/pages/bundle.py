@@ -19,7 +19,7 @@ STATIC = Path(__file__).resolve().parents[2] / "static"
 STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 """Cascade order of what every page carries: tokens first, screens last."""
 
-SCREEN_STYLES = ("maps",)
+SCREEN_STYLES = ("maps", "queue")
 """Styles that a screen fetches with its scripts."""
 
 SCRIPTS = {
@@ -35,7 +35,10 @@ SCRIPTS = {
         "maps_feature", "maps_checks", "maps_changes", "maps_upload", "maps_import", "maps_versions", "maps_publish",
         "maps_dock", "maps_chips", "maps_walk", "maps_surface", "maps_edits", "maps_screen",
     ),
-    "missions": ("field_picture", "mission_numbers", "mission_form", "missions"),
+    "missions": (
+        "field_picture", "mission_numbers", "queue_data", "queue_drag", "queue_conditions", "queue_entry", "queue_arm",
+        "queue_blackouts", "queue_timeline", "queue_list", "queue_view", "missions_bulk", "mission_form", "missions",
+    ),
 }  # fmt: skip
 """Scripts by file, in load order: each uses only names of those before it.
 What few people open loads with its screen.
