@@ -5,8 +5,8 @@
   const GROUPS = [
     ["all", "All", null],
     ["ready", "Ready", ["draft", "validated"]],
-    ["queue", "In queue", ["queued", "waiting"]],
-    ["robot", "On a robot", ["sent", "accepted", "running", "paused", "resuming"]],
+    ["queue", "Queue", ["queued", "waiting"]],
+    ["robot", "Active", ["sent", "accepted", "running", "paused", "resuming"]],
     ["ended", "Ended", ["done", "aborted", "failed"]],
   ];
   const of = (id) => `/missions/${encodeURIComponent(id)}`;

@@ -21,7 +21,7 @@
       const input = el("input", { type: "checkbox", "data-testid": `queue-arm-${robot.robot_id}` });
       input.checked = robots.length === 1 || !robot.arming;
       const first = queue.entries.filter((one) => one.robot_id === robot.robot_id && one.is_unattended).map((one) => one.name);
-      return { robot, input, label: el("label", { class: "h-check q-armrow" }, input, el("span", { class: "h-col" }, el("b", {}, robot.name), el("span", { class: "h-t13 h-2" }, first.slice(0, 3).join(", ") + (first.length > 3 ? ` and ${first.length - 3} more` : "")))) };
+      return { robot, input, label: el("label", { class: "h-check q-armrow" }, input, el("span", { class: "h-col" }, el("span", { class: "h-b h-t16" }, robot.name), el("span", { class: "h-t13 h-2" }, first.slice(0, 3).join(", ") + (first.length > 3 ? ` and ${first.length - 3} more` : "")))) };
     });
     let hours = 4;
     const times = el("div", { class: "h-seg q-hours", role: "group", "aria-label": "How long" }, ...HOURS.map((one) => el("button", { type: "button", "data-testid": `queue-hours-${one}`, "aria-pressed": String(one === hours), onclick: (event) => choose(one, event.currentTarget) }, `${one} h`)));
@@ -30,8 +30,9 @@
     const slide = new HL.Slide({ hook: "queue-arm", label: "Slide to arm", line: "", goal: "flag", done: "Armed", act: () => arm() });
     const words = () => {
       const names = chosen().map((one) => one.name).join(", ");
+      const drives = chosen().length === 1 ? "drives off by itself" : "drive off by themselves";
       slide.options.label = names ? `Slide to arm until ${until()}` : "Choose a robot";
-      slide.allow(names ? "" : "Choose at least one robot", `${names}: they drive off by themselves`);
+      slide.allow(names ? "" : "Choose at least one robot", `${names} ${drives}`);
     };
     const choose = (one, button) => {
       hours = one;

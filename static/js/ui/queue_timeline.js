@@ -3,30 +3,32 @@
   "use strict";
   const { el, icon } = HL;
   const HOUR = 3600e3;
-  const BEFORE_MS = 3 * HOUR;
-  const LEAST_MS = 9 * HOUR; // a span that still shows an hour as something
+  const BEFORE_MS = 2 * HOUR;
+  const LEAST_MS = 1.5 * HOUR; // a job of ten minutes is still wide enough for a finger
   const MOST_MS = 26 * HOUR;
+  const STEPS = [0.25, 0.5, 1, 2, 3, 4];
+  const MOST_TICKS = 9;
 
   const isFixed = (entry) => !entry || ["sent", "accepted", "running", "paused", "resuming"].includes(entry.status) || entry.state !== "open";
 
   // from when to when: what ran in the last hours to the end of what is planned, on full hours
   function span(rows, now) {
     const all = rows.flatMap((row) => row.bars);
-    const first = Math.min(now - HOUR / 2, ...all.filter((one) => one.to > now - BEFORE_MS).map((one) => Math.max(one.from, now - BEFORE_MS)));
+    const first = Math.min(now - HOUR / 6, ...all.filter((one) => one.to > now - BEFORE_MS).map((one) => Math.max(one.from, now - BEFORE_MS)));
     const last = Math.max(first + LEAST_MS, ...all.map((one) => one.to));
-    const from = Math.floor(first / HOUR) * HOUR;
-    return { from, to: Math.min(Math.ceil(last / HOUR) * HOUR, from + MOST_MS) };
+    const step = HOUR * (STEPS.find((one) => (last - first) / (one * HOUR) <= MOST_TICKS) ?? 4);
+    const from = Math.floor(first / step) * step;
+    return { from, to: Math.min(Math.ceil(last / step) * step, from + MOST_MS), step };
   }
 
   // actions: {open(entry), move(entry, index), arm(), disarm(robot), mayEdit}
   function timeline(queue, actions) {
     const now = Date.now();
     const rows = queue.robots.map((robot) => ({ robot, bars: HL.queue.bars(queue, robot, now) }));
-    const { from, to } = span(rows, now);
+    const { from, to, step } = span(rows, now);
     const share = (at) => `${(100 * (at - from)) / (to - from)}%`;
-    const step = to - from > 14 * HOUR ? 3 : to - from > 10 * HOUR ? 2 : 1;
     const ticks = [];
-    for (let at = from; at < to; at += step * HOUR) ticks.push(el("span", { class: "h-t12 h-2", style: `left:${share(at)}` }, HL.queue.clock(at, queue.zone)));
+    for (let at = from; at < to; at += step) if (Math.abs(at - now) > 0.05 * (to - from)) ticks.push(el("span", { class: "h-t12 h-2", style: `left:${share(at)}` }, HL.queue.clock(at, queue.zone)));
     const head = el("div", { class: "q-hours-axis", "aria-hidden": "true" }, ...ticks, el("b", { class: "h-t12", style: `left:${share(now)}` }, "now"));
     const line = () => el("i", { class: "q-now", style: `left:${share(now)}`, "aria-hidden": "true" });
     return el("div", { class: "q-timeline", "data-testid": "queue-timeline" }, el("div", { class: "q-axisrow" }, el("span"), head), ...rows.map((row) => robotRow(queue, row, { from, to, share, line, now }, actions)));
@@ -46,7 +48,7 @@
         HL.queueDrag.keyed(node, (by) => actions.shift(bar.entry, by));
       }
     }
-    if (!row.bars.some((bar) => bar.entry?.state === "open" || bar.look === "other")) track.append(el("span", { class: "q-free h-t13 h-2" }, "Nothing in the queue"));
+    if (!row.bars.some((bar) => bar.entry?.state === "open" || bar.look === "other")) track.append(el("span", { class: "q-free h-t13 h-2", style: `left:calc(${scale.share(scale.now)} + 8px)` }, "Nothing in the queue"));
     return el("div", { class: "q-robot", "data-testid": `queue-row-${robot.robot_id}` }, el("div", { class: "q-name" }, el("b", { class: "h-t16 h-ell" }, robot.name), armed(queue, robot, actions)), el("div", { class: "q-lane" }, track, reason(queue, robot)));
   }
 

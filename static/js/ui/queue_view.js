@@ -78,7 +78,7 @@
       for (const one of this.seg.children) attr(one, "aria-pressed", String(one.dataset.look === this.look));
       const refusal = HL.queue.arm.refusal(queue);
       attr(this.armButton, "disabled", Boolean(refusal));
-      text(this.armWhy, refusal);
+      text(this.armWhy, queue.frozen ? "" : refusal);
       attr(this.hint, "hidden", !this.mayEdit);
       text(this.weather, weatherWords(queue));
       // the banner keeps its slide and the reason that was tapped
