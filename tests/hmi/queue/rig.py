@@ -274,11 +274,11 @@ class QueueFarm:
         """Return every robot."""
         return [one for robot_id in self.robots if (one := self.robot(robot_id)) is not None]
 
-    async def step(self, seconds: float = 1.0, *, hears: bool = True) -> None:
-        """Let time pass second by second, with heartbeats, reports and looks of the queue."""
+    async def step(self, seconds: float = 1.0, *, stride_s: float = 1.0, hears: bool = True) -> None:
+        """Let time pass in strides, with heartbeats, reports and looks of the queue."""
         left = seconds
         while left > 0:
-            part = min(1.0, left)
+            part = min(stride_s, left)
             left -= part
             self.clock.advance(part)
             for robot in self.robots.values():

@@ -51,7 +51,7 @@ async def test_everybody_sees_that_the_queue_has_control(farm: QueueFarm) -> Non
     lease = farm.desk.leases.of("weeder-01")
     assert lease is not None
     assert lease.holder.user_name == "Queue, armed by Pieter Bos until 11:00"
-    await farm.step(60)
+    await farm.step(60, stride_s=5)
     assert farm.desk.leases.of("weeder-01") == farm.desk.leases.of("weeder-01") is not None
 
 
@@ -68,11 +68,11 @@ async def test_an_attended_mission_is_sent_and_waits_for_the_person(farm: QueueF
 async def test_arming_ends_at_its_time(farm: QueueFarm) -> None:
     await farm.add("wheat-1", earliest=MORNING + timedelta(minutes=30))
     await farm.arm(PIETER, 600.0)
-    await farm.step(601)
+    await farm.step(601, stride_s=8)
     assert not farm.is_armed()
     assert farm.disarmed() == "Its time was over at 10:10."
     assert farm.desk.leases.of("weeder-01") is None
-    await farm.step(1300)
+    await farm.step(1300, stride_s=8)
     assert farm.weeder.starts == []
 
 
@@ -90,7 +90,7 @@ async def test_any_stop_of_the_robot_disarms_its_queue(farm: QueueFarm, stop: st
     assert farm.disarmed() == "Vera Lang pressed STOP."
     farm.weeder.presses.clear()
     farm.weeder.tell(OrderStatus.DONE)
-    await farm.step(60)
+    await farm.step(60, stride_s=5)
     assert len(farm.weeder.starts) == 1
 
 
@@ -131,7 +131,7 @@ async def test_a_restart_of_the_console_disarms_everything(farm: QueueFarm, end:
     await (farm.again() if end == "stopped" else farm.crash())
     assert not farm.is_armed()
     assert farm.disarmed() in ("The console was shut down.", "The console was restarted.")
-    await farm.step(300)
+    await farm.step(300, stride_s=8)
     assert farm.weeder.starts == []
 
 
@@ -224,7 +224,7 @@ async def test_a_start_that_was_not_taken_is_never_repeated(farm: QueueFarm) -> 
     await farm.step(2)
     farm.weeder.refuse_with = ("mission_too_far", "It is too far from the start.")
     await farm.arm()
-    await farm.step(120)
+    await farm.step(120, stride_s=8)
     assert len(farm.weeder.starts) == 1
     assert farm.disarmed() == "The start was not taken: It is too far from the start."
 
@@ -234,7 +234,7 @@ async def test_a_start_without_an_answer_is_never_repeated(farm: QueueFarm) -> N
     await farm.step(2)
     await farm.arm()
     farm.weeder.is_silent = True
-    await farm.step(120)
+    await farm.step(120, stride_s=8)
     assert len(farm.weeder.starts) == 1
     assert not farm.is_armed()
 
@@ -245,7 +245,7 @@ async def test_a_mission_that_was_aborted_lets_nothing_follow(farm: QueueFarm) -
     await farm.arm()
     await farm.step(3)
     farm.weeder.tell(OrderStatus.ABORTED)
-    await farm.step(60)
+    await farm.step(60, stride_s=5)
     assert farm.disarmed() == "Wheat 1: the mission was aborted."
     assert len(farm.weeder.starts) == 1
 
@@ -255,7 +255,7 @@ async def test_a_paused_mission_is_not_resumed_by_the_queue(farm: QueueFarm) -> 
     await farm.arm()
     await farm.step(3)
     farm.weeder.tell(OrderStatus.PAUSED, Mode.PAUSED)
-    await farm.step(60)
+    await farm.step(60, stride_s=5)
     assert farm.code(entry) == "paused"
     assert len(farm.weeder.orders) == 1
 
@@ -281,7 +281,7 @@ async def test_who_armed_and_lost_the_right_since_starts_nothing(farm: QueueFarm
 
 async def test_a_missed_time_is_not_made_up_for(farm: QueueFarm) -> None:
     entry = await farm.add("wheat-1", earliest=MORNING + timedelta(minutes=5))
-    await farm.step(5 * 60 + 901)
+    await farm.step(5 * 60 + 901, stride_s=8)
     await farm.arm()
     await farm.step(30)
     assert farm.code(entry) == "missed"
