@@ -34,6 +34,7 @@ from hmi.store.queue import QueueStore
 
 LOOK_S = 1.0
 AGAIN_S = 30.0  # after a mission could not be sent; sending moves nothing, so it may be tried again
+READ_BACK_S = 5.0  # how long a robot may take to tell that it holds what it was sent
 DRIVES_WITHIN_S = 10.0  # the horn takes 3 s; after this a start that was taken and shows nothing is not trusted
 log = logging.getLogger(__name__)
 
@@ -75,6 +76,7 @@ class QueueRunner:
         self._shown: dict[str, Shown] = {}
         self._pauses: dict[str, tuple[str, datetime]] = {}
         self._started: dict[str, float] = {}
+        self._sent: dict[str, float] = {}
         self._under_way: dict[str, asyncio.Task[None]] = {}
         self._task: asyncio.Task[None] | None = None
 
@@ -105,6 +107,7 @@ class QueueRunner:
         self._shown = {key: one for key, one in self._shown.items() if key in known}
         self._started = {key: at for key, at in self._started.items() if key in known}
         self._pauses = {key: one for key, one in self._pauses.items() if key in known}
+        self._sent = {key: at for key, at in self._sent.items() if key in known}
 
     async def settled(self) -> None:
         """Wait until nothing is being sent or started."""
@@ -118,7 +121,7 @@ class QueueRunner:
             self._show(entry, verdicts[entry.id])
         await self._parts.life.mark(robot_id, {one.id: verdicts[one.id] for one in entries})
         chosen = next((one for one in entries if verdicts[one.id].step in (Step.SEND, Step.START)), None)
-        if chosen is not None and chosen.id not in self._started:
+        if chosen is not None and not self._is_under_way(chosen, verdicts[chosen.id]):
             work = self._send if verdicts[chosen.id].step is Step.SEND else self._begin
             self._do(robot_id, work(chosen))
         await self._notice_no_start(entries)
@@ -145,6 +148,12 @@ class QueueRunner:
     def _is_on_robot(self, entry: Entry) -> bool:
         mission = self._parts.missions.known(entry.mission_id)
         return mission is not None and mission.status in ON_ROBOT
+
+    def _is_under_way(self, entry: Entry, verdict: Verdict) -> bool:
+        """Say whether the step was made a moment ago and the robot has yet to tell of it."""
+        at_s = self._sent.get(entry.id)
+        is_sent = at_s is not None and self._parts.clock.mono_s() - at_s < READ_BACK_S
+        return entry.id in self._started or (verdict.step is Step.SEND and is_sent)
 
     def _show(self, entry: Entry, verdict: Verdict) -> None:
         before = self._shown.get(entry.id)
@@ -173,6 +182,7 @@ class QueueRunner:
         sent = await self._parts.sender.send(actor, entry.robot_id, entry.mission_id)
         if sent.outcome is Outcome.ACCEPTED:
             self._pauses.pop(entry.id, None)
+            self._sent[entry.id] = self._parts.clock.mono_s()
             return
         self._pauses[entry.id] = (f"Not sent: {sent.text}", self._parts.clock.utc() + timedelta(seconds=AGAIN_S))
 

@@ -21,6 +21,7 @@ from hmi.store.tables import MissionLogRow, MissionRow
 
 DELETABLE = frozenset({MissionStatus.DRAFT, MissionStatus.VALIDATED})
 """What ran, or waits to run, keeps its record."""
+_NEVER_RAN = DELETABLE | {MissionStatus.QUEUED, MissionStatus.WAITING}
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,7 +228,9 @@ class Missions:
         with self._changing, self._database.write() as session:
             row = _row(session, farm_id, mission_id)
             ran = select(MissionLogRow.id).filter_by(mission_id=mission_id)
-            ran = ran.where(MissionLogRow.status.not_in([s.value for s in DELETABLE])).limit(1)
+            ran = ran.where(MissionLogRow.status.not_in([s.value for s in _NEVER_RAN])).limit(1)
+            if MissionStatus(row.status) in _NEVER_RAN - DELETABLE:
+                raise MissionRefused("in_queue", f"{row.name} is in a queue. Take it out there first.")
             if MissionStatus(row.status) not in DELETABLE or session.scalar(ran) is not None:
                 raise MissionRefused("has_record", f"{row.name} was sent to a robot; its record is kept.")
             session.execute(delete(MissionLogRow).filter_by(mission_id=mission_id))

@@ -8,6 +8,7 @@ import pytest
 
 from hmi.commands.lease_service import LeaseOp
 from hmi.commands.refusal import OrderRefused
+from hmi.domain.mission_plan import MissionRefused
 from hmi.domain.queue.repeat import Repeat, RepeatKind
 from hmi.domain.robot import Mode, OrderStatus
 from hmi.domain.role import Role
@@ -341,3 +342,28 @@ async def test_a_person_may_disarm_without_being_an_operator(farm: QueueFarm) ->
 
 
 FARM_ID = "farm"
+
+
+async def test_a_mission_is_sent_once_while_the_robot_takes_its_time_to_tell(farm: QueueFarm) -> None:
+    await farm.add("wheat-1")
+    farm.clock.advance(1)
+    farm.weeder.own_s += 1
+    farm.weeder.beat()
+    await farm.look()
+    held, farm.weeder.mission = farm.weeder.mission, None
+    await farm.step(3)
+    assert farm.kept.audit.outcomes("mission") == ["accepted"]
+    farm.weeder.mission = held
+    await farm.step(2)
+    assert farm.status("wheat-1") == "accepted"
+
+
+async def test_a_mission_taken_out_of_the_queue_can_be_deleted_and_one_in_it_cannot(farm: QueueFarm) -> None:
+    await farm.add("wheat-1")
+    entry = await farm.add("wheat-2")
+    planner = person("Piet Plan", Role.PLANNER)
+    with pytest.raises(MissionRefused, match="Take it out there first"):
+        await farm.book.delete(planner, "wheat-2")
+    await farm.queue.book.remove(PIETER, entry.id)
+    await farm.book.delete(planner, "wheat-2")
+    assert farm.missions.known("wheat-2") is None
