@@ -49,7 +49,7 @@ def weeder(
 def weather(
     url: Annotated[str, typer.Option(help="Address of the console.")] = "http://127.0.0.1:8080",
     name: Annotated[str, typer.Option(help="Who signs in; needs the operator or planner role.")] = "operator",
-    password: Annotated[str, typer.Option(help="Their password.", envvar="HEADLAND_WEATHER_PASSWORD")] = "operator",
+    password: Annotated[str, typer.Option(help="Their password; as the name if empty, as in the demo.")] = "",
     seed: Annotated[int, typer.Option(help="Makes the weather repeatable.")] = 1,
 ) -> None:
     """A simulated weather station that reports wind and rain to the console each minute."""
@@ -58,7 +58,7 @@ def weather(
     from hmi.demo.weather import WeatherStation, run_station
 
     with httpx.Client(base_url=url, timeout=10, trust_env=False) as client:
-        run_station(client, name, password, WeatherStation(seed), say=typer.echo)
+        run_station(client, name, password or name, WeatherStation(seed), say=typer.echo)
 
 
 def _one(robot: str, name: str, token: str, lat: float | None, lon: float | None) -> Any:
