@@ -71,6 +71,7 @@ class QueueDesk:
             robots=fleet.robots,
         )
         self.book = self._make_book()
+        self._life = self._make_life()
         self.runner = self._make_runner()
         self._view = self._make_view()
 
@@ -121,7 +122,7 @@ class QueueDesk:
             store=self.store,
             missions=self._records.missions,
             facts=FactDesk(sources),
-            life=self._make_life(),
+            life=self._life,
             arming=self.arming,
             sender=self._desk.missions,
             commands=self._desk.commands,
@@ -172,6 +173,7 @@ class QueueDesk:
         """Read the queues into memory; nothing is armed."""
         await self._records.database.run(self.store.load)
         await self.arming.load()
+        await self._life.mend(self._farm_id)
 
     def start(self) -> None:
         """Begin to work through the queues."""

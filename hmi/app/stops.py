@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal
 
@@ -16,6 +17,8 @@ from hmi.domain.stop import StopTarget
 from hmi.domain.stop_token import StopToken
 from hmi.store.audit_chain import AuditEntry
 from hmi.store.robots import Robots
+
+log = logging.getLogger(__name__)
 
 
 class StopDesk:
@@ -54,7 +57,7 @@ class StopDesk:
         is_new = not self.service.steps(stop_id)
         steps = self.service.press(stop_id, robots, token.who, token.device_name)
         if robots == "all":
-            self._on_stop_all(stop_id, token.who)
+            self._tell(lambda: self._on_stop_all(stop_id, token.who))
         if is_new:
             for step in steps:
                 self._audit.append(
@@ -63,8 +66,15 @@ class StopDesk:
         return steps
 
     def _pressed(self, robot_id: str, stop_id: str, by: str) -> None:
-        self._on_stop(robot_id, by)
+        self._tell(lambda: self._on_stop(robot_id, by))
         self._leases.stopped(robot_id, stop_id, by)
+
+    @staticmethod
+    def _tell(work: Callable[[], None]) -> None:
+        try:
+            work()
+        except Exception:  # whoever is told must never stand between a person and STOP
+            log.exception("somebody could not be told of a STOP")
 
     def steps(self, stop_id: str | None = None) -> list[dict[str, Any]]:
         """Return the steps of one press."""

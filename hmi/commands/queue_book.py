@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Any
 
@@ -104,7 +104,8 @@ class QueueBook:
                 place=_place(document),
                 **_fields(order),
             )
-            await self._save(session, [entry], robot_id, "added", f"{mission.name} is in the queue of {robot.name}.")
+            await self._parts.database.run(lambda: self._store.write(added=[entry], changed=[robot_id]))
+            self._told(session, "added", robot_id, entry.id, f"{mission.name} is in the queue of {robot.name}.")
             return entry
 
     async def change(self, session: SessionInfo, entry_id: str, order: EntryOrder) -> Entry:
@@ -114,9 +115,9 @@ class QueueBook:
             mission = self._mission(session, entry.mission_id)
             self._refuse_if_under_way(mission)
             self._check(order, mission)
-            entry = replace(entry, **_fields(order))
-            await self._save(session, [entry], entry.robot_id, "changed", f"{mission.name} was changed in the queue.")
-            return entry
+            [changed] = await self._amend({entry_id: _fields(order)}, entry.robot_id)
+            self._told(session, "changed", entry.robot_id, entry_id, f"{mission.name} was changed in the queue.")
+            return changed
 
     async def move(self, session: SessionInfo, entry_id: str, before_id: str | None) -> list[Entry]:
         """Put an entry before another one, or last; what is on the robot already stays first."""
@@ -132,8 +133,9 @@ class QueueBook:
             at = len(others) if before_id is None else places.index(before_id)
             at = max([at, *(k + 1 for k, one in enumerate(others) if self._is_on_robot(one))])
             ordered = [*others[:at], entry, *others[at:]]
-            placed = [replace(one, position=STEP * (k + 1)) for k, one in enumerate(ordered)]
-            await self._save(session, placed, entry.robot_id, "moved", f"{mission.name} was moved to place {at + 1}.")
+            places_now = {one.id: {"position": STEP * (k + 1)} for k, one in enumerate(ordered)}
+            placed = await self._amend(places_now, entry.robot_id)
+            self._told(session, "moved", entry.robot_id, entry_id, f"{mission.name} was moved to place {at + 1}.")
             return placed
 
     async def remove(self, session: SessionInfo, entry_id: str) -> None:
@@ -145,10 +147,12 @@ class QueueBook:
             name = entry.mission_id if mission is None else mission.name
             if mission is not None:
                 self._refuse_if_under_way(mission)
+            gone = {"state": EntryState.REMOVED, "ended_at": parts.clock.utc(), "why": "Taken out."}
+            await self._amend({entry_id: gone}, entry.robot_id)
+            # the entry first: the queue would put a mission that left its line back into it
             if mission is not None and mission.status in (MissionStatus.QUEUED, MissionStatus.WAITING):
                 await self._move(session, mission, MissionStatus.VALIDATED, "Taken out of the queue.")
-            gone = replace(entry, state=EntryState.REMOVED, ended_at=parts.clock.utc(), why="Taken out.")
-            await self._save(session, [gone], entry.robot_id, "removed", f"{name} was taken out of the queue.")
+            self._told(session, "removed", entry.robot_id, entry_id, f"{name} was taken out of the queue.")
 
     async def put_blackout(self, session: SessionInfo, window: Blackout) -> Blackout:
         """Add a window in which nothing starts by itself, or replace one."""
@@ -196,11 +200,11 @@ class QueueBook:
         except BadMove as error:
             raise OrderRefused("changed_meanwhile", f"{mission.name} changed meanwhile. Look again.") from error
 
-    async def _save(
-        self, session: SessionInfo, entries: Sequence[Entry], robot_id: str, outcome: str, text: str
-    ) -> None:  # fmt: skip
-        await self._parts.database.run(lambda: self._store.save(entries, changed=[robot_id]))
-        self._write(session, outcome, robot_id, entries[0].id, text, {"entries": [one.id for one in entries]})
+    async def _amend(self, amended: Mapping[str, Mapping[str, Any]], robot_id: str) -> list[Entry]:
+        return await self._parts.database.run(lambda: self._store.write(amended=amended, changed=[robot_id]))
+
+    def _told(self, session: SessionInfo, outcome: str, robot_id: str, ref: str, text: str) -> None:
+        self._write(session, outcome, robot_id, ref, text, {"revision": self._store.revision(robot_id)})
         self._parts.on_changed(robot_id, session.user_name)
 
     async def _windows_changed(
@@ -208,7 +212,7 @@ class QueueBook:
     ) -> None:  # fmt: skip
         everybody = [robot.id for robot in self._parts.robots.all()]
         concerned = sorted({robot for one in windows for robot in (one.robots or everybody)})
-        await self._parts.database.run(lambda: self._store.save([], changed=concerned))
+        await self._parts.database.run(lambda: self._store.write(changed=concerned))
         self._write(session, outcome, None, windows[0].id, text, {"robots": concerned})
         for robot_id in concerned:
             self._parts.on_changed(robot_id, session.user_name)

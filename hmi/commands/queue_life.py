@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime
+from typing import Any
 from zoneinfo import ZoneInfo
 
 from hmi.clock import Clock
@@ -56,17 +57,30 @@ class QueueLife:
     async def follow(self, robot_id: str) -> None:
         """Take over what happened to the missions of a robot's queue."""
         for entry in self._parts.store.entries(robot_id):
-            mission = self._parts.missions.known(entry.mission_id)
-            if mission is None:
-                continue
-            if mission.status in ENDED:
-                await self._end(entry, mission)
-            elif mission.status in UNDER_WAY and entry.started_at is None:
-                await self._save(replace(entry, started_at=self._parts.clock.utc()))
-            elif mission.status is MissionStatus.VALIDATED:
-                await self._back_in_line(entry, mission)
-            elif entry.is_missed(self._parts.clock.utc()) and entry.repeat is not None and entry.is_unattended:
-                await self._skip(entry, mission)
+            try:
+                await self._follow(entry)
+            except NotFound:  # a person took it out at the same moment
+                log.info("entry %s of %s is gone", entry.id, robot_id)
+
+    async def _follow(self, entry: Entry) -> None:
+        mission = self._parts.missions.known(entry.mission_id)
+        if mission is None:
+            return
+        if mission.status in ENDED:
+            await self._end(entry, mission)
+        elif mission.status in UNDER_WAY and entry.started_at is None:
+            await self._amend(entry, started_at=self._parts.clock.utc())
+        elif mission.status is MissionStatus.VALIDATED:
+            await self._back_in_line(entry, mission)
+        elif entry.is_missed(self._parts.clock.utc()) and entry.repeat is not None and entry.is_unattended:
+            await self._skip(entry, mission)
+
+    async def mend(self, farm_id: str) -> None:
+        """Give back missions that stand in line without a place, after a console that died while one was put in."""
+        placed = {one.mission_id for one in self._parts.store.entries()}
+        for mission in self._parts.missions.all_known(farm_id):
+            if mission.status in (MissionStatus.QUEUED, MissionStatus.WAITING) and mission.id not in placed:
+                await self._move(mission, MissionStatus.VALIDATED, "It stands in no queue.", Mover.PERSON)
 
     async def mark(self, robot_id: str, verdicts: Mapping[str, Verdict]) -> None:
         """Let missions say whether they stand in line or wait for something."""
@@ -88,10 +102,10 @@ class QueueLife:
         if not is_done:
             # whoever ended it had a reason; the next mission must not drive off from it
             self._parts.arming.end(entry.robot_id, f"{mission.name}: {why[0].lower()}{why[1:]}")
-        ended = replace(entry, state=state, ended_at=now, why=why)
         following = await self._following(entry, mission, now)
-        kept = [ended] if following is None else [ended, following]
-        await self._parts.database.run(self._parts.store.save, kept)
+        added = [] if following is None else [following]
+        fields = {"state": state, "ended_at": now, "why": why}
+        await self._parts.database.run(lambda: self._parts.store.write(amended={entry.id: fields}, added=added))
         self._note(entry, state.value, f"{mission.name}: {why}")
 
     async def _following(self, entry: Entry, mission: Mission, now: datetime) -> Entry | None:
@@ -129,7 +143,7 @@ class QueueLife:
             return
         missed = clock_text(entry.earliest, now, parts.zone)
         text = f"Missed {missed}. Next: {clock_text(start, now, parts.zone)}."
-        await self._save(replace(entry, earliest=start))
+        await self._amend(entry, earliest=start)
         await parts.database.run(parts.missions.note, entry.farm_id, mission.id, BY, text)
         self._note(entry, "skipped", f"{mission.name}: {text}")
 
@@ -161,8 +175,8 @@ class QueueLife:
         told = {"kind": "mission-status", "robot": moved.robot_id, "mission_id": moved.id, "status": after.value}
         self._parts.on_event(told)
 
-    async def _save(self, entry: Entry) -> None:
-        await self._parts.database.run(self._parts.store.save, [entry])
+    async def _amend(self, entry: Entry, **fields: Any) -> None:
+        await self._parts.database.run(lambda: self._parts.store.write(amended={entry.id: fields}))
 
     def _note(self, entry: Entry, outcome: str, text: str) -> None:
         data = {"mission": entry.mission_id}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from datetime import date, datetime, timedelta
 from typing import Any
@@ -98,14 +98,26 @@ class QueueStore:
         """Return the last freeze, released or not."""
         return self._freeze
 
-    def save(self, entries: Iterable[Entry], *, changed: Iterable[str] = ()) -> None:
-        """Write entries in one transaction; the queues of the robots ``changed`` get a new revision.
+    def write(
+        self,
+        *,
+        added: Iterable[Entry] = (),
+        amended: Mapping[str, Mapping[str, Any]] | None = None,
+        changed: Iterable[str] = (),
+    ) -> list[Entry]:
+        """Write in one transaction, and return the entries as they are now.
 
         Args:
-            changed: robots whose queue a person changed; what the queue does itself changes no revision.
+            added: new entries.
+            amended: fields of open entries to be replaced; other fields keep what somebody else wrote meanwhile.
+            changed: robots whose queue a person changed, which gives it a new revision; what the queue does itself
+                changes none.
+
+        Raises:
+            NotFound: an entry to be amended is not open any more; nothing is written.
         """
-        kept = tuple(entries)
         with self._changing:
+            kept = [*(replace(self.get(key), **fields) for key, fields in (amended or {}).items()), *added]
             numbers = {robot: self.revision(robot) + 1 for robot in changed}
             with self._database.write() as session:
                 for entry in kept:
@@ -114,6 +126,7 @@ class QueueStore:
                     session.merge(QueueRevisionRow(farm_id=self._farm_id, robot_id=robot, number=number))
             self._entries = {**self._entries, **{one.id: one for one in kept}}
             self._revisions = {**self._revisions, **numbers}
+        return kept
 
     def put_blackout(self, window: Blackout) -> None:
         """Write a window; every queue it is about changes."""

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import timedelta
 
 import pytest
 
 from hmi.commands.lease_service import LeaseOp
+from hmi.commands.queue_book import EntryOrder
 from hmi.commands.refusal import OrderRefused
+from hmi.domain.mission import MissionStatus, Mover
 from hmi.domain.mission_plan import MissionRefused
 from hmi.domain.queue.repeat import Repeat, RepeatKind
 from hmi.domain.robot import Mode, OrderStatus
 from hmi.domain.role import Role
+from hmi.store.errors import NotFound
 from tests.hmi.commands.field import JONAS, person
-from tests.hmi.queue.rig import MORNING, PIETER, QueueFarm
+from tests.hmi.queue.rig import EASY, MORNING, PIETER, QueueFarm
 
 DAILY = Repeat(RepeatKind.DAILY)
 
@@ -367,3 +371,22 @@ async def test_a_mission_taken_out_of_the_queue_can_be_deleted_and_one_in_it_can
     await farm.queue.book.remove(PIETER, entry.id)
     await farm.book.delete(planner, "wheat-2")
     assert farm.missions.known("wheat-2") is None
+
+
+async def test_what_a_person_changes_while_the_queue_writes_is_not_overwritten(farm: QueueFarm) -> None:
+    entry = await farm.add("wheat-1")
+    windy = replace(EASY, wind_below_mps=4.0)
+    await farm.queue.book.change(PIETER, entry.id, EntryOrder(is_unattended=True, conditions=windy))
+    # the queue notes a start with what it read before
+    farm.queue.store.write(amended={entry.id: {"started_at": MORNING}})
+    kept = farm.queue.store.get(entry.id)
+    assert (kept.conditions.wind_below_mps, kept.started_at) == (4.0, MORNING)
+    await farm.queue.book.remove(PIETER, entry.id)
+    with pytest.raises(NotFound):
+        farm.queue.store.write(amended={entry.id: {"started_at": MORNING}})
+
+
+async def test_a_mission_left_in_line_without_a_place_is_given_back_at_the_start(farm: QueueFarm) -> None:
+    farm.missions.move(FARM_ID, "wheat-1", MissionStatus.QUEUED, Mover.PERSON, "Pieter Bos")
+    await farm.crash()
+    assert farm.status("wheat-1") == "validated"
