@@ -9,6 +9,7 @@ import re
 from pathlib import Path
 from typing import Annotated
 from urllib.parse import urlsplit
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from pydantic import Field, field_validator, model_validator
 from pydantic_settings import (
@@ -80,6 +81,11 @@ class Settings(BaseSettings):
     database_url: str | None = Field(None, description="SQLAlchemy URL; default is SQLite in the data folder.")
     farm_id: str = Field("farm", description="Id of the farm this console serves.")
     farm_name: str = Field("My farm", description="Name of the farm, shown in the top bar.")
+    time_zone: str = Field(
+        "",
+        description="Time zone of the farm, e.g. Europe/Amsterdam, for the queue's times and blackout windows. "
+        "Default: that of this machine.",
+    )
     session_hours: float = Field(12, gt=0, le=168, description="A signed-in browser stays signed in this long.")
     checklist_required: bool = Field(
         True, description="A supervised mission starts only after the person has ticked the robot's pre-start list."
@@ -116,6 +122,14 @@ class Settings(BaseSettings):
         if value is not None and not value.startswith(("http://", "https://")):
             raise ValueError("stop_public_url must start with http:// or https://")
         return value.rstrip("/") if value else None
+
+    @field_validator("time_zone")
+    @classmethod
+    def _known_zone(cls, value: str) -> str:
+        try:
+            return ZoneInfo(value).key if value else ""
+        except (ZoneInfoNotFoundError, ValueError, OSError) as error:
+            raise ValueError(f"there is no time zone {value!r}; use a name such as Europe/Amsterdam") from error
 
     @model_validator(mode="after")
     def _whole(self) -> Settings:

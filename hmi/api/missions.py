@@ -34,10 +34,12 @@ AREA_KINDS = ("treatment", "slow")  # ground that may get a dose of its own
 MissionId = Annotated[str, Path(max_length=64)]
 
 
-class NameBody(Body):
-    """A new name."""
+class ChangeBody(Body):
+    """What can be changed of a mission; what is left out stays."""
 
-    name: Name
+    name: Name | None = None
+    is_supervised: bool | None = None
+    robot_id: Id | None = None
 
 
 class CopyBody(Body):
@@ -119,9 +121,21 @@ def _add_changing(router: APIRouter, book: MissionBook) -> None:
     async def copy(mission_id: MissionId, body: CopyBody, session: SignedIn) -> dict[str, Any]:
         return row(await translated(lambda: book.copy(session, mission_id, " ".join(body.name.split()))))
 
-    @router.patch("/missions/{mission_id}", summary="Rename a mission no robot holds")
-    async def rename(mission_id: MissionId, body: NameBody, session: SignedIn) -> dict[str, Any]:
-        return row(await translated(lambda: book.rename(session, mission_id, body.name)))
+    @router.patch("/missions/{mission_id}", summary="Rename a mission no robot holds, or change who drives it and how")
+    async def change(mission_id: MissionId, body: ChangeBody, session: SignedIn) -> dict[str, Any]:
+        if body.name is None and body.is_supervised is None and body.robot_id is None:
+            raise ApiError(422, "invalid", "Say what to change: name, is_supervised or robot_id.", "name")
+        changed: Mission | None = None
+        if body.is_supervised is not None or body.robot_id is not None:
+            attended, robot_id = body.is_supervised, body.robot_id
+            changed = await translated(
+                lambda: book.change(session, mission_id, is_supervised=attended, robot_id=robot_id)
+            )
+        name = body.name
+        if name is not None:
+            changed = await translated(lambda: book.rename(session, mission_id, name))
+        assert changed is not None
+        return row(changed)
 
     @router.delete("/missions/{mission_id}", status_code=204, summary="Delete a mission that never ran")
     async def delete(mission_id: MissionId, session: SignedIn) -> None:

@@ -13,6 +13,7 @@ from hmi.app.chores import Chores
 from hmi.app.edge import Edge
 from hmi.app.maps import MapDesk
 from hmi.app.missions import MissionDesk
+from hmi.app.queue import QueueDesk
 from hmi.app.records import Records
 from hmi.app.stops import StopDesk
 from hmi.app.witness import FleetWitness
@@ -59,7 +60,26 @@ class Console:
                 is_signed_in=lambda session_id: records.sessions.get(session_id) is not None,
             )
         )
-        self.stops = StopDesk(edge.sender, clock, records.robots, records.audit, self.desk.leases)
+        self.queue = QueueDesk(
+            settings,
+            clock,
+            records,
+            edge.fleet,
+            edge.ticks,
+            self.desk,
+            self.missions.book,
+            self.authorize,
+            self._lane_event,
+        )
+        self.stops = StopDesk(
+            edge.sender,
+            clock,
+            records.robots,
+            records.audit,
+            self.desk.leases,
+            on_stop=self.queue.stopped,
+            on_stop_all=self.queue.freeze.stop_all,
+        )
         self.chores = Chores(records, self.hub, self.keeper, clock)
         see = [records.recorder.see, self.missions.tracking.see]
         self._witness = FleetWitness(edge.fleet, clock, self.stops.service.on_return, see)
@@ -81,6 +101,7 @@ class Console:
         console = cls(settings, clock, records, edge, epoch)
         await console.missions.prepare()
         await console.base_maps.prepare()
+        await console.queue.prepare()
         return console
 
     async def start(self) -> None:
@@ -93,6 +114,7 @@ class Console:
         self.desk.start()
         self.stops.start()
         self.missions.start()
+        self.queue.start()
         self.chores.start()
 
     async def stop(self) -> None:
@@ -100,6 +122,7 @@ class Console:
         await self.chores.stop()
         for undo in self._undo:
             undo()
+        await self.queue.stop()
         await self.missions.stop()
         await self.maps.stop()
         await self.base_maps.stop()
@@ -146,7 +169,10 @@ class Console:
 
     def _safety(self, robot_id: str, safety: SafetyState) -> None:
         robot = self.edge.fleet.robot(robot_id)
-        if robot is not None and safety.latched:
+        if robot is None:
+            return
+        self.queue.see(robot)
+        if safety.latched:
             self.desk.leases.observe(robot)
 
     def _robot_event(self, event: RobotEvent) -> None:

@@ -143,7 +143,12 @@ def _api(console: Console) -> ApiServices:
         desk=console.desk,
         stop=console.stops,
         diagnostics=_diagnostics(console),
-        further=[*console.missions.routes(console.desk), console.maps.routes(), console.base_maps.routes()],
+        further=[
+            *console.missions.routes(console.desk),
+            console.maps.routes(),
+            console.base_maps.routes(),
+            console.queue.routes(),
+        ],
     )
 
 

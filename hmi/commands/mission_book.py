@@ -170,7 +170,7 @@ class MissionBook:
     async def copy(self, session: SessionInfo, mission_id: str, name: str = "") -> Mission:
         """Store a copy that has not run; raises ``NotFound``."""
         self._parts.authorize(session, Permission.EDIT_MISSION)
-        stored = await self._database.run(self._copy, session, mission_id, name)
+        stored = await self._database.run(self._copy, session.farm_id, session.user_name, mission_id, name)
         self._audit(session, stored, "copied", {"from": mission_id})
         return stored
 
@@ -222,24 +222,56 @@ class MissionBook:
             # the robot's report was faster than its answer to the sending
             self._missions.note(farm_id, mission_id, by, why)
             return
+        # a queued mission is moved on by the console, whoever sent it: it stays in its queue
+        is_queued = known is not None and known.status in (MissionStatus.QUEUED, MissionStatus.WAITING)
+        mover = Mover.CONSOLE if is_queued else Mover.PERSON
         try:
-            self._missions.move(farm_id, mission_id, MissionStatus.SENT, Mover.PERSON, by, why, robot_id=robot_id)
+            self._missions.move(farm_id, mission_id, MissionStatus.SENT, mover, by, why, robot_id=robot_id)
         except BadMove as error:
             log.warning("mission %s was sent to %s but stays as it is: %s", mission_id, robot_id, error)
 
-    def _copy(self, session: SessionInfo, mission_id: str, name: str) -> Mission:
+    async def again(self, farm_id: str, mission_id: str, name: str, by: str) -> Mission:
+        """Store a copy for the next day of a repeating job, which a person with the right to do so ordered before.
+
+        Raises:
+            NotFound: there is no such mission.
+        """
+        return await self._database.run(self._copy, farm_id, by, mission_id, name)
+
+    async def change(
+        self, session: SessionInfo, mission_id: str, *, is_supervised: bool | None = None, robot_id: str | None = None
+    ) -> Mission:
+        """Mark a mission attended or not, or give it to another robot; what is left out stays.
+
+        Raises:
+            NotFound: there is no such mission.
+            MissionRefused: a robot holds it or a queue waits for it.
+        """
+        self._parts.authorize(session, Permission.EDIT_MISSION, robot_id)
+        stored = await self._database.run(
+            self._missions.adjust,
+            session.farm_id,
+            mission_id,
+            session.user_name,
+            is_supervised=is_supervised,
+            robot_id=robot_id,
+        )
+        self._audit(session, stored, "changed", {"is_supervised": is_supervised, "robot_id": robot_id})
+        return stored
+
+    def _copy(self, farm_id: str, by: str, mission_id: str, name: str) -> Mission:
         known = self._missions.known(mission_id)
-        if known is None or known.farm_id != session.farm_id:
+        if known is None or known.farm_id != farm_id:
             raise NotFound(f"there is no mission {mission_id!r}")
         copy_id, name = f"m-{new_id()[:12]}", name or f"{known.name[:73]}, copy"
-        document, statistics = self.revisions.whole(session.farm_id, mission_id)
+        document, statistics = self.revisions.whole(farm_id, mission_id)
         document = {**document, "revision": 1}
         copy = replace(
             known,
             id=copy_id,
             name=name,
             status=MissionStatus.VALIDATED,
-            created_by=session.user_name,
+            created_by=by,
             statistics=statistics,
             revision=1,
             progress=None,

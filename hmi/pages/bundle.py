@@ -19,7 +19,7 @@ STATIC = Path(__file__).resolve().parents[2] / "static"
 STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 """Cascade order of what every page carries: tokens first, screens last."""
 
-SCREEN_STYLES = ("maps", "plan")
+SCREEN_STYLES = ("maps", "plan", "queue")
 """Styles that a screen fetches with its scripts."""
 
 SCRIPTS = {
@@ -38,7 +38,9 @@ SCRIPTS = {
     ),
     "missions": (
         "mission_numbers", "plan_client", "plan_path", "plan_picture", "plan_scrubber", "plan_numbers", "plan_checks",
-        "plan_treatment", "plan_steps", "plan_templates", "plan_inputs", "mission_form", "mission_ways", "missions",
+        "plan_treatment", "plan_steps", "plan_templates", "plan_inputs", "queue_data", "queue_drag", "queue_conditions",
+        "queue_entry", "queue_arm", "queue_blackouts", "queue_timeline", "queue_list", "queue_view", "missions_bulk",
+        "mission_form", "mission_ways", "missions",
     ),
     "run": ("field_picture", "start_checks", "rest_sheet"),
 }  # fmt: skip

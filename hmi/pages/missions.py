@@ -26,6 +26,7 @@ def build(services: PageServices, session: SessionInfo) -> None:
         data_plan_style=bundle.screen_style_url("plan"),
         data_no_edit=MAY_NOT_EDIT,
         data_no_send=MAY_NOT_SEND,
+        data_style=bundle.screen_style_url("queue"),
     )
     LiveElement(
         "hl-dock-hint",

@@ -22,6 +22,7 @@ from hmi.store.tables import MissionLogRow, MissionRow
 
 DELETABLE = frozenset({MissionStatus.DRAFT, MissionStatus.VALIDATED})
 """What ran, or waits to run, keeps its record."""
+_NEVER_RAN = DELETABLE | {MissionStatus.QUEUED, MissionStatus.WAITING}
 PROGRESS_EVERY_S = 15.0
 """A console that is killed has forgotten no more of a running mission than this."""
 
@@ -189,6 +190,34 @@ class Missions:
 
         return self._change(farm_id, mission_id, change, by, "Renamed.", {"name": name})
 
+    def adjust(
+        self,
+        farm_id: str,
+        mission_id: str,
+        by: str,
+        *,
+        is_supervised: bool | None = None,
+        robot_id: str | None = None,
+    ) -> Mission:
+        """Mark a mission attended or not, or give it to another robot; its hash changes with the robot.
+
+        Raises:
+            NotFound: there is no such mission.
+            MissionRefused: a robot holds it or a queue waits for it.
+        """
+
+        def change(mission: Mission, document: Document) -> tuple[Mission, Document]:
+            if mission.status not in EDITABLE:
+                raise MissionRefused("in_use", f"{mission.name} is {mission.status.value}. Copy it instead.")
+            if robot_id is not None and robot_id != document["robot"]:
+                document = for_robot(document, robot_id)
+            attended = mission.is_supervised if is_supervised is None else is_supervised
+            return replace(mission, is_supervised=attended, robot_id=robot_id or mission.robot_id), document
+
+        words = [] if is_supervised is None else ["A person must be there." if is_supervised else "May run unattended."]
+        words += [] if robot_id is None else [f"For {robot_id} now."]
+        return self._change(farm_id, mission_id, change, by, " ".join(words), {})
+
     def move(
         self,
         farm_id: str,
@@ -245,7 +274,9 @@ class Missions:
         with self._changing, self._database.write() as session:
             row = _row(session, farm_id, mission_id)
             ran = select(MissionLogRow.id).filter_by(mission_id=mission_id)
-            ran = ran.where(MissionLogRow.status.not_in([s.value for s in DELETABLE])).limit(1)
+            ran = ran.where(MissionLogRow.status.not_in([s.value for s in _NEVER_RAN])).limit(1)
+            if MissionStatus(row.status) in _NEVER_RAN - DELETABLE:
+                raise MissionRefused("in_queue", f"{row.name} is in a queue. Take it out there first.")
             if MissionStatus(row.status) not in DELETABLE or session.scalar(ran) is not None:
                 raise MissionRefused("has_record", f"{row.name} was sent to a robot; its record is kept.")
             session.execute(delete(MissionLogRow).filter_by(mission_id=mission_id))
