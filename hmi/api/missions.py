@@ -15,7 +15,7 @@ from pydantic import Field
 from starlette.responses import StreamingResponse
 
 from hmi.api.access import SignedIn, Watcher
-from hmi.api.body import Body, Name
+from hmi.api.body import Body, Id, Name
 from hmi.api.candidates import candidate_stream
 from hmi.api.errors import ApiError, not_found
 from hmi.api.orders import RobotId

@@ -40,7 +40,7 @@ class Console:
         self.authorize = Authorizer(records.robots.of_any_farm)
         self.missions = MissionDesk(settings, clock, records, edge.fleet, self.authorize, self._lane_event)
         self.maps = MapDesk(settings, clock, records, edge.fleet, self.authorize, self._lane_event)
-        self.base_maps = BaseMapDesk(settings, clock, records, edge.fleet, self.authorize, self._lane_event)
+        self.base_maps = BaseMapDesk(settings, records, clock, self.authorize, self._lane_event)
         self.hub = LiveHub(edge.fleet, edge.ticks, clock, self.missions.title_of, self.missions.facts.of)
         self.keeper = KeeperReport(settings.data)
         self.metrics = ConsoleMetrics()

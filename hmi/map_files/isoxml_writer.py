@@ -2,8 +2,8 @@
 
 Each parcel is a partfield (PFD); everything else goes into the partfield it lies in or next to. The format has room for
 a kind where its types have one, 32 letters of a name, the crop, the variety and the width of a line. To other programs
-farm, slow zone and treatment area are "other" areas, trees obstacles or windbreaks, and a point obstacle is an outline of its radius,
-so that a machine keeps away from all of it. Everything else goes beside it, see ``isoxml_own``.
+farm, slow zone and treatment area are "other" areas, trees obstacles or windbreaks, and a point obstacle is an
+outline of its radius, so that a machine keeps away from all of it. Everything else goes beside it, see ``isoxml_own``.
 """
 
 from __future__ import annotations

@@ -206,7 +206,7 @@ class Missions:
             MissionRefused: a robot holds it or a queue waits for it.
         """
 
-        def change(mission: Mission, document: Document) -> tuple[Mission, Document]:
+        def change(_session: Session, mission: Mission, document: Document) -> tuple[Mission, Document]:
             if mission.status not in EDITABLE:
                 raise MissionRefused("in_use", f"{mission.name} is {mission.status.value}. Copy it instead.")
             if robot_id is not None and robot_id != document["robot"]:
