@@ -16,6 +16,7 @@ from hmi.domain.role import Role
 from hmi.planning.mission import plan_candidate
 from hmi.planning.worker import PlanningProcess
 from hmi.store.features import Feature
+from hmi.store.maps import Maps
 from tests.hmi.missions.rig import FARM, HerePlanner, Rig, lon_lat
 from tests.hmi.missions.test_document import wish
 
@@ -130,7 +131,17 @@ async def test_a_cancelled_candidate_frees_the_process_for_the_next() -> None:
 def with_planner(rig: Rig, planner: Any) -> MissionBook:
     """Return a book that plans with this."""
     return MissionBook(
-        MissionParts(rig.missions, rig.features, rig.database, rig.fleet, planner, rig.audit, rig.authorize, rig.clock)
+        MissionParts(
+            rig.missions,
+            rig.features,
+            rig.database,
+            rig.fleet,
+            planner,
+            rig.audit,
+            rig.authorize,
+            rig.clock,
+            Maps(rig.database, rig.clock),
+        )
     )
 
 

@@ -26,6 +26,7 @@ from hmi.security.session_info import SessionInfo
 from hmi.settings import Settings
 from hmi.store.database import Database
 from hmi.store.features import Features
+from hmi.store.maps import Maps
 from hmi.store.mission_tracking import MissionTracking
 from hmi.store.missions import Mission, Missions
 from hmi.store.robots import RegisteredRobot, Robots
@@ -148,7 +149,15 @@ class QueueFarm:
         features = Features(self.database, clock)
         self.book = MissionBook(
             MissionParts(
-                self.missions, features, self.database, self, HerePlanner(), self.kept.audit, self.authorize, clock
+                self.missions,
+                features,
+                self.database,
+                self,
+                HerePlanner(),
+                self.kept.audit,
+                self.authorize,
+                clock,
+                Maps(self.database, clock),
             )
         )
         self.wire = FieldWire(self.robots)
