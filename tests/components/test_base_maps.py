@@ -62,7 +62,7 @@ def serve_photo(server: MapServer, status: int = 200, reach_deg: float = 0.02) -
         for y in range(middle[1] - 6, middle[1] + 7):
             out = io.BytesIO()
             Image.new("RGB", (256, 256), colour_of(x, y)).save(out, "PNG")
-            body = out.getvalue()
+            body = out.getvalue() if status == 200 else b"{}"  # a picture is a picture, whatever the status says
             server.answers[f"{LIST}/photo1/{ZOOM}/{x}/{y}"] = lambda body=body: (status, "image/png", body)  # type: ignore[misc]
     return middle
 

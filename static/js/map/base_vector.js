@@ -15,7 +15,7 @@ const MINOR = ['path', 'other', 'track', 'service', 'footway'];
 
 const SCHEMAS = {
   protomaps: [
-    area('earth', 'earth', '@parcel', isArea),
+    area('earth', 'earth', '@ground', isArea),
     area('green', 'landuse', '@tree', isOneOf('kind', ...GREEN)),
     area('lake', 'water', '@water', isArea),
     line('river', 'water', '@water', [8, 0.5, 16, 4], isLine),
