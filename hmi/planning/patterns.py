@@ -122,7 +122,8 @@ def _swept(
     """Return the cells from one side of the field to the other, each begun where the machine is nearest."""
     last = max(row.line for cell in cells for row in cell)
     is_upward = begin is None or _begins_low(cells, last, begin)
-    waiting, swept, here = list(cells), [], begin
+    waiting, here = list(cells), begin
+    swept: list[list[Swath]] = []
     while waiting:
         depths = [_depth(cell, last, is_upward=is_upward) for cell in waiting]
         directions = (True, False) if swept else (is_upward,)

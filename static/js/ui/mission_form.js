@@ -59,6 +59,7 @@
       this.compare = new Compare((pattern) => this.show(pattern, true));
       this.numbers = el("div", { class: "p-numbers" });
       this.checks = el("hl-plan-checks", { class: "p-checks" });
+      this.checks.onLeave = () => this.end(); // whoever goes to another screen frees the planner
       this.notes = el("div", { class: "p-notes" });
       this.side = el("aside", { class: "p-side", "aria-label": "Numbers of the plan", hidden: true }, this.numbers, this.notes, this.compare.node, this.checks);
       return el("div", { class: "p-plan" }, this.form, this.picture.node, this.side, this.dock());
