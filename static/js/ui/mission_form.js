@@ -80,7 +80,7 @@
     follow() {
       this.inputs.get("field_id").addEventListener("change", () => this.newField());
       this.inputs.get("robot_id").addEventListener("change", () => (this.inputs.offerField() ? this.newField() : this.outline()));
-      if (this.inputs.offerField()) this.inputs.offerWidth();
+      this.inputs.offerField();
       this.form.addEventListener("input", () => this.changed());
       this.treatment.follow(this.inputs.fieldPlace);
       this.steps.treatment.fold(this.treatment.summary());
@@ -177,6 +177,7 @@
       if (isOther) {
         this.draw(answer);
         this.foldAll();
+        if (!isChosen) this.node.scrollIntoView({ block: "start" }); // on a narrow screen the picture is above the inputs
       }
       this.paint();
     }
