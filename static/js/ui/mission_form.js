@@ -59,6 +59,7 @@
       this.compare = new Compare((pattern) => this.show(pattern, true));
       this.numbers = el("div", { class: "p-numbers" });
       this.checks = el("hl-plan-checks", { class: "p-checks" });
+      this.checks.onLeave = () => this.end(); // whoever goes to another screen frees the planner
       this.notes = el("div", { class: "p-notes" });
       this.side = el("aside", { class: "p-side", "aria-label": "Numbers of the plan", hidden: true }, this.numbers, this.notes, this.compare.node, this.checks);
       return el("div", { class: "p-plan" }, this.form, this.picture.node, this.side, this.dock());
@@ -79,7 +80,7 @@
     follow() {
       this.inputs.get("field_id").addEventListener("change", () => this.newField());
       this.inputs.get("robot_id").addEventListener("change", () => (this.inputs.offerField() ? this.newField() : this.outline()));
-      if (this.inputs.offerField()) this.inputs.offerWidth();
+      this.inputs.offerField();
       this.form.addEventListener("input", () => this.changed());
       this.treatment.follow(this.inputs.fieldPlace);
       this.steps.treatment.fold(this.treatment.summary());
@@ -176,6 +177,7 @@
       if (isOther) {
         this.draw(answer);
         this.foldAll();
+        if (!isChosen) this.node.scrollIntoView({ block: "start" }); // on a narrow screen the picture is above the inputs
       }
       this.paint();
     }

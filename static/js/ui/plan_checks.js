@@ -43,6 +43,9 @@
       this.list = el("div", { class: "p-checklist" });
       this.append(el("h3", { class: "h-t16 h-b" }, "Before sending"), this.list);
     }
+    leave() {
+      this.onLeave?.();
+    }
     // model: {robot: id, name, statistics}
     set(model) {
       this.model = model;

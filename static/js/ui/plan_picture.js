@@ -3,7 +3,7 @@
   "use strict";
   const { el, icon, text, attr } = HL;
   const NS = "http://www.w3.org/2000/svg";
-  const FREE = { left: 20, right: 76, top: 70, bottom: 88 }; // pixels that views, zoom and scrubber stand on
+  const FREE = { left: 20, right: 76, top: 70, bottom: 100 }; // pixels that views, zoom and scrubber stand on
   const TIMES = 8; // shades of the time view: more cannot be told apart
   const MOST_ZOOM = 60;
   const VIEWS = [["path", "Path"], ["turns", "Turns"], ["overlap", "Overlap"], ["time", "Time"]];
@@ -186,6 +186,8 @@
       if (!width || !height) return;
       this.px = Math.max(w / width, h / height);
       this.root.style.setProperty("--px", `${this.px}px`);
+      // rows closer than the screen can show become a tint, not a black field
+      this.root.style.setProperty("--row", Math.min(1.3, Math.max(0.15, (0.35 * (this.drawing?.machine?.tool_width_m ?? 3)) / this.px)).toFixed(2));
       const scale = this.px.toFixed(4);
       for (const { node, x: sx, y: sy } of this.signs ?? []) attr(node, "transform", `translate(${sx} ${-sy}) scale(${scale})`);
       if (this.arrow) attr(this.arrow, "transform", `scale(${scale})`);
