@@ -116,7 +116,7 @@ class _Reaper:
 def _area_m2(shape: Geometry) -> float:
     """Return the area on the ellipsoid; a plane for each shape would take longer than reading the file."""
     rings = shape["coordinates"] if shape["type"] == "Polygon" else []
-    areas = [abs(_GEOD.polygon_area_perimeter(*zip(*ring, strict=True))[0]) for ring in rings]
+    areas = [abs(_GEOD.polygon_area_perimeter([p[0] for p in ring], [p[1] for p in ring])[0]) for ring in rings]
     return float(max(areas[0] - sum(areas[1:]), 0.0)) if areas else 0.0
 
 
