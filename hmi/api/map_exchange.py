@@ -7,6 +7,7 @@ from collections.abc import Coroutine
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Path, Query, Request, Response
+from fastapi.responses import JSONResponse
 from pydantic import Field
 
 from hmi.api.access import SignedIn, Watcher
@@ -53,7 +54,7 @@ def _add_imports(router: APIRouter, exchange: MapExchange) -> None:
     ) -> Any:
         data = await request.body()
         work = exchange.read(session, data, name, ref)
-        return await tried(lambda: _while_awaited(request, work), lambda w: import_json(w, has_geometry=geometry))
+        return await tried(lambda: _while_awaited(request, work, has_geometry=geometry), lambda made: made)
 
     @router.get("/map/imports/{import_id}/progress", summary="How far a file is read")
     async def progress(import_id: ImportId, session: SignedIn) -> Any:
@@ -70,8 +71,8 @@ def _add_imports(router: APIRouter, exchange: MapExchange) -> None:
         return await tried(lambda: work, lambda r: step_json(r, session))
 
 
-async def _while_awaited(request: Request, work: Coroutine[Any, Any, Waiting]) -> Waiting:
-    """Give the work up when the browser that asked for it is gone."""
+async def _while_awaited(request: Request, work: Coroutine[Any, Any, Waiting], *, has_geometry: bool) -> Response:
+    """Give the work up when the browser that asked for it is gone; write thousands of shapes off the event loop."""
     task = asyncio.create_task(work, name="map-import")
     try:
         while not task.done():
@@ -79,7 +80,8 @@ async def _while_awaited(request: Request, work: Coroutine[Any, Any, Waiting]) -
             if not task.done() and await request.is_disconnected():
                 task.cancel()
                 await asyncio.wait({task})
-        return task.result()
+        told = await asyncio.to_thread(import_json, task.result(), has_geometry=has_geometry)
+        return await asyncio.to_thread(JSONResponse, told, 201)
     finally:
         task.cancel()
 

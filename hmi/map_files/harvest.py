@@ -123,7 +123,7 @@ def _area_m2(shape: Geometry) -> float:
 def _told(feature: SourceFeature, problems: list[str]) -> tuple[str | None, str | None, dict[str, Any]]:
     """Return name, kind and properties; those of our own files stand as they are."""
     if feature.is_exact:
-        return feature.name, feature.kind, attributes.tidy(feature.properties, problems)
+        return feature.name, feature.kind, attributes.tidy(feature.properties, problems, is_own=True)
     name, properties = attributes.mapped(feature.properties, problems)
     return attributes.clean_name(feature.name or name or "") or None, feature.kind, properties
 

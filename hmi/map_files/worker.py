@@ -5,17 +5,20 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import gc
+import pickle
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 
 from hmi.map_files import limits
 from hmi.map_files.errors import BadMapFile
-from hmi.map_files.imported import Imported
+from hmi.map_files.imported import Imported, MapItem
 from hmi.map_files.progress import Progress, Report
 from hmi.map_files.reader import read_map
 from hmi.planning.side_process import SideProcess, SideProcessDied, limit_memory
 
-READ_LIMIT_S = 60.0  # the largest file that is allowed takes a quarter of it
+READ_LIMIT_S = 120.0  # the largest file that is allowed takes a quarter of it on an idle core
+PART_VERTICES = 4000  # unpacked in one go: about 10 ms
 MEMORY_BYTES = 2 * 1024**3  # address space of the process; libraries alone take half a GB of it
 WAITING_LIMIT = 4  # files that may wait for the one at work
 PROGRESS_S = 0.25  # how often the share that is done is looked at
@@ -91,7 +94,7 @@ class MapReader:
     async def _run(self, data: bytes, name: str, share: Path) -> Imported:
         process = SideProcess()
         try:
-            return await process.run(_read_bounded, data, name, str(share), self._memory_bytes)
+            return await _joined(await process.run(_read_bounded, data, name, str(share), self._memory_bytes))
         except SideProcessDied as error:
             raise BadMapFile("too_large", _TOO_LARGE) from error
         finally:
@@ -119,12 +122,35 @@ async def _watch(share: Path, on_progress: Report) -> None:
                 on_progress(told)
 
 
-def _read_bounded(data: bytes, name: str, share: str, memory_bytes: int) -> Imported:
+async def _joined(parts: list[bytes]) -> Imported:
+    """Unpack what the process found, a little at a time: nobody else on this loop waits for a large file."""
+    imported: Imported = pickle.loads(parts[0])  # noqa: S301 - from our own process, as its pool itself does
+    items: list[MapItem] = []
+    for part in parts[1:]:
+        items += await asyncio.to_thread(pickle.loads, part)
+    return replace(imported, items=tuple(items))
+
+
+def _parts(imported: Imported) -> list[bytes]:
+    """Pack a file, first without its items, then these in parts of about ``PART_VERTICES`` corners."""
+    parts = [pickle.dumps(replace(imported, items=()))]
+    part: list[MapItem] = []
+    corners = 0
+    for item in imported.items:
+        part.append(item)
+        corners += item.vertices
+        if corners >= PART_VERTICES:
+            parts.append(pickle.dumps(part))
+            part, corners = [], 0
+    return [*parts, pickle.dumps(part)]
+
+
+def _read_bounded(data: bytes, name: str, share: str, memory_bytes: int) -> list[bytes]:
     """Read within the memory allowed; runs in the side process."""
     limit_memory(memory_bytes)
     gc.disable()  # the process ends with the file; collecting would take most of the time of a large one
     try:
-        return read_map(data, name, lambda done: _tell(share, done))
+        return _parts(read_map(data, name, lambda done: _tell(share, done)))
     except MemoryError as error:
         raise BadMapFile("too_large", _TOO_LARGE) from error
 

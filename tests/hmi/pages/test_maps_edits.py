@@ -172,7 +172,7 @@ def test_a_shape_is_turned_only_when_it_is_unlocked(show: Show, theatre: Theatre
         {"angle_deg": 12.5},
     ]
     choose(page, "hangacker")
-    page.get_by_text("More", exact=True).click()
+    page.locator(".m-more summary").click()
     expect(page.get_by_test_id("feature-unlock")).not_to_be_checked()
 
 
