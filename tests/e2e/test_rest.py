@@ -67,7 +67,7 @@ def test_pause_replan_continue_reboot_resume_later_and_every_row_is_treated_once
     martha.page.wait_for_timeout(1500)  # what it did in haste is written by then
     calm.fault(ROBOT, "crash", reboot_after_s=3)
     martha.sees("robot-mode", "paused", within_s=30)
-    martha.slide("mission-resume") if martha.hook("mission-resume").count() else resume_later(martha)
+    go_on(martha)
     martha.sees("robot-mode", "auto", within_s=20)
     martha.press("mission-abort")
     martha.slide("mission-abort")
@@ -81,6 +81,16 @@ def test_pause_replan_continue_reboot_resume_later_and_every_row_is_treated_once
     assert any("Row 3, Row 4 left out" in why for why in log)
     assert any("Taken up again" in why for why in log)
     caller.close()
+
+
+def go_on(martha: Person) -> None:
+    """Continue where it stands, or resume later if it rolled too far while its computer was dead."""
+    resume, later = martha.hook("mission-resume"), martha.hook("mission-later")
+    expect(resume.or_(later)).to_be_visible(timeout=20_000)
+    if resume.count():
+        martha.slide("mission-resume")
+    else:
+        resume_later(martha)
 
 
 def resume_later(martha: Person) -> None:
