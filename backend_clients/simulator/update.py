@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from msgspec.structs import replace
+
 from backend_clients.edge.messages_down import Continues, Mission, Segment
 from backend_clients.simulator.mission_run import MissionRun
 from backend_clients.simulator.route import Point, RouteError
@@ -71,8 +73,7 @@ def _is_known(run: MissionRun, order: Mission, number: int) -> bool:
 
 def _begins(part: Segment, whole: Segment) -> bool:
     """Say whether ``part`` is the beginning of ``whole``, or all of it."""
-    alike = (part.kind, part.row, part.tool_on, part.pivot, part.jump, part.speed_mps)
-    if alike != (whole.kind, whole.row, whole.tool_on, whole.pivot, whole.jump, whole.speed_mps):
+    if replace(part, points=whole.points) != whole:
         return False
     shared = len(part.points) - 1
     if list(part.points[:shared]) != list(whole.points[:shared]):

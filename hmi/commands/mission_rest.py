@@ -28,6 +28,7 @@ from hmi.store.missions import Mission
 
 KEPT = 32  # previews that wait for their Send
 MOVED = ("moved_while_paused", "return_home")
+LEFT = (OrderStatus.PAUSED, OrderStatus.ABORTED, OrderStatus.FAILED)
 CHANGE = "change"
 
 
@@ -129,7 +130,8 @@ class MissionRests:
         order = self._order_of(mission, robot)
         if order is not None and order.status is OrderStatus.RUNNING:
             raise MissionRefused("under_way", f"{mission.name} is running. Pause it first.")
-        if mission.status not in ENDED and mission.status is not MissionStatus.PAUSED:
+        is_left = order is not None and order.status in (*LEFT, OrderStatus.DONE)
+        if not is_left and mission.status not in ENDED and mission.status is not MissionStatus.PAUSED:
             raise MissionRefused("not_begun", f"{mission.name} has not begun. Start it.")
         self._may_touch(session, robot)
         if order is not None and order.status is OrderStatus.PAUSED:
@@ -233,7 +235,10 @@ class MissionRests:
 
     def _stand(self, mission: Mission, robot: Robot, progress: Progress) -> tuple[float, float, float]:
         """Return where the robot stands, if a mission can be taken up again from there."""
-        if mission.status not in ENDED and mission.status is not MissionStatus.PAUSED:
+        order = self._order_of(mission, robot)
+        # the robot's word is newer than the stored state, which follows it a moment later
+        is_left = order is not None and order.status in LEFT
+        if not is_left and mission.status not in ENDED and mission.status is not MissionStatus.PAUSED:
             raise MissionRefused("not_interrupted", f"{mission.name} was not interrupted.")
         if mission.status is MissionStatus.DONE or not progress.is_begun:
             raise MissionRefused("nothing_left", "There is no interrupted work. Start it fresh.")

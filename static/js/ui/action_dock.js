@@ -175,7 +175,7 @@
     fill(set) {
       this.controls.forEach(([control]) => control.drop?.());
       this.shown = set;
-      this.isShort = this.narrow.matches || set === "paused";
+      this.isShort = this.narrow.matches || set === "paused" || set === "moved";
       this.focusOn(null);
       this.controls = SETS[set].map((name) => CONTROLS[name](this));
       attr(this, "data-state", set);

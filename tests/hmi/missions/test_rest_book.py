@@ -228,6 +228,13 @@ async def test_an_interrupted_mission_is_taken_up_again_even_when_the_robot_forg
     assert (desk.mission.status, desk.mission.sha256) == (S.PAUSED, planned.sha256)
 
 
+async def test_the_robots_word_counts_before_the_stored_state_follows(desk: Desk) -> None:
+    desk.reports(OrderStatus.ABORTED, Mode.IDLE)
+    assert desk.mission.status is S.RUNNING
+    planned = await desk.rests.preview(desk.supervisor, "m-1", RestOrder("later"))
+    assert planned.difference["way_m"] > 3
+
+
 async def test_starting_fresh_sends_the_whole_mission_and_forgets_what_was_done(desk: Desk) -> None:
     planned = await desk.change(leave_out=(desk.row(4),))
     await desk.rests.send(desk.supervisor, "m-1", planned.sha256, "tick")
