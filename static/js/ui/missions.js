@@ -125,12 +125,11 @@
 
     draw() {
       const words = this.search.value.trim().toLowerCase();
-      if (!this.missions.some((one) => HL.missionsBulk.isIn(this.group, one))) this.group = "all";
       this.filters.replaceChildren(...HL.missionsBulk.chips(this.group, this.missions, (group) => ((this.group = group), this.draw())));
       const found = this.missions.filter((one) => HL.missionsBulk.isIn(this.group, one) && (!words || `${one.name} ${one.field_name} ${robotName(one.robot_id)} ${one.status}`.toLowerCase().includes(words)));
       const picked = this.picked === null ? [] : this.missions.filter((one) => this.picked.has(one.id));
       this.bulk.replaceChildren(...(this.picked === null ? [] : [HL.missionsBulk.bar(picked, this.may, () => (this.select(false), this.load(false)))]));
-      this.said.replaceChildren(...(this.missions.length ? (found.length ? [] : [empty("Nothing found", "No mission has these words.")]) : [el("div", { "data-testid": "missions-empty" }, empty("No missions yet", this.may.edit ? "Plan a mission" : this.dataset.noEdit))]));
+      this.said.replaceChildren(...(this.missions.length ? (found.length ? [] : [empty("Nothing found", words ? "No mission has these words." : "No mission is there now.")]) : [el("div", { "data-testid": "missions-empty" }, empty("No missions yet", this.may.edit ? "Plan a mission" : this.dataset.noEdit))]));
       for (const one of found) {
         if (!this.rows.has(one.id)) this.rows.set(one.id, new Row(one, (id) => this.open(id), (id, isOn) => this.pick(id, isOn)));
         this.rows.get(one.id).paint(one, one.id === this.chosen, this.picked === null ? null : this.picked.has(one.id));
