@@ -48,7 +48,7 @@
       this.selectButton = el("button", { type: "button", class: "h-btn ico", "data-testid": "mission-select", title: "Choose several", "aria-label": "Choose several missions", "aria-pressed": "false", onclick: () => this.select(this.picked === null) }, icon("lists", "m"));
       this.tabs = el("nav", { class: "h-seg h-mtabs", "aria-label": "Missions" }, ...TABS.map(([key, name]) => el("button", { type: "button", "data-tab": key, "data-testid": `missions-tab-${key}`, onclick: () => this.tab(key) }, name)));
       this.append(el("div", { class: "h-mtop" }, this.tabs), el("aside", { class: "h-mside" }, el("div", { class: "h-row" }, this.search, this.selectButton, this.planButton), this.filters, el("p", { class: "h-t13 h-2", "data-testid": "mission-rights" }), this.said, this.list, this.bulk), this.detail);
-      if (this.dataset.style) document.head.append(el("link", { rel: "stylesheet", href: this.dataset.style }));
+      styled(this);
       this.may = { edit: this.dataset.mayEdit === "yes", send: this.dataset.maySend === "yes" };
       text(this.querySelector("[data-testid=mission-rights]"), !this.may.send && !this.may.edit ? this.dataset.noSend : this.may.edit ? "" : this.dataset.noEdit);
       if (!this.may.edit) attr(this.planButton, "disabled", true);
@@ -275,5 +275,14 @@
     return `${entry.why} Row ${row} of ${rows}, ${done.text} ${done.unit}.`;
   }
 
-  define("hl-missions", Missions);
+  // its style sheet comes with the screen; drawn before it is there, everything would jump
+  function styled(node) {
+    const href = node?.dataset.style;
+    if (!href || document.querySelector(`link[href="${href}"]`)) return Promise.resolve();
+    const link = el("link", { rel: "stylesheet", href });
+    document.head.append(link);
+    return new Promise((resolve) => (link.onload = link.onerror = resolve));
+  }
+
+  styled(document.querySelector("hl-missions")).then(() => define("hl-missions", Missions));
 })();
