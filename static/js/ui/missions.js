@@ -48,7 +48,7 @@
       this.selectButton = el("button", { type: "button", class: "h-btn ico", "data-testid": "mission-select", title: "Choose several", "aria-label": "Choose several missions", "aria-pressed": "false", onclick: () => this.select(this.picked === null) }, icon("lists", "m"));
       this.tabs = el("nav", { class: "h-seg h-mtabs", "aria-label": "Missions" }, ...TABS.map(([key, name]) => el("button", { type: "button", "data-tab": key, "data-testid": `missions-tab-${key}`, onclick: () => this.tab(key) }, name)));
       this.append(el("div", { class: "h-mtop" }, this.tabs), el("aside", { class: "h-mside" }, el("div", { class: "h-row" }, this.search, this.selectButton, this.planButton), this.filters, el("p", { class: "h-t13 h-2", "data-testid": "mission-rights" }), this.said, this.list, this.bulk), this.detail);
-      if (this.dataset.style) document.head.append(el("link", { rel: "stylesheet", href: this.dataset.style }));
+      styled(this);
       this.may = { edit: this.dataset.mayEdit === "yes", send: this.dataset.maySend === "yes" };
       text(this.querySelector("[data-testid=mission-rights]"), !this.may.send && !this.may.edit ? this.dataset.noSend : this.may.edit ? "" : this.dataset.noEdit);
       if (!this.may.edit) attr(this.planButton, "disabled", true);
@@ -125,12 +125,11 @@
 
     draw() {
       const words = this.search.value.trim().toLowerCase();
-      if (!this.missions.some((one) => HL.missionsBulk.isIn(this.group, one))) this.group = "all";
       this.filters.replaceChildren(...HL.missionsBulk.chips(this.group, this.missions, (group) => ((this.group = group), this.draw())));
       const found = this.missions.filter((one) => HL.missionsBulk.isIn(this.group, one) && (!words || `${one.name} ${one.field_name} ${robotName(one.robot_id)} ${one.status}`.toLowerCase().includes(words)));
       const picked = this.picked === null ? [] : this.missions.filter((one) => this.picked.has(one.id));
       this.bulk.replaceChildren(...(this.picked === null ? [] : [HL.missionsBulk.bar(picked, this.may, () => (this.select(false), this.load(false)))]));
-      this.said.replaceChildren(...(this.missions.length ? (found.length ? [] : [empty("Nothing found", "No mission has these words.")]) : [el("div", { "data-testid": "missions-empty" }, empty("No missions yet", this.may.edit ? "Plan a mission" : this.dataset.noEdit))]));
+      this.said.replaceChildren(...(this.missions.length ? (found.length ? [] : [empty("Nothing found", words ? "No mission has these words." : "No mission is there now.")]) : [el("div", { "data-testid": "missions-empty" }, empty("No missions yet", this.may.edit ? "Plan a mission" : this.dataset.noEdit))]));
       for (const one of found) {
         if (!this.rows.has(one.id)) this.rows.set(one.id, new Row(one, (id) => this.open(id), (id, isOn) => this.pick(id, isOn)));
         this.rows.get(one.id).paint(one, one.id === this.chosen, this.picked === null ? null : this.picked.has(one.id));
@@ -278,5 +277,14 @@
     return `${entry.why} Row ${row} of ${rows}, ${done.text} ${done.unit}.`;
   }
 
-  define("hl-missions", Missions);
+  // its style sheet comes with the screen; drawn before it is there, everything would jump
+  function styled(node) {
+    const href = node?.dataset.style;
+    if (!href || document.querySelector(`link[href="${href}"]`)) return Promise.resolve();
+    const link = el("link", { rel: "stylesheet", href });
+    document.head.append(link);
+    return new Promise((resolve) => (link.onload = link.onerror = resolve));
+  }
+
+  styled(document.querySelector("hl-missions")).then(() => define("hl-missions", Missions));
 })();

@@ -2,6 +2,7 @@
 (() => {
   "use strict";
   const START_PX = 8; // less is a tap
+  const SWALLOW_MS = 400; // a busy tablet sends the click a good while after the finger is up
 
   // options: {axis: "x"|"y", fellows: () => [nodes in order, this one included], drop: (index) => {}}
   function draggable(node, handle, { axis, fellows, drop }) {
@@ -32,7 +33,7 @@
         // the click that ends a drag opens nothing
         const swallow = (click) => (click.stopImmediatePropagation(), click.preventDefault());
         handle.addEventListener("click", swallow, true);
-        setTimeout(() => handle.removeEventListener("click", swallow, true), 50);
+        setTimeout(() => handle.removeEventListener("click", swallow, true), SWALLOW_MS);
         const others = fellows().filter((one) => one !== node);
         drop(others.filter((one) => middle(one.getBoundingClientRect()) < own).length);
       };

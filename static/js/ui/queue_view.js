@@ -80,7 +80,7 @@
       attr(this.armButton, "disabled", Boolean(refusal));
       text(this.armWhy, queue.frozen ? "" : refusal);
       attr(this.hint, "hidden", !this.mayEdit);
-      text(this.weather, weatherWords(queue));
+      text(this.weather, `${zoneWords(queue.zone)}${weatherWords(queue)}`);
       // the banner keeps its slide and the reason that was tapped
       const frozen = queue.frozen ? `${queue.frozen.by}${queue.frozen.utc}` : "";
       if (frozen !== this.frozenKey) {
@@ -130,6 +130,13 @@
       if (!answer.ok) HL.toast(`Not moved: ${HL.queue.failed(answer)}`, "block");
       return this.load();
     }
+  }
+
+  // whose clock, where this tablet's is another one
+  function zoneWords(zone) {
+    const now = Date.now();
+    const mine = Intl.DateTimeFormat().resolvedOptions().timeZone;
+    return HL.queue.clock(now, zone) === HL.queue.clock(now, mine) ? "" : `Times of ${zone}. `;
   }
 
   function weatherWords({ weather, zone }) {

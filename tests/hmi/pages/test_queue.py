@@ -105,7 +105,7 @@ def test_each_robot_says_what_it_waits_for_and_keys_move_missions(
     page, played = show(whole())
     expect(page.get_by_test_id("queue-reason-weeder-07")).to_contain_text("Wheat 1: Waits: wind 6.1 m/s, limit 5.0.")
     page.get_by_test_id("queue-bar-c").focus()
-    with page.expect_request("**/move"):
+    with page.expect_response("**/move"):
         page.keyboard.press("Alt+ArrowLeft")
     assert played.asked == [("POST", "queue/entries/c/move", {"before": "b"})]
     page.get_by_test_id("queue-look-list").click()
@@ -120,7 +120,7 @@ def test_dragging_a_bar_before_another_one_moves_it(show: Callable[..., tuple[Pa
     page.mouse.move(bar["x"] + bar["width"] / 2, bar["y"] + 20)
     page.mouse.down()
     page.mouse.move(goal["x"] + 4, bar["y"] + 20, steps=8)
-    with page.expect_request("**/move"):
+    with page.expect_response("**/move"):
         page.mouse.up()
     assert played.asked == [("POST", "queue/entries/c/move", {"before": "a"})]
     expect(page.get_by_test_id("queue-entry")).to_have_count(0)
