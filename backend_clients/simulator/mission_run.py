@@ -51,6 +51,7 @@ class MissionRun:
         self.driven_m = 0.0
         self.pause_code = ""
         self.pause_pose: Point | None = None
+        self._open_row = 0  # where the tool's work is counted now; 0 is the headland
         self._row_weeds = 0.0
         self._row_treated_m = 0.0
         self._must_be_on_path = False
@@ -69,7 +70,7 @@ class MissionRun:
         """Run from the first point."""
         self.tracker = Tracker(self.route)
         self.row, self.treated_m, self.driven_m = 0, 0.0, 0.0
-        self._row_weeds = self._row_treated_m = 0.0
+        self._row_weeds, self._row_treated_m, self._open_row = 0.0, 0.0, 0
         self.run(is_supervised=is_supervised)
 
     def run(self, *, is_supervised: bool) -> None:
@@ -103,7 +104,7 @@ class MissionRun:
         """Go on with the progress of ``base`` at ``s_m`` of this path; its state stays what it was."""
         self.tracker = Tracker(self.route, s_m)
         self.row, self.treated_m, self.driven_m = base.row, base.treated_m, base.driven_m
-        self._row_weeds, self._row_treated_m = base._row_weeds, base._row_treated_m
+        self._row_weeds, self._row_treated_m, self._open_row = base._row_weeds, base._row_treated_m, base._open_row
         self.status, self.is_supervised = base.status, base.is_supervised
         self.pause_code, self.pause_pose = base.pause_code, base.pause_pose
 
@@ -132,9 +133,9 @@ class MissionRun:
     def advance(self, before_m: float, *, laser_on: bool, weeds: float, journal: Journal, mono_ms: int) -> None:
         """Count what was driven and treated since ``before_m`` along the line."""
         row = self.leg.row
-        if row != self.row:
+        if row != self._open_row:
             self._close_row(journal, mono_ms)
-            self.row = row or self.row
+            self._open_row, self.row = row, row or self.row
         gained = max(self.tracker.s_m - before_m, 0.0)
         self.driven_m += gained
         if laser_on:
@@ -181,7 +182,7 @@ class MissionRun:
             return
         self.tracker = Tracker(self.route, min(saved.s_m, self.route.length_m))
         self.row, self.treated_m, self.driven_m = saved.row, saved.treated_m, saved.driven_m
-        self._row_treated_m, self._row_weeds = saved.row_treated_m, saved.row_weeds
+        self._row_treated_m, self._row_weeds, self._open_row = saved.row_treated_m, saved.row_weeds, self.leg.row
         self.is_supervised = saved.is_supervised
         if saved.status in ("running", "paused"):
             self.pause((saved.pause_code if saved.status == "paused" else "") or "rebooted")
@@ -191,13 +192,14 @@ class MissionRun:
             self.status = saved.status  # type: ignore[assignment]
 
     def _close_row(self, journal: Journal, mono_ms: int) -> None:
-        if self.row > 0 and self._row_treated_m > 0:
+        row, name = self._open_row, f"Row {self._open_row}" if self._open_row else "Headland"
+        if self._row_treated_m > 0:
             journal.event(
                 mono_ms,
                 "treatment",
-                f"Row {self.row} treated",
+                f"{name} treated",
                 f"{self._row_weeds:.0f} weeds on {self._row_treated_m:.0f} m",
-                row=self.row,
+                row=row,
                 length_m=round(self._row_treated_m, 2),
                 weeds=round(self._row_weeds),
                 mission_id=self.mission.mission_id,

@@ -85,11 +85,12 @@ class Person:
         button = self.hook("mission-checks")
         if button.count() == 0:
             return
-        expect(button).to_contain_text(re.compile(r"\d of \d"), timeout=10_000)
+        expect(button).to_contain_text(re.compile(r"\d of \d(?!.*loading)"), timeout=10_000)
         if "list open" not in button.inner_text():
             return
         button.click()
         sheet = self.hook("start-sheet")
+        expect(sheet.get_by_role("checkbox").first).to_be_visible()
         for line in sheet.get_by_role("checkbox").all():
             line.click()
         expect(sheet.get_by_test_id("checklist-state")).to_contain_text("Ticked by", timeout=10_000)

@@ -30,7 +30,7 @@ def treated_rows(caller: Caller, since: int) -> dict[int, float]:
     events = caller.get(f"/events?robot={ROBOT}&kind=treatment&limit=200")["events"]
     found: dict[int, float] = {}
     for event in events[: len(events) - since]:
-        if event["data"].get("mission_id") == MISSION:
+        if event["data"].get("mission_id") == MISSION and event["data"]["row"]:  # 0 is the headland
             found[event["data"]["row"]] = found.get(event["data"]["row"], 0.0) + event["data"]["length_m"]
     return found
 

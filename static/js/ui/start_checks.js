@@ -38,7 +38,8 @@
     if (!checks.length) return "";
     const good = checks.filter((one) => one.ok === true).length;
     const list = listOf(robot);
-    return `${good} of ${checks.length}${list?.is_required && !record(robot) ? ", list open" : ""}`;
+    const open = list?.is_required && !record(robot) ? ", list open" : "";
+    return `${good} of ${checks.length}${list ? open : ", list is loading"}`;
   }
 
   class StartChecks extends LiveElement {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import msgspec
@@ -77,6 +78,20 @@ def test_a_mission_is_driven_to_its_end_with_the_laser_on_in_rows_only() -> None
     assert worst_m < 0.05
     assert [e.data["row"] for e in rig.events if e.kind == "treatment"] == [1, 2, 3]
     assert rig.state.mode == "idle"
+
+
+def test_a_treated_headland_is_one_event_after_the_rows() -> None:
+    rig = Rig()
+    rows = small_mission(rows=1, length_m=6)
+    (x, y), before = rows.segments[-1].points[-1], rows.segments[-1].points[-2]
+    along = math.atan2(y - before[1], x - before[0])
+    lap = [(x, y), (x + 8 * math.cos(along), y + 8 * math.sin(along))]
+    headland = down.Segment(kind="headland", points=lap, speed_mps=0.45, tool_on=True)
+    rig.start(small_mission(segments=[*rows.segments, headland]))
+    rig.run(60)
+    treated = [(e.name, e.data["row"]) for e in rig.events if e.kind == "treatment"]
+    assert treated == [("Row 1 treated", 1), ("Headland treated", 0)]
+    assert next(e.data["length_m"] for e in rig.events if e.name == "Headland treated") == pytest.approx(8, abs=0.5)
 
 
 @pytest.mark.parametrize(("dose", "share"), [(1.0, 1.0), (0.5, 0.5), (2.0, 0.5)])
