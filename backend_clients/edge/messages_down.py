@@ -136,6 +136,15 @@ class Continues(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     segments: Count
 
 
+class Proof(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """That whoever redirects a robot that drives has control of it and decided just now; as in a command."""
+
+    lease_token: Count
+    lease_seq: Count
+    challenge: Challenge
+    ttl_ms: Annotated[int, Meta(ge=100, le=10_000)] = 2000
+
+
 class Mission(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """A complete mission. Sending it moves nothing; the robot answers with the hash of what it stored."""
 
@@ -156,3 +165,6 @@ class Mission(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
     home: tuple[Metres, Metres] | None = field(default=None)
     map_version: MapVersion | UnsetType = UNSET
     continues: Continues | UnsetType = UNSET
+    proof: Annotated[
+        Proof | UnsetType, Meta(description="for an update while it runs; no part of the hash, nor of what is stored")
+    ] = UNSET

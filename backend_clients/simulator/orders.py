@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from msgspec import UNSET
+from msgspec import UNSET, UnsetType
 from msgspec.structs import replace
 
 from backend_clients.edge import messages_down as down
@@ -269,19 +269,23 @@ class OrderDesk:
             weeder.operator_heard_s = now
 
     def _mission(self, order: down.Mission, *, is_retained: bool) -> up.Ack:
+        proof, order = order.proof, replace(order, proof=UNSET)
         sha256 = mission_hash(order)
-        verdict = self._judge_mission(order, sha256, is_retained=is_retained)
+        verdict = self._judge_mission(order, sha256, proof, is_retained=is_retained)
         answer = self._ack("mission", order.mission_id, verdict)
         return replace(answer, sha256=sha256) if verdict.is_accepted else answer
 
-    def _judge_mission(self, order: down.Mission, sha256: str, *, is_retained: bool) -> Verdict:
+    def _judge_mission(
+        self, order: down.Mission, sha256: str, proof: down.Proof | UnsetType, *, is_retained: bool
+    ) -> Verdict:
         weeder, run = self._weeder, self._weeder.run
         if is_retained:
             return refused("retained")
         if run is not None and run.sha256 == sha256:
             return accepted("already_stored", "The robot has this mission already.")
         if order.continues is not UNSET:
-            return continued(weeder, order, order.continues)
+            verdict = self._may_redirect(proof)
+            return continued(weeder, order, order.continues) if verdict.is_accepted else verdict
         if run is not None and run.is_open:
             return refused("mission_active")
         try:
@@ -289,6 +293,17 @@ class OrderDesk:
         except RouteError as error:
             return refused("bad_mission", f"The path of this mission cannot be driven: {error}.")
         return OK
+
+    def _may_redirect(self, proof: down.Proof | UnsetType) -> Verdict:
+        """A robot that drives is redirected only by who has control of it, and only just after it was decided."""
+        if not self._weeder.is_auto:
+            return OK
+        if isinstance(proof, UnsetType):
+            return refused("no_lease", "It drives. Take control to change its mission, or pause it first.")
+        now_s = self._weeder.clock.mono_s()
+        return self._weeder.guard.judge_leased(
+            now_s, proof.challenge, proof.ttl_ms / 1000, proof.lease_token, proof.lease_seq, is_retained=False
+        )
 
     def _judge_leased(self, order: down.Command | down.StopReset, ttl_ms: int, *, is_retained: bool) -> Verdict:
         return self._weeder.guard.judge_leased(

@@ -8,13 +8,15 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 from hmi.commands.map_watch import MapWatch
 from hmi.commands.mission_send import MissionSent
 from hmi.commands.plan_wish import surroundings_of
-from hmi.commands.refusal import HELD_BY_OTHER, OrderRefused
+from hmi.commands.refusal import HELD_BY_OTHER, UNKNOWN_ROBOT, OrderRefused
 from hmi.commands.rest_sources import FreshSource, RestParts, RestSource
-from hmi.commands.service import CommandRequest
+from hmi.commands.service import TTL_MS, CommandRequest
 from hmi.domain.command import Action, Outcome
 from hmi.domain.ids import new_id
 from hmi.domain.mission import ENDED, MissionStatus
@@ -112,7 +114,11 @@ class MissionRests:
             return MissionSent(Outcome.REJECTED, refused.code, refused.text)
         self._refuse_in_doubt(mission, robot)
         source = RestSource(self._parts, mission, session, order.kind, planned)
-        sent = await self._parts.sender.put(session, robot.id, mission_id, source)
+        proof = None
+        if self._is_driven(mission, robot):
+            self._parts.authorize(session, Permission.START, robot.id)
+            proof = partial(self._proof, session, robot.id)
+        sent = await self._parts.sender.put(session, robot.id, mission_id, source, proof)
         await self._forget_refused(session, mission_id, sent)
         if sent.outcome is Outcome.ACCEPTED:
             self._previews.pop(sha256, None)
@@ -174,6 +180,19 @@ class MissionRests:
     def _order_of(mission: Mission, robot: Robot) -> Order | None:
         order = robot.state.order if robot.state is not None else None
         return order if order is not None and order.mission_id == mission.id else None
+
+    def _is_driven(self, mission: Mission, robot: Robot) -> bool:
+        order = self._order_of(mission, robot)
+        return order is not None and order.status is OrderStatus.RUNNING
+
+    def _proof(self, session: SessionInfo, robot_id: str) -> dict[str, Any]:
+        """Return what lets a robot that drives take another path; raises ``OrderRefused``."""
+        robot = self._parts.fleet.robot(robot_id)
+        if robot is None:
+            raise OrderRefused(UNKNOWN_ROBOT, "There is no such robot.")
+        challenge, lease = self._parts.gate.challenge(robot), self._parts.leases.control(session, robot)
+        seq = self._parts.leases.next_seq(lease)
+        return {"lease_token": lease.token, "lease_seq": seq, "challenge": challenge, "ttl_ms": TTL_MS}
 
     def _progress(self, mission: Mission) -> tuple[Progress | None, bool]:
         robot = self._parts.fleet.robot(mission.robot_id or "")

@@ -181,6 +181,56 @@ def test_a_running_robot_takes_a_new_rest_without_stopping() -> None:
     assert set(treated_m(rig)) == {1, 2}
 
 
+@pytest.mark.parametrize(
+    ("proof", "code"),
+    [
+        ({"lease_token": 0}, "no_lease"),
+        ({"lease_seq": 0}, "out_of_order"),
+        ({"challenge": "nobody-sent-this"}, "stale_challenge"),
+    ],
+)
+def test_a_robot_that_drives_is_not_redirected_late_or_without_control(proof: dict[str, Any], code: str) -> None:
+    rig = Rig()
+    mission = small_mission()
+    rig.start(mission)
+    into_row(rig, 1, 4.0)
+    update = replace(without_row(mission, 3), proof=rig.proof(**proof))
+    ack = rig.robot.receive(update)
+    assert ack is not None
+    assert (ack.outcome, ack.code) == ("rejected", code)
+    assert order(rig).sha256 == mission_hash(mission)
+
+
+def test_an_update_that_was_held_up_on_its_way_is_refused() -> None:
+    rig = Rig()
+    mission = small_mission(length_m=60.0)
+    rig.start(mission)
+    into_row(rig, 1, 2.0)
+    update = replace(without_row(mission, 3), proof=rig.proof())
+    rig.run(2.5)
+    ack = rig.robot.receive(update)
+    assert ack is not None
+    assert (ack.outcome, ack.code) == ("rejected", "stale_challenge")
+    assert order(rig).sha256 == mission_hash(mission)
+
+
+def test_without_a_proof_only_a_robot_that_stands_takes_an_update() -> None:
+    rig = Rig()
+    mission = small_mission()
+    rig.start(mission)
+    into_row(rig, 1, 4.0)
+    update = without_row(mission, 3)
+    ack = rig.robot.receive(update)
+    assert ack is not None
+    assert (ack.outcome, ack.code) == ("rejected", "no_lease")
+    assert "pause it first" in ack.text
+    rig.do("pause")
+    rig.run(2)
+    ack = rig.robot.receive(update)
+    assert ack is not None
+    assert (ack.outcome, ack.sha256) == ("accepted", mission_hash(update))
+
+
 def test_an_update_behind_the_robot_is_refused_and_nothing_changes() -> None:
     rig = Rig()
     mission = small_mission()

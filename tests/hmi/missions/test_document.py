@@ -82,6 +82,12 @@ def test_the_hash_survives_storage_as_json(mission: down.Mission) -> None:
     assert mission_hash(msgspec.convert(stored, down.Mission)) == mission_hash(mission)
 
 
+def test_the_proof_of_an_update_is_no_part_of_the_hash() -> None:
+    bare = msgspec.convert(plan_mission(wish()).document, down.Mission)
+    proof = down.Proof(lease_token=7, lease_seq=3, challenge="c" * 16)
+    assert mission_hash(msgspec.structs.replace(bare, proof=proof)) == mission_hash(bare)
+
+
 def test_a_document_without_its_defaults_has_the_same_hash() -> None:
     document = plan_mission(wish()).document
     lean = {k: v for k, v in document.items() if k not in ("v", "note", "at_end", "home")}
@@ -92,7 +98,8 @@ def test_a_document_without_its_defaults_has_the_same_hash() -> None:
 def test_the_contract_has_no_field_the_document_lacks() -> None:
     more = {"map_version": {"number": 1, "sha256": "a" * 64}, "continues": {"base_sha256": "b" * 64, "segments": 0}}
     document = canonical({**plan_mission(wish()).document, **more})
-    assert set(document) == {f.encode_name for f in msgspec.structs.fields(down.Mission)}
+    # the proof belongs to the moment of sending, not to the document
+    assert set(document) == {f.encode_name for f in msgspec.structs.fields(down.Mission)} - {"proof"}
     more_of_it = {**document["segments"][0], "jump": True, "dose": 0.5}
     segment = canonical({**document, "segments": [more_of_it]})["segments"][0]
     assert set(segment) == {f.encode_name for f in msgspec.structs.fields(down.Segment)}

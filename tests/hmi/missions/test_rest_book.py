@@ -61,6 +61,12 @@ class Wire:
     def holds(self, session_id: str, robot_id: str) -> Any:
         return self.of(robot_id) if self.holder == session_id else None
 
+    def control(self, actor: Any, robot: Robot) -> Any:
+        return SimpleNamespace(token=7)
+
+    def next_seq(self, lease: Any) -> int:
+        return 3
+
     async def upload_mission(self, robot_id: str, document: dict[str, Any]) -> Acknowledgement:
         self.sent.append(document)
         if self.answer == "silent":
@@ -160,6 +166,26 @@ async def test_a_new_rest_that_was_read_back_is_the_missions_own(desk: Desk) -> 
     assert desk.mission.pending_sha256 == ""
     assert 4 not in {one["row"] for one in desk.rig.missions.document(FARM, "m-1")["segments"]}
     assert ("Supervisor Person", "The rest was changed: Row 4 left out.") in desk.log()
+
+
+async def test_only_a_robot_that_drives_gets_the_proof_of_who_has_control(desk: Desk) -> None:
+    planned = await desk.change(leave_out=(desk.row(4),))
+    await desk.rests.send(desk.supervisor, "m-1", planned.sha256, "tick")
+    proof = {"lease_token": 7, "lease_seq": 3, "challenge": "challenge", "ttl_ms": 2000}
+    assert desk.wire.sent[-1]["proof"] == proof
+    assert "proof" not in desk.rig.missions.document(FARM, "m-1")
+    desk.reports(OrderStatus.PAUSED, Mode.PAUSED)
+    await desk.follow()
+    planned = await desk.change(leave_out=(desk.row(3),))
+    await desk.rests.send(desk.supervisor, "m-1", planned.sha256, "tick")
+    assert "proof" not in desk.wire.sent[-1]
+
+
+async def test_who_may_plan_and_not_drive_does_not_redirect_a_robot_that_drives(desk: Desk) -> None:
+    planned = await desk.change(leave_out=(desk.row(4),))
+    with pytest.raises(NotAllowed):
+        await desk.rests.send(desk.rig.person(Role.PLANNER), "m-1", planned.sha256, "tick")
+    assert desk.wire.sent == []
 
 
 async def test_what_was_sent_without_an_answer_counts_only_when_the_robot_reports_it(desk: Desk) -> None:
