@@ -2,6 +2,7 @@
 
 import { farmLabels, readableLabels, robotLabels } from './captions.js';
 import { Controls } from './controls.js';
+import { startEngine } from './engine_choice.js';
 import { laneRevision } from './feed.js';
 import { boxOf, mercPerMetre, mercX, mercY } from './geometry.js';
 import { Intake } from './intake.js';
@@ -94,27 +95,10 @@ export class LiveMap {
     };
     const view = this.lastView ?? { mx: mercX(10), my: mercY(50), zoom: 5, bearing: 0 };
     const setup = { scene: this.scene, palette: this.palette, view, vendor: this.options.vendorUrl, hooks };
-    const engine = (wanted === 'canvas' ? null : await this.#gl(setup)) ?? (await this.#canvas(setup));
+    const { engine, note } = await startEngine(wanted, this.surface, setup);
+    this.engineNote = note || this.engineNote;
     if (this.isGone) engine.destroy();
     else this.#ready(engine);
-  }
-
-  async #gl(setup) {
-    try {
-      const { GlEngine, hasWebGl } = await import('./gl_engine.js');
-      if (hasWebGl()) return await GlEngine.create(this.surface, setup);
-      this.engineNote = 'Simple map: this device has no WebGL.';
-    } catch (error) {
-      console.warn('map: the GL engine did not start:', error);
-      this.engineNote = 'Simple map: the full one did not load.';
-    }
-    return null;
-  }
-
-  async #canvas(setup) {
-    this.surface.replaceChildren();
-    const { CanvasEngine } = await import('./canvas_engine.js');
-    return CanvasEngine.create(this.surface, setup);
   }
 
   #ready(engine) {

@@ -21,7 +21,7 @@ from hmi.store.checklists import Checklists
 from tests.hmi.missions.rig import OTHER_FARM, Door, NoTokens, Rig
 from tests.hmi.missions.test_rest_book import Desk
 
-Browser = Callable[..., httpx.AsyncClient]
+Visitor = Callable[..., httpx.AsyncClient]
 ALL = [one.id for one in CHECKLISTS[Family.OTHER]]
 
 
@@ -36,7 +36,7 @@ def lists(rig: Rig) -> Checklists:
 
 
 @pytest.fixture
-def browser(rig: Rig, desk: Desk, lists: Checklists) -> Browser:
+def come_as(rig: Rig, desk: Desk, lists: Checklists) -> Visitor:
     checklists = ChecklistDesk(
         lists,
         rig.missions,
@@ -59,8 +59,8 @@ def browser(rig: Rig, desk: Desk, lists: Checklists) -> Browser:
     return come
 
 
-async def test_the_rest_is_read_previewed_and_sent(browser: Browser, desk: Desk) -> None:
-    async with browser(Role.SUPERVISOR) as client:
+async def test_the_rest_is_read_previewed_and_sent(come_as: Visitor, desk: Desk) -> None:
+    async with come_as(Role.SUPERVISOR) as client:
         left = (await client.get("/missions/m-1/rest")).json()
         assert (left["is_live"], left["pieces"][0]["row"], left["pieces"][0]["is_present"]) == (True, 2, True)
         assert left["forgets"] == "row 2 of 4, 0.01 ha done"
@@ -77,29 +77,29 @@ async def test_the_rest_is_read_previewed_and_sent(browser: Browser, desk: Desk)
     "bad",
     [{}, {"kind": "other"}, {"kind": "change", "row_speed_mps": -1}, {"kind": "later", "more": 1}],
 )
-async def test_a_wish_that_is_none_is_refused(browser: Browser, bad: dict[str, Any]) -> None:
-    async with browser(Role.SUPERVISOR) as client:
+async def test_a_wish_that_is_none_is_refused(come_as: Visitor, bad: dict[str, Any]) -> None:
+    async with come_as(Role.SUPERVISOR) as client:
         assert (await client.post("/missions/m-1/rest/preview", json=bad)).status_code == 422
 
 
-async def test_who_may_not_gets_nothing_done(browser: Browser) -> None:
+async def test_who_may_not_gets_nothing_done(come_as: Visitor) -> None:
     fresh, wish = {"tick": "t"}, {"kind": "later"}
-    async with browser(Role.VIEWER) as client:
+    async with come_as(Role.VIEWER) as client:
         assert (await client.get("/missions/m-1/rest")).status_code == 200
         assert (await client.post("/missions/m-1/rest/preview", json=wish)).status_code == 403
         assert (await client.post("/missions/m-1/fresh", json=fresh)).status_code == 403
         assert (await client.post("/robots/weeder-01/checklist", json={"ticked": ALL})).status_code == 403
-    async with browser(Role.PLANNER) as client:
+    async with come_as(Role.PLANNER) as client:
         assert (await client.post("/robots/weeder-01/checklist", json={"ticked": ALL})).status_code == 403
-    async with browser(Role.SUPERVISOR, OTHER_FARM) as client:
+    async with come_as(Role.SUPERVISOR, OTHER_FARM) as client:
         assert (await client.get("/missions/m-1/rest")).status_code == 404
         assert (await client.post("/missions/m-1/fresh", json=fresh)).status_code == 404
-    async with browser(None) as client:
+    async with come_as(None) as client:
         assert (await client.post("/missions/m-1/fresh", json=fresh)).status_code == 401
 
 
-async def test_what_is_not_possible_now_says_why(browser: Browser) -> None:
-    async with browser(Role.SUPERVISOR) as client:
+async def test_what_is_not_possible_now_says_why(come_as: Visitor) -> None:
+    async with come_as(Role.SUPERVISOR) as client:
         answer = await client.post("/missions/m-1/rest/preview", json={"kind": "later"})
         assert (answer.status_code, answer.json()["code"]) == (409, "not_interrupted")
         answer = await client.post("/missions/m-1/fresh", json={"tick": "t"})
@@ -107,10 +107,10 @@ async def test_what_is_not_possible_now_says_why(browser: Browser) -> None:
 
 
 async def test_a_ticked_list_is_recorded_with_who_and_when_and_runs_out(
-    browser: Browser, desk: Desk, lists: Checklists, rig: Rig
+    come_as: Visitor, desk: Desk, lists: Checklists, rig: Rig
 ) -> None:
     desk.reports(OrderStatus.LOADED, Mode.IDLE)
-    async with browser(Role.OPERATOR) as client:
+    async with come_as(Role.OPERATOR) as client:
         shown = (await client.get("/robots/weeder-01/checklist")).json()
         assert [one["id"] for one in shown["items"]] == ALL
         assert (shown["is_required"], shown["record"]) == (True, None)
@@ -130,8 +130,8 @@ async def test_a_ticked_list_is_recorded_with_who_and_when_and_runs_out(
     assert not again.is_valid("farm", "weeder-01", person.user_id, record["id"])
 
 
-async def test_a_list_with_a_line_missing_is_not_recorded(browser: Browser) -> None:
-    async with browser(Role.OPERATOR) as client:
+async def test_a_list_with_a_line_missing_is_not_recorded(come_as: Visitor) -> None:
+    async with come_as(Role.OPERATOR) as client:
         answer = await client.post("/robots/weeder-01/checklist", json={"ticked": ALL[1:]})
         assert (answer.status_code, answer.json()["code"]) == (409, "not_ticked")
         assert (await client.get("/robots/weeder-01/checklist")).json()["record"] is None
