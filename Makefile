@@ -40,12 +40,13 @@ types: $(DEV_STAMP)
 	$(BIN)/mypy
 
 # Three runs: the browser's driver keeps an event loop of its own in the main thread, where asyncio tests run theirs;
-# the stories of tests/e2e share one running demo and have the machine to themselves.
+# the stories of tests/e2e share one running demo, and they and STOP have the machine to themselves.
+ALONE := tests/e2e tests/components/test_stop_slab.py
 MANY := -n auto --maxprocesses 4 --dist loadfile
 test: tools lint types
 	$(BIN)/pytest $(MANY) -m "not long and not browser"
-	$(BIN)/pytest $(MANY) -m "not long and browser" --ignore tests/e2e
-	$(BIN)/pytest -m "not long and browser" tests/e2e
+	$(BIN)/pytest $(MANY) -m "not long and browser" $(addprefix --ignore ,$(ALONE))
+	$(BIN)/pytest -m "not long and browser" $(ALONE)
 
 # The inner loop: no browser, no broker.
 test-fast: $(DEV_STAMP)

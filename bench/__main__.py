@@ -24,6 +24,7 @@ MODULES: dict[str, tuple[str, ...]] = {
         "plan_field100_05m_s",
     ),
     "bench.map": ("map_update_ms_1000", "map_update_ms_5000"),
+    "bench.import_large": ("import_20mb_s", "import_20mb_mb", "import_20mb_stall_ms"),
     "bench.editor": ("editor_drag_ms_10000",),
     "bench.demo": (
         "demo_ready_s",

@@ -58,10 +58,41 @@ def _screens(browser: Browser, running: Installation) -> Iterator[str]:
     yield from _all_looks(martha, SCREENS)
     yield from _situations(martha, running)
     martha.context.close()
+    yield from _map_builder(browser, running)
     jonas = _come(browser, running, "admin", "landscape")
     jonas.sign_in()
     yield from _all_looks(jonas, ADMIN_SCREENS)
     jonas.context.close()
+
+
+def _map_builder(browser: Browser, running: Installation) -> Iterator[str]:
+    """Show a field being edited: for ``docs/maps.md``."""
+    pieter = _come(browser, running, "planner", "landscape")
+    pieter.sign_in()
+    page = pieter.page
+    page.evaluate("localStorage.setItem('headland.theme', 'day')")
+    page.goto("/maps")
+    pieter.hook("editor-edit").click()
+    pieter.sees("maps", "draft")
+    pieter.hook("feature-row-polder-17").click()
+    yield _shoot(pieter, "maps-edit-landscape-day")
+    pieter.hook("feature-reshape").click()
+    pieter.hook("reshape-inset").click()
+    pieter.hook("reshape-value").fill("15")
+    page.wait_for_function("document.querySelector('[data-testid=reshape-effect]').textContent.includes(' to ')")
+    yield _shoot(pieter, "maps-reshape-landscape-day")
+    pieter.hook("reshape-close").click()
+    pieter.hook("feature-crop").fill("Spinach")
+    pieter.hook("feature-crop").press("Enter")
+    page.wait_for_function("document.querySelectorAll('[data-testid=editor-changes] [data-state=saved]').length === 1")
+    pieter.hook("editor-publish").click()
+    pieter.hook("publish-note").fill("Spinach after sugar beet")
+    pieter.hook("publish-go").click()
+    pieter.sees("maps", "published")
+    pieter.hook("feature-history").click()
+    pieter.hook("history").get_by_text("Crop: Sugar beet to Spinach").wait_for()
+    yield _shoot(pieter, "maps-history-landscape-day")
+    pieter.context.close()
 
 
 def _all_looks(someone: Person, screens: dict[str, str]) -> Iterator[str]:

@@ -57,6 +57,7 @@ export default {
         engine: this.engine,
         featuresUrl: base + this.featuresUrl,
         missionUrl: base + this.missionUrl,
+        baseMapsUrl: base + this.featuresUrl.replace(/features$/, "base-maps"),
         vendorUrl: base + this.vendorUrl,
         onSelect: (id) => this.$emit("select-robot", id),
       });

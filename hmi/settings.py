@@ -5,8 +5,11 @@ Every field is documented here and printed by ``headland check``. Outside demo m
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Annotated
+from urllib.parse import urlsplit
+from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from pydantic import Field, field_validator, model_validator
 from pydantic_settings import (
@@ -18,6 +21,28 @@ from pydantic_settings import (
 
 DEFAULT_SECRET = "change-me"  # noqa: S105 - the value that is refused
 Port = Annotated[int, Field(ge=0, le=65535)]
+
+
+_HOST = re.compile(r"[A-Za-z0-9.-]+|\[[0-9A-Fa-f:.]+\]")
+
+
+def checked_template(value: str) -> str:
+    """Return the address of online tiles if it names one server and each tile; raises ``ValueError``."""
+    parts = urlsplit(value)
+    host = re.sub(r":\d+\Z", "", parts.netloc)
+    if parts.scheme not in ("http", "https") or not _HOST.fullmatch(host):
+        raise ValueError("online_tiles_url must be http(s)://host/..., one host without name, password or {s}")
+    if not all(parts.path.count(f"{{{key}}}") + parts.query.count(f"{{{key}}}") == 1 for key in "zxy"):
+        raise ValueError("online_tiles_url must hold {z}, {x} and {y} once each")
+    if re.search(r"[{}\s\"'<>\\;,]", re.sub(r"\{[zxy]\}", "", value)):
+        raise ValueError("online_tiles_url may hold {z}, {x}, {y} and nothing else in braces, and no spaces or quotes")
+    return value
+
+
+def origin_of(template: str) -> str:
+    """Return scheme, host and port of the online tiles, as the content security policy names them."""
+    parts = urlsplit(template)
+    return f"{parts.scheme}://{parts.netloc}"
 
 
 class Settings(BaseSettings):
@@ -56,12 +81,40 @@ class Settings(BaseSettings):
     database_url: str | None = Field(None, description="SQLAlchemy URL; default is SQLite in the data folder.")
     farm_id: str = Field("farm", description="Id of the farm this console serves.")
     farm_name: str = Field("My farm", description="Name of the farm, shown in the top bar.")
+    time_zone: str = Field(
+        "",
+        description="Time zone of the farm, e.g. Europe/Amsterdam, for the queue's times and blackout windows. "
+        "Default: that of this machine.",
+    )
     session_hours: float = Field(12, gt=0, le=168, description="A signed-in browser stays signed in this long.")
+    checklist_required: bool = Field(
+        True, description="A supervised mission starts only after the person has ticked the robot's pre-start list."
+    )
+    checklist_hours: float = Field(
+        12, gt=0, le=168, description="A ticked pre-start list counts this long, for the person who ticked it."
+    )
     allowed_origins: list[str] = Field(
         default_factory=list,
         description="Further origins whose pages may talk "
         "to the console, e.g. https://farm.example. Its own is always allowed.",
     )
+
+    base_map_mb: int = Field(
+        4096, ge=1, description="Room for the base maps of a farm in the data folder, MB. What is over it is refused."
+    )
+    base_map_upload_mb: int = Field(2048, ge=1, description="Largest aerial photo or tile archive to upload, MB.")
+    online_tiles_url: str | None = Field(
+        None,
+        description="Online map for everybody, e.g. https://tiles.example/{z}/{x}/{y}.png. Off by default: with it, "
+        "each browser that chooses it asks that server, which sees the tablet's address and what is looked at.",
+    )
+    online_tiles_credit: str = Field("", max_length=160, description="Who must be named beside the online map.")
+    online_tiles_max_zoom: int = Field(19, ge=1, le=24, description="Nearest zoom the online map has.")
+
+    @field_validator("online_tiles_url")
+    @classmethod
+    def _tile_url(cls, value: str | None) -> str | None:
+        return None if not value else checked_template(value)
 
     @field_validator("stop_public_url")
     @classmethod
@@ -69,6 +122,14 @@ class Settings(BaseSettings):
         if value is not None and not value.startswith(("http://", "https://")):
             raise ValueError("stop_public_url must start with http:// or https://")
         return value.rstrip("/") if value else None
+
+    @field_validator("time_zone")
+    @classmethod
+    def _known_zone(cls, value: str) -> str:
+        try:
+            return ZoneInfo(value).key if value else ""
+        except (ZoneInfoNotFoundError, ValueError, OSError) as error:
+            raise ValueError(f"there is no time zone {value!r}; use a name such as Europe/Amsterdam") from error
 
     @model_validator(mode="after")
     def _whole(self) -> Settings:

@@ -78,7 +78,8 @@ def decode_body(address: Address, payload: bytes) -> up.Header | down.Order:
 def mission_hash(mission: down.Mission) -> str:
     """Return the SHA-256 hex digest of a mission's canonical bytes, as the robot reads it back.
 
-    Canonical: decoded and encoded again by this contract with sorted keys, so white space does not count.
+    Canonical: decoded and encoded again by this contract with sorted keys, so white space does not count. The proof
+    of an update is about the moment of sending and does not count either.
     """
-    canonical = msgspec.json.encode(mission, order="sorted")
+    canonical = msgspec.json.encode(msgspec.structs.replace(mission, proof=msgspec.UNSET), order="sorted")
     return hashlib.sha256(canonical).hexdigest()

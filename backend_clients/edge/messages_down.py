@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from msgspec import Meta, Struct, field
+from msgspec import UNSET, Meta, Struct, UnsetType, field
 
 from backend_clients.edge.messages_up import (
     Count,
@@ -24,6 +24,7 @@ from backend_clients.edge.messages_up import (
 )
 
 Ref = Annotated[str, Meta(min_length=8, max_length=64, description="UUID or the like; idempotency key")]
+Sha256 = Annotated[str, Meta(pattern="^[0-9a-f]{64}$")]
 Challenge = Annotated[str, Meta(min_length=8, max_length=64, description="from the newest heartbeat")]
 Action = Literal["start", "resume", "pause", "abort", "return_home", "drive_open", "drive_close"]
 
@@ -46,7 +47,7 @@ class Command(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
     ttl_ms: Annotated[int, Meta(ge=100, le=10_000)] = 2000
     challenge: Challenge
     mission_id: Id | None = None
-    mission_sha256: Annotated[str, Meta(pattern="^[0-9a-f]{64}$")] | None = None
+    mission_sha256: Sha256 | None = None
     is_supervised: bool = True
 
 
@@ -102,6 +103,9 @@ class Segment(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     ``row`` counts from 1 for rows and is 0 elsewhere. The tool works only where ``tool_on``.
     Segments join end to start. Inside a segment the heading turns gently; where it jumps between two
     segments the later one says ``pivot``: stop, turn on the spot to its first direction, drive on.
+    ``jump``: it begins where the robot stood when the rest was planned, not where the segment before ends;
+    nothing drives from one to the other.
+    ``dose`` is times the tool's usual one where the tool works; left out it is 1 and is no part of the hash.
     """
 
     kind: Literal["approach", "row", "turn", "headland", "exit"]
@@ -110,6 +114,35 @@ class Segment(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     tool_on: bool = False
     row: Count = 0
     pivot: bool = False
+    jump: bool | UnsetType = UNSET
+    dose: Annotated[float, Meta(ge=0, le=2)] | UnsetType = UNSET
+
+
+class MapVersion(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The farm's published map that a mission was planned on."""
+
+    number: Count
+    sha256: Sha256
+
+
+class Continues(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """This document goes on with another one of the same mission, as a VDA 5050 order update does.
+
+    The first ``segments`` segments are the path that stays: those of the document ``base_sha256``, the last of
+    them perhaps only its beginning. Where it ends is the stitch point; everything after it is new.
+    """
+
+    base_sha256: Sha256
+    segments: Count
+
+
+class Proof(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """That whoever redirects a robot that drives has control of it and decided just now; as in a command."""
+
+    lease_token: Count
+    lease_seq: Count
+    challenge: Challenge
+    ttl_ms: Annotated[int, Meta(ge=100, le=10_000)] = 2000
 
 
 class Mission(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -130,3 +163,8 @@ class Mission(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
     note: Text = ""
     at_end: Literal["stay", "return_home"] = "stay"
     home: tuple[Metres, Metres] | None = field(default=None)
+    map_version: MapVersion | UnsetType = UNSET
+    continues: Continues | UnsetType = UNSET
+    proof: Annotated[
+        Proof | UnsetType, Meta(description="for an update while it runs; no part of the hash, nor of what is stored")
+    ] = UNSET

@@ -26,11 +26,12 @@ _HOLDS: dict[str, tuple[str, str, str]] = {
     "battery_low": ("Paused by itself: the battery is low.", "Charge it, then resume the mission.", "operator"),
     "after_stop": ("Paused after a STOP.", "Resume the mission.", "operator"),
     "rebooted": ("Paused: the robot was switched off or restarted.", "Resume the mission.", "operator"),
+    "continued": ("Ready to go on where it was interrupted.", "Slide to resume.", "operator"),
     "manual": ("Paused for driving by hand.", "Resume the mission.", "operator"),
-    "return_home": ("Paused to return home.", "Start the mission: it goes back to its path.", "operator"),
+    "return_home": ("Paused to return home.", "Plan the way back to where it stopped.", "operator"),
     "moved_while_paused": (
         "It was moved since the pause.",
-        "Drive it back to where it stopped, or start: it then goes to the nearest point of the path ahead.",
+        "Drive it back to where it stopped, or plan the way back with Resume later.",
         "operator",
     ),
     "person_ahead": (

@@ -51,8 +51,10 @@ class MissionRun:
         self.driven_m = 0.0
         self.pause_code = ""
         self.pause_pose: Point | None = None
+        self._open_row = 0  # where the tool's work is counted now; 0 is the headland
         self._row_weeds = 0.0
         self._row_treated_m = 0.0
+        self._must_be_on_path = False
 
     @property
     def is_open(self) -> bool:
@@ -68,7 +70,7 @@ class MissionRun:
         """Run from the first point."""
         self.tracker = Tracker(self.route)
         self.row, self.treated_m, self.driven_m = 0, 0.0, 0.0
-        self._row_weeds = self._row_treated_m = 0.0
+        self._row_weeds, self._row_treated_m, self._open_row = 0.0, 0.0, 0
         self.run(is_supervised=is_supervised)
 
     def run(self, *, is_supervised: bool) -> None:
@@ -88,11 +90,36 @@ class MissionRun:
 
     def rest(self, pose: Point) -> None:
         """Note where it stands; a resume far from here is refused."""
-        self.pause_pose = pose
         s = self.tracker.s_m
+        self.pause_pose = pose
         rolled_to = self.route.locate(*pose, s, min(s + ROLL_OUT_M, self.route.next_pivot(s + 1e-6)))
         if math.dist(pose, self.route.point_at(rolled_to)) < MOVED_LIMIT_M:
             self.tracker.s_m = rolled_to
+        elif self._must_be_on_path:
+            # switched off while it ran and found elsewhere: somebody moved it meanwhile
+            self.pause_pose = self.route.point_at(s)
+        self._must_be_on_path = False
+
+    def take_over(self, base: MissionRun, s_m: float) -> None:
+        """Go on with the progress of ``base`` at ``s_m`` of this path; its state stays what it was."""
+        self.tracker = Tracker(self.route, s_m)
+        self.row, self.treated_m, self.driven_m = base.row, base.treated_m, base.driven_m
+        self._row_weeds, self._row_treated_m, self._open_row = base._row_weeds, base._row_treated_m, base._open_row
+        self.status, self.is_supervised = base.status, base.is_supervised
+        self.pause_code, self.pause_pose = base.pause_code, base.pause_pose
+
+    def count_done(self, until_m: float) -> None:
+        """Take the path before ``until_m`` as treated: it was, before this robot had the document."""
+        self.treated_m = self.driven_m = 0.0
+        for leg in self.route.legs:
+            length_m = max(min(leg.end_m, until_m) - leg.own_start_m, 0.0)
+            self.treated_m += length_m if leg.is_tool_on else 0.0
+            self.row = leg.row if leg.row and length_m > 0 else self.row
+
+    def stand_at(self, s_m: float, pose: Point) -> None:
+        """Be paused before ``s_m``, standing at ``pose``: ready to go on from there."""
+        self.tracker = Tracker(self.route, s_m)
+        self.status, self.pause_code, self.pause_pose = "paused", "continued", pose
 
     def moved_m(self, pose: Point) -> float:
         """Return how far it stands from where it was paused."""
@@ -106,9 +133,9 @@ class MissionRun:
     def advance(self, before_m: float, *, laser_on: bool, weeds: float, journal: Journal, mono_ms: int) -> None:
         """Count what was driven and treated since ``before_m`` along the line."""
         row = self.leg.row
-        if row != self.row:
+        if row != self._open_row:
             self._close_row(journal, mono_ms)
-            self.row = row or self.row
+            self._open_row, self.row = row, row or self.row
         gained = max(self.tracker.s_m - before_m, 0.0)
         self.driven_m += gained
         if laser_on:
@@ -134,7 +161,7 @@ class MissionRun:
             row=self.row,
             rows=self.route.rows,
             segment=min(leg.index, len(self.mission.segments) - 1),
-            segment_s_m=round(max(self.tracker.s_m - leg.start_m, 0.0), 2),
+            segment_s_m=round(max(self.tracker.s_m - leg.own_start_m, 0.0), 2),
             area_m2=self.mission.area_m2,
             area_done_m2=round(self.mission.area_m2 * share, 1),
             distance_m=round(self.driven_m, 1),
@@ -146,6 +173,7 @@ class MissionRun:
         """Write what has to survive a reboot into ``saved``."""
         saved.status, saved.sha256, saved.s_m = self.status, self.sha256, self.tracker.s_m
         saved.row, saved.treated_m, saved.driven_m = self.row, self.treated_m, self.driven_m
+        saved.row_treated_m, saved.row_weeds = self._row_treated_m, self._row_weeds
         saved.is_supervised, saved.pause_code, saved.pause_pose = self.is_supervised, self.pause_code, self.pause_pose
 
     def restore(self, saved: SavedProgress) -> None:
@@ -154,21 +182,24 @@ class MissionRun:
             return
         self.tracker = Tracker(self.route, min(saved.s_m, self.route.length_m))
         self.row, self.treated_m, self.driven_m = saved.row, saved.treated_m, saved.driven_m
+        self._row_treated_m, self._row_weeds, self._open_row = saved.row_treated_m, saved.row_weeds, self.leg.row
         self.is_supervised = saved.is_supervised
         if saved.status in ("running", "paused"):
             self.pause((saved.pause_code if saved.status == "paused" else "") or "rebooted")
             self.pause_pose = saved.pause_pose
+            self._must_be_on_path = saved.pause_pose is None
         elif saved.status in ("done", "aborted", "failed"):
             self.status = saved.status  # type: ignore[assignment]
 
     def _close_row(self, journal: Journal, mono_ms: int) -> None:
-        if self.row > 0 and self._row_treated_m > 0:
+        row, name = self._open_row, f"Row {self._open_row}" if self._open_row else "Headland"
+        if self._row_treated_m > 0:
             journal.event(
                 mono_ms,
                 "treatment",
-                f"Row {self.row} treated",
+                f"{name} treated",
                 f"{self._row_weeds:.0f} weeds on {self._row_treated_m:.0f} m",
-                row=self.row,
+                row=row,
                 length_m=round(self._row_treated_m, 2),
                 weeds=round(self._row_weeds),
                 mission_id=self.mission.mission_id,

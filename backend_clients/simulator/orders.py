@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from msgspec import UNSET, UnsetType
 from msgspec.structs import replace
 
 from backend_clients.edge import messages_down as down
@@ -12,6 +13,7 @@ from backend_clients.edge.codec import mission_hash
 from backend_clients.simulator.mission_run import AT_HOME_M, MOVED_LIMIT_M
 from backend_clients.simulator.reports import Reporter
 from backend_clients.simulator.route import RouteError
+from backend_clients.simulator.update import continued
 from backend_clients.simulator.verdict import OK, Verdict, accepted, refused
 from backend_clients.simulator.weeder import BATTERY_VERY_LOW, DriveState, Weeder
 
@@ -151,6 +153,8 @@ class OrderDesk:
             return refused("already_running")
         if run.status == "paused" and run.moved_m(weeder.place) <= MOVED_LIMIT_M:
             return refused("mission_paused")
+        if run.status != "paused" and run.route.has_jump:
+            return refused("not_whole")
         s = run.tracker.s_m if run.status == "paused" else 0.0
         if math.dist(weeder.place, run.route.point_at(s)) > MAX_START_DISTANCE_M:
             return refused("mission_too_far")
@@ -170,8 +174,8 @@ class OrderDesk:
         if moved_m > MOVED_LIMIT_M:
             return refused(
                 "moved_while_paused",
-                f"It was moved {moved_m:.1f} m since the pause. Drive it back to where it stopped, or start: "
-                "it then goes to the nearest point of the path ahead and works on from there.",
+                f"It was moved {moved_m:.1f} m since the pause. Drive it back to where it stopped, "
+                "or plan the way back with Resume later.",
             )
         verdict = self._may_work()
         if verdict.is_accepted:
@@ -265,17 +269,23 @@ class OrderDesk:
             weeder.operator_heard_s = now
 
     def _mission(self, order: down.Mission, *, is_retained: bool) -> up.Ack:
+        proof, order = order.proof, replace(order, proof=UNSET)
         sha256 = mission_hash(order)
-        verdict = self._judge_mission(order, sha256, is_retained=is_retained)
+        verdict = self._judge_mission(order, sha256, proof, is_retained=is_retained)
         answer = self._ack("mission", order.mission_id, verdict)
         return replace(answer, sha256=sha256) if verdict.is_accepted else answer
 
-    def _judge_mission(self, order: down.Mission, sha256: str, *, is_retained: bool) -> Verdict:
+    def _judge_mission(
+        self, order: down.Mission, sha256: str, proof: down.Proof | UnsetType, *, is_retained: bool
+    ) -> Verdict:
         weeder, run = self._weeder, self._weeder.run
         if is_retained:
             return refused("retained")
         if run is not None and run.sha256 == sha256:
             return accepted("already_stored", "The robot has this mission already.")
+        if order.continues is not UNSET:
+            verdict = self._may_redirect(proof)
+            return continued(weeder, order, order.continues) if verdict.is_accepted else verdict
         if run is not None and run.is_open:
             return refused("mission_active")
         try:
@@ -283,6 +293,17 @@ class OrderDesk:
         except RouteError as error:
             return refused("bad_mission", f"The path of this mission cannot be driven: {error}.")
         return OK
+
+    def _may_redirect(self, proof: down.Proof | UnsetType) -> Verdict:
+        """A robot that drives is redirected only by who has control of it, and only just after it was decided."""
+        if not self._weeder.is_auto:
+            return OK
+        if isinstance(proof, UnsetType):
+            return refused("no_lease", "It drives. Take control to change its mission, or pause it first.")
+        now_s = self._weeder.clock.mono_s()
+        return self._weeder.guard.judge_leased(
+            now_s, proof.challenge, proof.ttl_ms / 1000, proof.lease_token, proof.lease_seq, is_retained=False
+        )
 
     def _judge_leased(self, order: down.Command | down.StopReset, ttl_ms: int, *, is_retained: bool) -> Verdict:
         return self._weeder.guard.judge_leased(

@@ -43,6 +43,13 @@ class Leg:
     start_m: float
     end_m: float
     own_start_m: float  # where its first point lies; before it is the way over from the segment before
+    is_jump: bool = False  # nobody drives that way over
+    dose: float = 1.0
+
+    @property
+    def drive_from_m(self) -> float:
+        """Where driving this segment begins on the line."""
+        return self.own_start_m if self.is_jump else self.start_m
 
     def is_tool_wanted(self, s_m: float) -> bool:
         """Whether the tool works at ``s_m`` on this segment."""
@@ -80,11 +87,14 @@ class Route:
         ]
         self._leg_ends = array("d", [leg.end_m for leg in self.legs])
         declared = [entry for seg, (entry, _, _) in zip(segments, bounds, strict=True) if seg.pivot and entry > 0]
+        for seg, (entry, own, _) in zip(segments, bounds, strict=True):
+            declared += [i for i in (entry, own) if seg.jump is True and i > 0]
         pivots, slow_s, slow_v = _corners(steps, s, declared)
         self.pivots = array("d", pivots)
         self._slow_s, self._slow_v = array("d", slow_s), array("d", slow_v)
         self._times = self._leg_times()
-        self.rows = len({leg.row for leg in self.legs if leg.row > 0})
+        self.rows = max((leg.row for leg in self.legs), default=0)
+        self.has_jump = any(leg.is_jump for leg in self.legs)
         self.tool_m = sum(leg.end_m - leg.own_start_m for leg in self.legs if leg.is_tool_on)
 
     def leg_at(self, s_m: float) -> Leg:
@@ -170,7 +180,7 @@ class Route:
     def remaining_s(self, s_m: float) -> float:
         """Return the expected driving time from ``s_m`` to the end."""
         leg = self.leg_at(s_m)
-        share = (leg.end_m - s_m) / max(leg.end_m - leg.start_m, 1e-9)
+        share = (leg.end_m - s_m) / max(leg.end_m - leg.drive_from_m, 1e-9)
         duration = self._times[leg.index] - self._times[leg.index + 1]
         return self._times[leg.index + 1] + duration * min(max(share, 0.0), 1.0)
 
@@ -178,10 +188,10 @@ class Route:
         """Return for each segment, and for the end, the time from its start to the end of the line."""
         times, total = [0.0], 0.0
         for leg in reversed(self.legs):
-            low, high = bisect_left(self.pivots, leg.start_m), bisect_left(self.pivots, leg.end_m)
-            slow = self._slow_v[bisect_left(self._slow_s, leg.start_m) : bisect_left(self._slow_s, leg.end_m)]
+            low, high = bisect_left(self.pivots, leg.drive_from_m), bisect_left(self.pivots, leg.end_m)
+            slow = self._slow_v[bisect_left(self._slow_s, leg.drive_from_m) : bisect_left(self._slow_s, leg.end_m)]
             speed = min(leg.speed_mps, *slow) if len(slow) and leg.kind == "turn" else leg.speed_mps
-            total += (leg.end_m - leg.start_m) / speed + (high - low) * 4.0  # brake, pivot, speed up
+            total += (leg.end_m - leg.drive_from_m) / speed + (high - low) * 4.0  # brake, pivot, speed up
             times.append(total)
         return times[::-1]
 
@@ -193,7 +203,9 @@ def straight(points: Sequence[Point], speed_mps: float) -> Route:
 
 def _leg(index: int, segment: Segment, start_m: float, own_start_m: float, end_m: float) -> Leg:
     speed = min(segment.speed_mps, MAX_SPEED_MPS)
-    return Leg(index, segment.kind, segment.row, segment.tool_on, speed, start_m, end_m, own_start_m)
+    is_jump = segment.jump is True
+    dose = segment.dose if isinstance(segment.dose, float) else 1.0
+    return Leg(index, segment.kind, segment.row, segment.tool_on, speed, start_m, end_m, own_start_m, is_jump, dose)
 
 
 def _join(segments: Sequence[Segment]) -> tuple[list[Point], list[tuple[int, int, int]]]:
@@ -203,7 +215,7 @@ def _join(segments: Sequence[Segment]) -> tuple[list[Point], list[tuple[int, int
     for segment in segments:
         entry = max(len(points) - 1, 0)
         own = None
-        if points and math.dist(points[-1], segment.points[0]) > MAX_GAP_M:
+        if points and segment.jump is not True and math.dist(points[-1], segment.points[0]) > MAX_GAP_M:
             raise RouteError(f"segment {len(bounds) + 1} does not begin where the one before it ends")
         for point in segment.points:
             if not points or math.dist(points[-1], point) > SAME_POINT_M:

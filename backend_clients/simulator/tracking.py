@@ -47,6 +47,10 @@ class Tracker:
         """Cross-track error, left positive; ``None`` while it turns on the spot."""
         return None if self._must_align else self.left_m
 
+    def go_on_as(self, other: Tracker) -> None:
+        """Take over how the machine lies on the line from a tracker of the same stretch."""
+        self.left_m, self._must_align = other.left_m, other._must_align
+
     def align(self) -> None:
         """Turn to the line before driving on, e.g. after a pause."""
         self._must_align = True

@@ -30,8 +30,12 @@ REFUSALS: dict[str, str] = {
     "not_paused": "There is no paused mission to resume.",
     "nothing_to_pause": "Nothing is running that could be paused.",
     "nothing_to_abort": "There is no running or paused mission to abort.",
-    "moved_while_paused": "It was moved since the pause. Drive it back to where it stopped, or start: "
-    "it then goes to the nearest point of the path ahead and works on from there.",
+    "moved_while_paused": "It was moved since the pause. Drive it back to where it stopped, "
+    "or plan the way back with Resume later.",
+    "not_an_update": "This does not go on with the mission on the robot. Look at the mission again, then repeat.",
+    "update_too_late": "The robot is past the place where the new path begins. Look at the rest again, then repeat.",
+    "not_where_planned": "It does not stand where the way back begins. Plan the way back again.",
+    "not_whole": "This mission was cut where it was interrupted. Send the whole mission to start fresh.",
     "manual_open": "It is being driven by hand. End driving by hand first.",
     "not_in_manual": "Driving by hand is not open. Open it first.",
     "already_home": "It is at home already.",

@@ -270,7 +270,8 @@ class Weeder:
 
     def _count(self, before_m: float, dt_s: float) -> None:
         assert self.run is not None
-        weeds = (self.machine.weeds_per_min or 0.0) * dt_s / 60
+        # a low dose spares weeds; a high one takes longer on each, which the slower segment brings by itself
+        weeds = (self.machine.weeds_per_min or 0.0) * dt_s / 60 * min(self.run.leg.dose, 1 / max(self.run.leg.dose, 1))
         self.run.advance(
             before_m,
             laser_on=self.machine.laser_on,
@@ -298,6 +299,17 @@ class Weeder:
         self.run = MissionRun(mission, self.frame, (self.config.x_m, self.config.y_m))
         self._store.save_mission(mission)
         self.note("mission", "Mission loaded", mission.name)
+        self.save()
+
+    def renew(self, run: MissionRun) -> None:
+        """Take a mission that goes on with what was done; moves nothing that does not move already."""
+        if self.run is not None and self.run.status == "running" and run.status == "running":
+            run.tracker.go_on_as(self.run.tracker)
+        else:
+            self._lead = None
+        self.run = run
+        self._store.save_mission(run.mission)
+        self.note("mission", "Mission changed", run.mission.name, revision=run.mission.revision)
         self.save()
 
     def begin(self, *, is_supervised: bool) -> None:

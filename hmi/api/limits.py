@@ -10,8 +10,10 @@ from hmi.api.errors import answer
 MAX_BODY_BYTES = 64 * 1024  # the largest honest body of these routes is under 4 KB
 MAX_UPLOAD_BYTES = 16 * 1024 * 1024  # missions and maps, on the routes that take them
 MAX_FILE_BYTES = 50 * 1024 * 1024  # a map file to import
-UPLOADS = ("/missions", "/features", "/map/draft")
+UPLOADS = ("/missions", "/features", "/map/")
 FILES = "/map/imports"
+MAX_BASE_MAP_BYTES = 64 * 1024**3  # the route has the installation's own limit; this body goes to disk, not to memory
+BASE_MAPS = "/base-maps"
 
 
 class BodyLimit:
@@ -48,6 +50,8 @@ def limit_of(scope: Scope) -> int:
     path: str = scope["path"].removeprefix(scope.get("root_path", ""))
     if path == FILES:
         return MAX_FILE_BYTES
+    if path == BASE_MAPS:
+        return MAX_BASE_MAP_BYTES
     return MAX_UPLOAD_BYTES if path.startswith(UPLOADS) else MAX_BODY_BYTES
 
 

@@ -2,35 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from datetime import datetime
-from typing import Annotated, Any, Literal
+from dataclasses import asdict
+from typing import Annotated, Any
 
-from fastapi import APIRouter, Path, Query, Request, Response
-from fastapi.responses import JSONResponse
+from fastapi import APIRouter, Path, Query
 from pydantic import Field
 
 from hmi.api.access import SignedIn, Watcher
 from hmi.api.body import Body, Id, Line, Ref
-from hmi.api.errors import ApiError, answer
-from hmi.commands.map_book import MapBlocked, MapBook, MapShrinks
-from hmi.commands.map_exchange import MapExchange, Waiting
-from hmi.domain.map_log import ChangedMeanwhile, FeatureChange, MapFeatures, next_redo, next_undo
-from hmi.map_files.errors import BadMapFile
-from hmi.map_files.exported import MapFile
-from hmi.map_files.imported import MapItem
-from hmi.mapping.errors import BadFeature, OperationRefused
-from hmi.mapping.feature import MapFeature
-from hmi.mapping.measures import area_m2
-from hmi.security.session_info import SessionInfo
-from hmi.store.maps import MapDraft, MapLocked, MapOutdated, MapVersion
+from hmi.api.map_answers import collection, draft_json, step_json, tried, utc, version_json
+from hmi.api.map_exchange import MOST_CHANGES, add_file_routes
+from hmi.commands.map_book import MapBook
+from hmi.commands.map_exchange import MapExchange
+from hmi.commands.map_review import MapReview
+from hmi.domain.ids import ID_PATTERN
+from hmi.domain.map_log import FeatureChange
+from hmi.mapping.history import Entry
+from hmi.mapping.walk import WalkPoint
 
-LOG_SHOWN = 50
-MOST_CHANGES = 5000
-FileName = Annotated[str, Query(min_length=1, max_length=200)]
-ImportId = Annotated[str, Path(max_length=32)]
-Format = Annotated[Literal["geojson", "kml", "kmz", "shapefile", "isoxml", "gpx", "fiware"], Query()]
+MOST_POINTS = 100_000  # a walk at 10 Hz is that long after almost three hours
 VersionNumber = Annotated[int, Path(ge=1, le=1_000_000)]
+FeatureId = Annotated[str, Path(pattern=ID_PATTERN)]
+RobotId = Annotated[str | None, Query(max_length=64, description="whose width parcels are checked for")]
 
 
 class OpenBody(Body):
@@ -64,12 +57,29 @@ class OperationBody(Body):
     args: Annotated[dict[str, Any], Field(default_factory=dict)]
 
 
-class TakeBody(Body):
-    """Which items of an import to take, and as what."""
+class TrialBody(Body):
+    """An operation to look at before it is done."""
 
-    id: Ref
-    items: Annotated[list[int], Field(min_length=1, max_length=MOST_CHANGES)]
-    kinds: Annotated[dict[str, Annotated[str, Field(max_length=24)]], Field(default_factory=dict)]
+    op: Annotated[str, Field(max_length=40)]
+    features: Annotated[list[Id], Field(min_length=1, max_length=MOST_CHANGES)]
+    args: Annotated[dict[str, Any], Field(default_factory=dict)]
+
+
+class PointBody(Body):
+    """One position of a receiver."""
+
+    lon: Annotated[float, Field(ge=-180, le=180)]
+    lat: Annotated[float, Field(ge=-90, le=90)]
+    accuracy_m: Annotated[float, Field(gt=0, le=100_000, description="one standard deviation")]
+    at_s: Annotated[float, Field(description="seconds from any start")]
+
+
+class WalkBody(Body):
+    """Positions walked around a field or along a line."""
+
+    points: Annotated[list[PointBody], Field(min_length=1, max_length=MOST_POINTS)]
+    is_closed: bool = True
+    tolerance_m: Annotated[float, Field(gt=0, le=50)] = 0.1
 
 
 class PublishBody(Body):
@@ -79,13 +89,14 @@ class PublishBody(Body):
     is_shrinking_ok: bool = False
 
 
-def map_routes(book: MapBook, exchange: MapExchange) -> APIRouter:
+def map_routes(book: MapBook, review: MapReview, exchange: MapExchange) -> APIRouter:
     """Return the routes of the map."""
     router = APIRouter(tags=["map"])
     _add_reading(router, book)
     _add_editing(router, book)
     _add_versions(router, book)
-    _add_files(router, exchange)
+    _add_review(router, review)
+    add_file_routes(router, exchange)
     return router
 
 
@@ -98,8 +109,8 @@ def _add_reading(router: APIRouter, book: MapBook) -> None:
         return {**version_json(version), "features": collection(features), "draft": shown}
 
     @router.get("/map/draft/checks", summary="What is wrong with the draft, or with the published map")
-    async def checks(session: Watcher) -> dict[str, Any]:
-        found = await book.findings(session)
+    async def checks(session: Watcher, robot: RobotId = None) -> dict[str, Any]:
+        found = await book.findings(session, robot)
         levels = [one.level for one in found]
         return {"findings": [one.as_json() for one in found], "blocks": levels.count(2), "looks": levels.count(3)}
 
@@ -113,36 +124,36 @@ def _add_reading(router: APIRouter, book: MapBook) -> None:
 def _add_editing(router: APIRouter, book: MapBook) -> None:
     @router.post("/map/draft", summary="Begin a draft or go on with it")
     async def begin(body: OpenBody, session: SignedIn) -> Any:
-        return await _tried(lambda: book.open(session, is_taking=body.take), lambda d: draft_json(d, session))
+        return await tried(lambda: book.open(session, is_taking=body.take), lambda d: draft_json(d, session))
 
     @router.post("/map/draft/transactions", summary="Change the draft")
     async def change(body: TransactionBody, session: SignedIn) -> Any:
         changes = [FeatureChange(one.id, one.before, one.after) for one in body.changes]
-        return await _tried(lambda: book.change(session, body.id, body.label, changes), lambda r: _step(r, session))
+        return await tried(lambda: book.change(session, body.id, body.label, changes), lambda r: step_json(r, session))
 
     @router.post("/map/draft/operations", summary="Change the draft by an operation")
     async def operate(body: OperationBody, session: SignedIn) -> Any:
         work = book.operate(session, body.id, body.op, body.features, body.args)
-        return await _tried(lambda: work, lambda r: _step(r, session))
+        return await tried(lambda: work, lambda r: step_json(r, session))
 
     @router.post("/map/draft/undo", summary="Take the newest change back")
     async def undo(session: SignedIn) -> Any:
-        return await _tried(lambda: book.undo(session), lambda r: _step(r, session))
+        return await tried(lambda: book.undo(session), lambda r: step_json(r, session))
 
     @router.post("/map/draft/redo", summary="Make again what was taken back")
     async def redo(session: SignedIn) -> Any:
-        return await _tried(lambda: book.redo(session), lambda r: _step(r, session))
+        return await tried(lambda: book.redo(session), lambda r: step_json(r, session))
 
     @router.delete("/map/draft", status_code=204, summary="Throw the draft away")
     async def discard(session: SignedIn) -> None:
-        await _tried(lambda: book.discard(session), lambda _: None)
+        await tried(lambda: book.discard(session), lambda _: None)
 
 
 def _add_versions(router: APIRouter, book: MapBook) -> None:
     @router.post("/map/draft/publish", summary="Make the draft what everybody sees")
     async def publish(body: PublishBody, session: SignedIn) -> Any:
         work = book.publish(session, " ".join(body.note.split()), is_shrinking_ok=body.is_shrinking_ok)
-        return await _tried(lambda: work, version_json)
+        return await tried(lambda: work, version_json)
 
     @router.get("/map/versions", summary="All versions, newest first")
     async def versions(session: Watcher) -> dict[str, Any]:
@@ -150,134 +161,36 @@ def _add_versions(router: APIRouter, book: MapBook) -> None:
 
     @router.post("/map/versions/{number}/restore", summary="Make the draft equal to a version")
     async def restore(number: VersionNumber, session: SignedIn) -> Any:
-        return await _tried(lambda: book.restore(session, number), lambda d: draft_json(d, session))
+        return await tried(lambda: book.restore(session, number), lambda d: draft_json(d, session))
 
 
-def _add_files(router: APIRouter, exchange: MapExchange) -> None:
-    @router.post("/map/imports", status_code=201, summary="Read a map file; the body is the file")
-    async def read(request: Request, name: FileName, session: SignedIn) -> Any:
-        data = await request.body()
-        return await _tried(lambda: exchange.read(session, data, name), import_json)
+def _add_review(router: APIRouter, review: MapReview) -> None:
+    @router.post("/map/draft/preview", summary="What an operation would do; nothing is changed")
+    async def preview(body: TrialBody, session: SignedIn) -> Any:
+        work = review.trial(session, body.op, body.features, body.args)
+        return await tried(lambda: work, lambda found: found.as_json())
 
-    @router.post("/map/imports/{import_id}/take", summary="Take items of a read file into the draft")
-    async def take(import_id: ImportId, body: TakeBody, session: SignedIn) -> Any:
-        work = exchange.take(session, import_id, body.id, body.items, body.kinds)
-        return await _tried(lambda: work, lambda r: _step(r, session))
+    @router.post("/map/walks", summary="The outline of positions walked; nothing is changed")
+    async def walk(body: WalkBody, session: SignedIn) -> Any:
+        points = [WalkPoint(one.lon, one.lat, one.accuracy_m, one.at_s) for one in body.points]
+        work = review.outline(session, points, is_closed=body.is_closed, tolerance_m=body.tolerance_m)
+        return await tried(lambda: work, asdict)
 
-    @router.get("/map/export", summary="The map as a file", response_class=Response)
-    async def export(format: Format, session: Watcher, of: Literal["published", "draft"] = "published") -> Any:
-        return await _tried(lambda: exchange.export(session, format, is_draft=of == "draft"), _download)
+    @router.get("/map/features/{feature_id}/history", summary="What changed about a feature, version by version")
+    async def history(feature_id: FeatureId, session: Watcher) -> dict[str, Any]:
+        found = await review.history(session, feature_id)
+        return {"id": feature_id, "entries": [_entry(one) for one in found]}
 
 
-def import_json(waiting: Waiting) -> dict[str, Any]:
-    """Return a read file with everything a person needs to choose."""
-    content = waiting.content
+def _entry(one: Entry) -> dict[str, Any]:
     return {
-        "id": waiting.id,
-        "name": waiting.name,
-        "format": content.format,
-        "crs": content.crs,
-        "items": [_item(one) for one in content.items],
-        "skipped": [{"which": one.which, "why": one.why, "mend": one.mend} for one in content.skipped],
+        "key": one.key,
+        "label": one.label,
+        "before": one.before,
+        "after": one.after,
+        "version": one.version,
+        "published_utc": utc(one.at),
+        "by": one.by,
+        "note": one.note,
+        "valid_from": one.valid_from,
     }
-
-
-def _item(item: MapItem) -> dict[str, Any]:
-    return {
-        "n": item.n,
-        "name": item.name,
-        "kind": item.kind,
-        "kinds": list(item.kinds),
-        "vertices": item.vertices,
-        "area_m2": area_m2(MapFeature("item", item.kind, item.name, item.geometry, {})),
-        "geometry": item.geometry,
-        "properties": item.properties,
-        "problems": list(item.problems),
-    }
-
-
-def _download(file: MapFile) -> Response:
-    disposition = f'attachment; filename="{file.file_name}"'
-    return Response(file.data, media_type=file.media_type, headers={"Content-Disposition": disposition})
-
-
-def collection(features: MapFeatures) -> dict[str, Any]:
-    """Return features as a GeoJSON FeatureCollection."""
-    return {"type": "FeatureCollection", "features": list(features.values())}
-
-
-def version_json(version: MapVersion) -> dict[str, Any]:
-    """Return a version without its features."""
-    return {
-        "version": version.number,
-        "published_utc": _utc(version.published_at),
-        "by": version.by,
-        "note": version.note,
-        "size": version.size,
-    }
-
-
-def state_json(draft: MapDraft, session: SessionInfo) -> dict[str, Any]:
-    """Return everything about a draft but its features."""
-    undo, redo = next_undo(draft.log), next_redo(draft.log)
-    return {
-        "base_version": draft.base_version,
-        "saved_utc": _utc(draft.saved_at),
-        "editor": {"user": draft.editor_id, "name": draft.editor_name},
-        "until_utc": _utc(draft.locked_until),
-        "is_mine": draft.editor_id == session.user_id,
-        "undo": undo.label if undo else None,
-        "redo": redo.label if redo else None,
-        "log": [
-            {"id": one.ref, "label": one.label, "by": one.by, "utc": _utc(one.at), "is_undone": one.is_undone}
-            for one in reversed(draft.log[-LOG_SHOWN:])
-        ],
-    }
-
-
-def draft_json(draft: MapDraft, session: SessionInfo) -> dict[str, Any]:
-    """Return a draft with its features."""
-    return {**state_json(draft, session), "features": collection(draft.features)}
-
-
-def changes_json(changes: Sequence[FeatureChange]) -> list[dict[str, Any]]:
-    """Return changes as the editor takes them."""
-    return [{"id": one.id, "before": one.before, "after": one.after} for one in changes]
-
-
-def _step(result: tuple[MapDraft, Sequence[FeatureChange]], session: SessionInfo) -> dict[str, Any]:
-    draft, changes = result
-    return {"draft": state_json(draft, session), "changes": changes_json(changes)}
-
-
-async def _tried(work: Callable[[], Any], shown: Callable[[Any], Any]) -> Any:
-    """Await the book; its refusals become errors of the request."""
-    try:
-        return shown(await work())
-    except MapLocked as error:
-        text = f"{error.by} edits this map until {error.until:%H:%M} UTC. Ask, or wait."
-        return _with(423, "locked", text, by=error.by, until_utc=_utc(error.until))
-    except ChangedMeanwhile as error:
-        text = "The draft is not what was shown here any more. It is loaded again; make the change once more."
-        return _with(409, "changed", text, ids=list(error.ids))
-    except MapOutdated as error:
-        text = f"Version {error.number} was published meanwhile. Discard this draft or restore from it."
-        return _with(409, "outdated", text, version=error.number)
-    except MapBlocked as error:
-        count = len(error.findings)
-        text = f"Fix {count} blocking check{'s' if count > 1 else ''} first: {error.findings[0].text}"
-        return _with(409, "blocked", text, findings=[one.as_json() for one in error.findings])
-    except MapShrinks as error:
-        raise ApiError(409, "shrinks", f"{error.text} Publish anyway?") from error
-    except (BadFeature, OperationRefused, BadMapFile) as error:
-        raise ApiError(422, error.code, error.text) from error
-
-
-def _with(status: int, code: str, text: str, **more: Any) -> JSONResponse:
-    """Return an error in the one shape, with what a program needs to go on."""
-    plain = answer(status, code, text)
-    return JSONResponse({"code": code, "text": text, "field": None, **more}, plain.status_code)
-
-
-def _utc(at: datetime | None) -> str | None:
-    return None if at is None else at.isoformat(timespec="milliseconds")

@@ -12,12 +12,15 @@ from typing import Annotated, Any
 import msgspec
 from fastapi import APIRouter, Path, Request, Response
 from pydantic import Field
+from starlette.responses import StreamingResponse
 
 from hmi.api.access import SignedIn, Watcher
 from hmi.api.body import Body, Id, Name
+from hmi.api.candidates import candidate_stream
 from hmi.api.errors import ApiError, not_found
 from hmi.api.orders import RobotId
-from hmi.commands.mission_book import MissionBook, PlanOrder
+from hmi.api.plan_body import PlanBody, order_of
+from hmi.commands.mission_book import MissionBook
 from hmi.commands.ports import FleetReader
 from hmi.domain.mission_document import Document, mission_sha256
 from hmi.domain.mission_plan import MissionError, MissionRefused, PlanRefused
@@ -27,27 +30,16 @@ from hmi.store.missions import Mission, MissionLogEntry
 
 GEOJSON = "application/geo+json"
 KEPT = 16  # encoded geometries: a map asks again at each reload, a plan of half a metre takes 50 ms to make
+AREA_KINDS = ("treatment", "slow")  # ground that may get a dose of its own
 MissionId = Annotated[str, Path(max_length=64)]
 
 
-class PlanBody(Body):
-    """What to plan; what is left out is chosen."""
+class ChangeBody(Body):
+    """What can be changed of a mission; what is left out stays."""
 
-    field_id: Id
-    robot_id: Id
-    width_m: Annotated[float, Field(description="distance of the rows")]
-    name: Annotated[str, Field(max_length=80)] = ""
-    row_bearing_deg: Annotated[float | None, Field(ge=-360, le=360, description="clockwise from north")] = None
-    headland_passes: Annotated[int | None, Field(ge=0, le=50)] = None
-    home_id: Id | None = None
-    returns_home: bool = True
-    is_supervised: bool = True
-
-
-class NameBody(Body):
-    """A new name."""
-
-    name: Name
+    name: Name | None = None
+    is_supervised: bool | None = None
+    robot_id: Id | None = None
 
 
 class CopyBody(Body):
@@ -110,28 +102,44 @@ def _add_reading(router: APIRouter, book: MissionBook, encoded: _Encoded) -> Non
 def _add_planning(router: APIRouter, book: MissionBook) -> None:
     @router.post("/missions/plan", status_code=201, summary="Plan a field and store the mission")
     async def plan(body: PlanBody, session: SignedIn) -> dict[str, Any]:
-        with_errors = _translated(lambda: book.plan(session, _order(body)))
+        with_errors = translated(lambda: book.plan(session, order_of(body)))
         return row(await with_errors)
 
     @router.post("/missions/preview", summary="Plan a field without storing: numbers and geometry")
     async def preview(body: PlanBody, session: SignedIn) -> dict[str, Any]:
-        planned = await _translated(lambda: book.preview(session, _order(body)))
+        planned = await translated(lambda: book.preview(session, order_of(body)))
         shape = await asyncio.to_thread(mission_geojson, planned.document)
         return {"statistics": planned.statistics, "name": planned.document["name"], "geometry": shape}
+
+    @router.post("/missions/candidates", summary="Plan a field in every pattern without storing: one line of JSON each")
+    async def candidates(body: PlanBody, session: SignedIn) -> StreamingResponse:
+        return candidate_stream(await translated(lambda: book.candidates(session, order_of(body))))
 
 
 def _add_changing(router: APIRouter, book: MissionBook) -> None:
     @router.post("/missions/{mission_id}/copy", status_code=201, summary="Copy a mission; the copy has not run")
     async def copy(mission_id: MissionId, body: CopyBody, session: SignedIn) -> dict[str, Any]:
-        return row(await _translated(lambda: book.copy(session, mission_id, " ".join(body.name.split()))))
+        return row(await translated(lambda: book.copy(session, mission_id, " ".join(body.name.split()))))
 
-    @router.patch("/missions/{mission_id}", summary="Rename a mission no robot holds")
-    async def rename(mission_id: MissionId, body: NameBody, session: SignedIn) -> dict[str, Any]:
-        return row(await _translated(lambda: book.rename(session, mission_id, body.name)))
+    @router.patch("/missions/{mission_id}", summary="Rename a mission no robot holds, or change who drives it and how")
+    async def change(mission_id: MissionId, body: ChangeBody, session: SignedIn) -> dict[str, Any]:
+        if body.name is None and body.is_supervised is None and body.robot_id is None:
+            raise ApiError(422, "invalid", "Say what to change: name, is_supervised or robot_id.", "name")
+        changed: Mission | None = None
+        if body.is_supervised is not None or body.robot_id is not None:
+            attended, robot_id = body.is_supervised, body.robot_id
+            changed = await translated(
+                lambda: book.change(session, mission_id, is_supervised=attended, robot_id=robot_id)
+            )
+        name = body.name
+        if name is not None:
+            changed = await translated(lambda: book.rename(session, mission_id, name))
+        assert changed is not None
+        return row(changed)
 
     @router.delete("/missions/{mission_id}", status_code=204, summary="Delete a mission that never ran")
     async def delete(mission_id: MissionId, session: SignedIn) -> None:
-        await _translated(lambda: book.delete(session, mission_id))
+        await translated(lambda: book.delete(session, mission_id))
 
 
 def _add_maps(router: APIRouter, book: MissionBook, fleet: FleetReader, encoded: _Encoded) -> None:
@@ -146,7 +154,12 @@ def _add_maps(router: APIRouter, book: MissionBook, fleet: FleetReader, encoded:
     async def fields(session: Watcher) -> dict[str, Any]:
         found = await book.features(session, ("parcel",))
         homes = await book.features(session, ("home",))
-        return {"fields": [_field(one) for one in found], "homes": [_field(one) for one in homes]}
+        areas = await book.features(session, AREA_KINDS)
+        return {
+            "fields": [_field(one) for one in found],
+            "homes": [_field(one) for one in homes],
+            "areas": [{**_field(one), "kind": one.kind} for one in areas if "Polygon" in one.geometry["type"]],
+        }
 
     @router.get("/robots/{robot_id}/mission.geojson", summary="What the robot drives", response_class=Response)
     async def on_robot(robot_id: RobotId, request: Request, session: Watcher) -> Response:
@@ -162,11 +175,13 @@ def _add_maps(router: APIRouter, book: MissionBook, fleet: FleetReader, encoded:
             return Response(status_code=304)
         document = {**await book.document(session, mission.id), "robot": robot_id}
         if mission_sha256(document) != order.sha256:
+            document = await book.document_read_back(session, mission.id, order.sha256) or document
+        if mission_sha256(document) != order.sha256:
             raise not_found(f"{robot.name} has another version of {mission.name} than is stored here.")
         return _geojson(await encoded.of(order.sha256, document), order.sha256)
 
 
-async def _translated(work: Callable[[], Any]) -> Any:
+async def translated(work: Callable[[], Any]) -> Any:
     """Await the book's answer; its refusals become errors of the request."""
     try:
         return await work()
@@ -199,6 +214,9 @@ def row(mission: Mission) -> dict[str, Any]:
         "status": mission.status.value,
         "is_supervised": mission.is_supervised,
         "revision": mission.revision,
+        "map_version": mission.map_version,
+        "progress": mission.progress,
+        "is_pending": bool(mission.pending_sha256),
         "sha256": mission.sha256,
         "statistics": mission.statistics,
         "row_bearing_deg": bearing,
@@ -215,11 +233,6 @@ def _entry(entry: MissionLogEntry) -> dict[str, Any]:
 
 def _field(feature: Feature) -> dict[str, Any]:
     return {"id": feature.id, "name": feature.title, "properties": feature.properties, "geometry": feature.geometry}
-
-
-def _order(body: PlanBody) -> PlanOrder:
-    given = body.model_dump()
-    return PlanOrder(**{**given, "name": " ".join(body.name.split())})
 
 
 def _encode(document: Document, sha256: str) -> bytes:

@@ -28,6 +28,7 @@ class CommandBody(Body):
     action: Literal["start", "resume", "pause", "abort", "return_home", "drive_open", "drive_close"]
     tick: Tick
     mission_id: Id | None = None
+    checklist_id: Annotated[str | None, Field(max_length=64, description="record of the pre-start checklist")] = None
 
 
 class LeaseBody(Body):
@@ -66,7 +67,8 @@ def order_routes(desk: CommandDesk) -> APIRouter:
 
     @router.post("/commands", summary="Command a robot")
     async def command(robot_id: RobotId, body: CommandBody, session: SignedIn) -> dict[str, Any]:
-        request = CommandRequest(robot_id, Action(body.action), body.command_id, body.tick, body.mission_id)
+        action, tick = Action(body.action), body.tick
+        request = CommandRequest(robot_id, action, body.command_id, tick, body.mission_id, body.checklist_id)
         result = await desk.commands.submit(session, request)
         return {"command_id": body.command_id, **_outcome(result)}
 
@@ -75,7 +77,7 @@ def order_routes(desk: CommandDesk) -> APIRouter:
         result = desk.leases.operate(
             session, robot_id, LeaseOp(body.op), tick_id=body.tick, reason=body.reason, to_session=body.session
         )
-        _raise_if_forbidden(result.code, result.text)
+        raise_if_forbidden(result.code, result.text)
         return {
             "granted": result.is_granted,
             "code": result.code,
@@ -97,7 +99,7 @@ def order_routes(desk: CommandDesk) -> APIRouter:
     @router.post("/mission", summary="Send a stored mission; moves nothing")
     async def mission(robot_id: RobotId, body: MissionBody, session: SignedIn) -> dict[str, Any]:
         sent = await desk.missions.send(session, robot_id, body.mission_id)
-        _raise_if_forbidden(sent.code, sent.text)
+        raise_if_forbidden(sent.code, sent.text)
         return {"outcome": sent.outcome.value, "code": sent.code, "text": sent.text, "sha256": sent.sha256}
 
     return router
@@ -105,11 +107,12 @@ def order_routes(desk: CommandDesk) -> APIRouter:
 
 def _outcome(result: CommandResult) -> dict[str, Any]:
     if result.ms is None:  # a robot's own words come with a time, and are never an error of the request
-        _raise_if_forbidden(result.code, result.text)
+        raise_if_forbidden(result.code, result.text)
     return {"outcome": result.outcome.value, "code": result.code, "text": result.text, "ms": result.ms}
 
 
-def _raise_if_forbidden(code: str, text: str) -> None:
+def raise_if_forbidden(code: str, text: str) -> None:
+    """Raise what is an error of the request: missing rights, unknown robots."""
     status = REFUSAL_STATUS.get(code)
     if status is not None:
         raise ApiError(status, code, text)

@@ -22,6 +22,7 @@ from hmi.domain.robot import Family, Robot
 from hmi.domain.role import Permission, may
 from hmi.presenters import fleet as fleet_rows
 from hmi.presenters.operate import Context, MissionTitle, present
+from hmi.presenters.start_checks import MissionFacts
 from hmi.security.session_info import SessionInfo
 from hmi.store.audit_chain import AuditEntry
 from hmi.store.database import Database
@@ -83,6 +84,7 @@ class RobotRoutes:
     Args:
         on_registry: called on the loop after each change, e.g. to bring the fleet store up to date.
         title_of: mission id to its name and field.
+        facts_of: mission id to what the start checks need.
     """
 
     fleet: FleetView
@@ -93,6 +95,7 @@ class RobotRoutes:
     clock: Clock
     on_registry: Callable[[], None]
     title_of: Callable[[str], MissionTitle | None] = lambda _mission_id: None
+    facts_of: Callable[[str], MissionFacts | None] = lambda _mission_id: None
 
 
 def robot_routes(parts: RobotRoutes) -> APIRouter:
@@ -133,7 +136,7 @@ def robot_routes(parts: RobotRoutes) -> APIRouter:
         lease = parts.leases.of(robot_id)
         return {
             "now_ms": _now_ms(parts),
-            **present(robot, Context(*contact, parts.title_of)),
+            **present(robot, Context(*contact, parts.title_of, parts.facts_of)),
             "lease": {"owner": owner_of(lease), "asked": asked_of(lease)},
             "registry": _registered(entry, session) if entry is not None else None,
         }

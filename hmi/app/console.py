@@ -8,10 +8,12 @@ from typing import Any
 
 from hmi.api.health import KeeperReport
 from hmi.api.metrics import ConsoleMetrics
+from hmi.app.base_maps import BaseMapDesk
 from hmi.app.chores import Chores
 from hmi.app.edge import Edge
 from hmi.app.maps import MapDesk
 from hmi.app.missions import MissionDesk
+from hmi.app.queue import QueueDesk
 from hmi.app.records import Records
 from hmi.app.stops import StopDesk
 from hmi.app.witness import FleetWitness
@@ -37,8 +39,9 @@ class Console:
         self.settings, self.clock, self.records, self.edge = settings, clock, records, edge
         self.authorize = Authorizer(records.robots.of_any_farm)
         self.missions = MissionDesk(settings, clock, records, edge.fleet, self.authorize, self._lane_event)
-        self.maps = MapDesk(settings, records, clock, self.authorize, self._lane_event)
-        self.hub = LiveHub(edge.fleet, edge.ticks, clock, self.missions.title_of)
+        self.maps = MapDesk(settings, clock, records, edge.fleet, self.authorize, self._lane_event)
+        self.base_maps = BaseMapDesk(settings, records, clock, self.authorize, self._lane_event)
+        self.hub = LiveHub(edge.fleet, edge.ticks, clock, self.missions.title_of, self.missions.facts.of)
         self.keeper = KeeperReport(settings.data)
         self.metrics = ConsoleMetrics()
         self.desk = CommandDesk(
@@ -53,10 +56,30 @@ class Console:
                 on_event=self._lane_event,
                 epoch=epoch,
                 next_epoch=self._next_epoch,
+                start_rules=self.missions.start_rules,
                 is_signed_in=lambda session_id: records.sessions.get(session_id) is not None,
             )
         )
-        self.stops = StopDesk(edge.sender, clock, records.robots, records.audit, self.desk.leases)
+        self.queue = QueueDesk(
+            settings,
+            clock,
+            records,
+            edge.fleet,
+            edge.ticks,
+            self.desk,
+            self.missions.book,
+            self.authorize,
+            self._lane_event,
+        )
+        self.stops = StopDesk(
+            edge.sender,
+            clock,
+            records.robots,
+            records.audit,
+            self.desk.leases,
+            on_stop=self.queue.stopped,
+            on_stop_all=self.queue.freeze.stop_all,
+        )
         self.chores = Chores(records, self.hub, self.keeper, clock)
         see = [records.recorder.see, self.missions.tracking.see]
         self._witness = FleetWitness(edge.fleet, clock, self.stops.service.on_return, see)
@@ -77,6 +100,8 @@ class Console:
         epoch = await asyncio.to_thread(records.counters.next_epoch, "lease")
         console = cls(settings, clock, records, edge, epoch)
         await console.missions.prepare()
+        await console.base_maps.prepare()
+        await console.queue.prepare()
         return console
 
     async def start(self) -> None:
@@ -89,6 +114,7 @@ class Console:
         self.desk.start()
         self.stops.start()
         self.missions.start()
+        self.queue.start()
         self.chores.start()
 
     async def stop(self) -> None:
@@ -96,8 +122,10 @@ class Console:
         await self.chores.stop()
         for undo in self._undo:
             undo()
+        await self.queue.stop()
         await self.missions.stop()
         await self.maps.stop()
+        await self.base_maps.stop()
         await self.stops.stop()
         await self.desk.close()
         await self.hub.stop()
@@ -130,6 +158,7 @@ class Console:
         hear.on_safety += [self._safety, self.stops.service.on_safety]
         hear.on_event += [self.records.recorder.see_event, self._robot_event]
         self.desk.ledger.when_settled(self.metrics.observe)
+        self.desk.ledger.when_settled(self.missions.acts.settled)
         self._undo = [
             self.records.sessions.on_ended(self._session_ended),
             self._witness.start(),
@@ -140,7 +169,10 @@ class Console:
 
     def _safety(self, robot_id: str, safety: SafetyState) -> None:
         robot = self.edge.fleet.robot(robot_id)
-        if robot is not None and safety.latched:
+        if robot is None:
+            return
+        self.queue.see(robot)
+        if safety.latched:
             self.desk.leases.observe(robot)
 
     def _robot_event(self, event: RobotEvent) -> None:
@@ -153,6 +185,8 @@ class Console:
 
     def _lane_event(self, event: dict[str, Any]) -> None:
         self.hub.event(event)
+        if event.get("kind") == "map" and event.get("what") == "published":
+            self.missions.facts.map_published()
         if event.get("kind") == "lease":
             self.show_lease(str(event["robot"]))
 

@@ -6,11 +6,22 @@ import asyncio
 
 from fastapi import APIRouter
 
+from hmi.api.mission_rest import rest_routes
 from hmi.api.missions import mission_routes
+from hmi.api.templates import template_routes
+from hmi.app.mission_facts import MissionFactsBook
 from hmi.app.records import Records
 from hmi.clock import Clock
+from hmi.commands.checklist_desk import ChecklistDesk
+from hmi.commands.desk import CommandDesk
+from hmi.commands.map_watch import MapWatch
+from hmi.commands.mission_acts import MissionActs
 from hmi.commands.mission_book import MissionBook, MissionParts
+from hmi.commands.mission_rest import MissionRests
 from hmi.commands.ports import LaneEvent
+from hmi.commands.rest_sources import RestParts
+from hmi.commands.start_rules import MissionStartRules
+from hmi.commands.template_book import TemplateBook
 from hmi.demo.seed import DemoSeed, SeedParts
 from hmi.domain.mission import MissionChange
 from hmi.planning.worker import PlanningProcess
@@ -50,18 +61,61 @@ class MissionDesk:
                 audit=records.audit,
                 authorize=authorize,
                 clock=clock,
+                maps=records.maps,
             )
         )
-        self.tracking = MissionTracking(records.missions, records.database, settings.farm_id, self._moved)
+        self.tracking = MissionTracking(
+            records.missions, records.database, settings.farm_id, self._moved, self.book.revisions
+        )
+        self.acts = MissionActs(records.missions, records.database, fleet, clock, self.tracking.acted, self._moved)
+        self.facts = MissionFactsBook(
+            records.missions, records.features, MapWatch(records.maps, records.database), records.database
+        )
+        self.checklists = ChecklistDesk(
+            records.checklists,
+            records.missions,
+            records.database,
+            fleet,
+            records.audit,
+            authorize,
+            clock,
+            is_required=settings.checklist_required,
+            valid_hours=settings.checklist_hours,
+        )
+        self.start_rules = MissionStartRules(records.missions, records.checklists, lambda: self.checklists.is_required)
+        self._authorize = authorize
+        self.templates = TemplateBook(records.templates, records.database, records.audit, authorize)
 
     def title_of(self, mission_id: str) -> MissionTitle | None:
         """Return what people call a mission and its field; from memory."""
         found = self.book.title(mission_id)
         return None if found is None else MissionTitle(*found)
 
-    def routes(self) -> APIRouter:
-        """Return the REST routes of missions and map."""
-        return mission_routes(self.book, self._fleet)
+    def routes(self, desk: CommandDesk) -> list[APIRouter]:
+        """Return the REST routes of missions and map, and of going on with a mission."""
+        records = self._records
+        rests = MissionRests(
+            RestParts(
+                missions=records.missions,
+                revisions=self.book.revisions,
+                features=records.features,
+                maps=records.maps,
+                database=records.database,
+                fleet=self._fleet,
+                planner=self._planner,
+                gate=desk.gate,
+                leases=desk.leases,
+                sender=desk.missions,
+                commands=desk.commands,
+                authorize=self._authorize,
+                clock=self._clock,
+            )
+        )
+        return [
+            mission_routes(self.book, self._fleet),
+            rest_routes(rests, self.checklists),
+            template_routes(self.templates),
+        ]
 
     async def prepare(self) -> None:
         """Read missions into memory; in the demo, fill an empty installation first."""
@@ -80,6 +134,8 @@ class MissionDesk:
         if self._seed is not None:
             await self._seed.close()
         await self.tracking.close()
+        await self.acts.close()
+        await self.facts.close()
         await asyncio.to_thread(self._planner.close)
 
     async def _seed_demo(self) -> None:

@@ -12,6 +12,8 @@ from hmi.security.sessions import Sessions
 from hmi.security.sign_in import SignIn
 from hmi.security.stop_tokens import StopTokens
 from hmi.store.audit import Audit
+from hmi.store.base_maps import BaseMapRecords
+from hmi.store.checklists import Checklists
 from hmi.store.counters import Counters
 from hmi.store.database import Database
 from hmi.store.devices import Devices
@@ -23,6 +25,7 @@ from hmi.store.missions import Missions
 from hmi.store.recorder import Recorder
 from hmi.store.robots import Robots
 from hmi.store.stop_list import StopList
+from hmi.store.templates import Templates
 from hmi.store.thinning import Thinning
 from hmi.store.users import Users
 
@@ -53,7 +56,10 @@ class Records:
         self.counters = Counters(self.database, farm)
         self.features = Features(self.database, clock)
         self.maps = Maps(self.database, clock)
+        self.base_maps = BaseMapRecords(self.database)
         self.missions = Missions(self.database, clock)
+        self.checklists = Checklists(self.database, clock)
+        self.templates = Templates(self.database, clock)
         self.thinning = Thinning(self.database)
         self.passwords = Passwords(settings.secret)
         self.tokens = StopTokens(settings.secret, self.devices.is_revoked)
@@ -84,6 +90,7 @@ class Records:
         self.farms.ensure(self._settings.farm_id, self._settings.farm_name)
         self.robots.load()
         self.devices.load()
+        self.checklists.load()
         self.stop_list.export()
 
     def start(self) -> None:

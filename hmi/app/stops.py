@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Mapping, Sequence
+import logging
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal
 
 from hmi.clock import Clock
@@ -17,16 +18,31 @@ from hmi.domain.stop_token import StopToken
 from hmi.store.audit_chain import AuditEntry
 from hmi.store.robots import Robots
 
+log = logging.getLogger(__name__)
+
 
 class StopDesk:
-    """Presses of people as REST takes them; each is audited after it was sent, and ends the robot's lease."""
+    """Presses of people as REST takes them; each is audited after it was sent, and ends the robot's lease.
+
+    Args:
+        on_stop: told robot and person of each new press, after it was sent.
+        on_stop_all: told press and person of each STOP ALL, after it was sent.
+    """
 
     def __init__(
-        self, sender: OrderSender, clock: Clock, robots: Robots, audit: AuditSink, leases: LeaseService
+        self,
+        sender: OrderSender,
+        clock: Clock,
+        robots: Robots,
+        audit: AuditSink,
+        leases: LeaseService,
+        *,
+        on_stop: Callable[[str, str], None] = lambda _robot_id, _by: None,
+        on_stop_all: Callable[[str, str], None] = lambda _stop_id, _by: None,
     ) -> None:
-        self._audit = audit
-        self._robots = robots
-        self.service = StopService(sender, clock, self, on_press=leases.stopped)
+        self._audit, self._robots, self._leases = audit, robots, leases
+        self._on_stop, self._on_stop_all = on_stop, on_stop_all
+        self.service = StopService(sender, clock, self, on_press=self._pressed)
         self._task: asyncio.Task[None] | None = None
 
     def stop_targets(self) -> Mapping[str, StopTarget]:
@@ -40,12 +56,25 @@ class StopDesk:
         """Send at once; then note who pressed."""
         is_new = not self.service.steps(stop_id)
         steps = self.service.press(stop_id, robots, token.who, token.device_name)
+        if robots == "all":
+            self._tell(lambda: self._on_stop_all(stop_id, token.who))
         if is_new:
             for step in steps:
                 self._audit.append(
                     AuditEntry(token.farm_id, token.who, token.device_name, "stop", "sent", str(step["robot"]), stop_id)
                 )
         return steps
+
+    def _pressed(self, robot_id: str, stop_id: str, by: str) -> None:
+        self._tell(lambda: self._on_stop(robot_id, by))
+        self._leases.stopped(robot_id, stop_id, by)
+
+    @staticmethod
+    def _tell(work: Callable[[], None]) -> None:
+        try:
+            work()
+        except Exception:  # whoever is told must never stand between a person and STOP
+            log.exception("somebody could not be told of a STOP")
 
     def steps(self, stop_id: str | None = None) -> list[dict[str, Any]]:
         """Return the steps of one press."""

@@ -29,7 +29,7 @@ from hmi.security.origins import Origins
 from hmi.security.request_guard import RequestGuard
 from hmi.security.response_headers import ResponseHeaders
 from hmi.security.socket_policy import PING_INTERVAL_S, PING_TIMEOUT_S, TRANSPORTS, allowed_origin
-from hmi.settings import Settings
+from hmi.settings import Settings, origin_of
 
 STATIC_PREFIXES = ("/static/", "/_nicegui/")
 
@@ -68,7 +68,12 @@ def build_web(console: Console) -> FastAPI:
     _tighten_socket(origins)
     # The last one added is the outermost.
     web.add_middleware(CompressedAssets, prefixes=STATIC_PREFIXES)
-    web.add_middleware(ResponseHeaders, stop_url_of=lambda host: stop_url(settings, host))
+    tiles = settings.online_tiles_url
+    web.add_middleware(
+        ResponseHeaders,
+        stop_url_of=lambda host: stop_url(settings, host),
+        tiles_origin=origin_of(tiles) if tiles else None,
+    )
     web.add_middleware(CompressedPages)
     web.add_middleware(RequestGuard, origins=origins, session_of=sessions.of_headers)
     return web
@@ -114,6 +119,7 @@ def _api(console: Console) -> ApiServices:
         clock=console.clock,
         on_registry=console.sync_registry,
         title_of=console.missions.title_of,
+        facts_of=console.missions.facts.of,
     )
     return ApiServices(
         access=Access(records.sessions, records.tokens, console.authorize),
@@ -137,7 +143,12 @@ def _api(console: Console) -> ApiServices:
         desk=console.desk,
         stop=console.stops,
         diagnostics=_diagnostics(console),
-        further=[console.missions.routes(), console.maps.routes()],
+        further=[
+            *console.missions.routes(console.desk),
+            console.maps.routes(),
+            console.base_maps.routes(),
+            console.queue.routes(),
+        ],
     )
 
 

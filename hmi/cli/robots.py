@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -47,6 +48,21 @@ def add(
         )
         robots.registry.add(entry)
         typer.echo(f"{name} ({robot_id}) can be operated. Restart the console if it runs.")
+
+
+@app.command()
+def unattended(
+    robot_id: str,
+    is_on: Annotated[bool, typer.Option("--on/--off", help="May an armed queue start it without a person?")],
+) -> None:
+    """Allow a robot to be started by an armed queue without a person at the moment, or forbid it."""
+    with _opened() as robots:
+        known = robots.registry.get(robot_id)
+        if known is None:
+            raise StartError(f"There is no robot {robot_id!r}.")
+        robots.registry.change(replace(known, is_unattended_allowed=is_on))
+        words = "may run unattended" if is_on else "needs a person now"
+        typer.echo(f"{known.name} {words}. Restart the console if it runs.")
 
 
 @app.command("list")

@@ -15,7 +15,7 @@ from hmi.commands.lease_service import LeaseService
 from hmi.commands.ledger import ACK_LIMIT_S, OrderLedger
 from hmi.commands.mission_send import MissionSender
 from hmi.commands.operator_pulse import OperatorPulseRelay
-from hmi.commands.ports import AuditSink, FleetReader, LaneEvent, MissionSource, TickJudge
+from hmi.commands.ports import AuditSink, FleetReader, LaneEvent, MissionSource, StartRules, TickJudge
 from hmi.commands.reset import ResetService
 from hmi.commands.seen import SeenService
 from hmi.commands.service import CommandService
@@ -48,6 +48,7 @@ class CommandPorts:
     next_epoch: Callable[[], Awaitable[int]]
     is_signed_in: Callable[[str], bool] = lambda _session_id: True
     ack_limit_s: float = ACK_LIMIT_S
+    start_rules: StartRules | None = None
 
 
 class CommandDesk:
@@ -71,7 +72,8 @@ class CommandDesk:
         self.ledger = OrderLedger(
             ports.sender, ports.fleet, ports.clock, ports.audit, ports.on_event, ack_limit_s=ports.ack_limit_s
         )
-        self.commands = CommandService(gate, self.leases, self.ledger)
+        self.gate = gate
+        self.commands = CommandService(gate, self.leases, self.ledger, ports.start_rules)
         self.resets = ResetService(gate, self.leases, self.ledger, ports.fleet)
         self.seen = SeenService(gate, ports.audit)
         self.missions = MissionSender(gate, ports.missions, ports.sender, ports.audit, ports.on_event)

@@ -6,7 +6,7 @@ The rules are in ``hmi.domain.lease``; here are the clock, the rights, the audit
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from hmi.clock import Clock
@@ -130,6 +130,34 @@ class LeaseService:
         if answer.lease != before:
             self._settle(actor, robot, LeaseOp.REQUEST, answer, text, before=before, reason="")
         return answer.lease
+
+    def hold_for_system(self, system: SessionInfo, robot: Robot, person: SessionInfo) -> Lease:
+        """Give the robot to the console itself, because ``person`` has just armed its queue; shown to everybody.
+
+        A free robot is taken, and one that this person holds; nobody else loses control by it.
+
+        Raises:
+            OrderRefused: somebody else has control.
+        """
+        self._sweep()
+        self.observe(robot)
+        before, now_s = self.of(robot.id), self._clock.mono_s()
+        is_free = before is None or before.holder.is_system or before.holder.session_id == person.session_id
+        holder = replace(_holder(system), is_system=True)
+        take = self._book.take if is_free else self._book.acquire_free
+        answer = take(robot.id, holder, now_s)
+        text = lease_text(robot.name, answer)
+        if answer.code is not LeaseCode.GRANTED or answer.lease is None:
+            raise OrderRefused(answer.code.value, text)
+        self._settle(system, robot, LeaseOp.REQUEST, answer, text, before=before, reason=f"armed by {person.user_name}")
+        return answer.lease
+
+    def give_back(self, system: SessionInfo, robot_id: str, text: str) -> None:
+        """End what the console itself holds; nothing happens if it holds it no more."""
+        lease = self.holds(system.session_id, robot_id)
+        if lease is not None:
+            self._book.release(robot_id, system.session_id, self._clock.mono_s())
+            self._end(lease, "released", text)
 
     def prove_life(self, session_id: str, robot_id: str) -> Lease | None:
         """Renew by a proof of life from the browser; ``None`` if it does not hold the robot."""

@@ -6,7 +6,7 @@ Rights are asked at each step; what geometry needs runs in a thread, off the eve
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -34,7 +34,7 @@ NO_RIGHT_TO_TAKE = "Taking the draft from somebody needs the supervisor role."
 
 @dataclass(frozen=True, slots=True)
 class MapParts:
-    """What the book is wired to."""
+    """What the book is wired to; ``width_of`` tells the width of a robot's machine in metres, as far as it is known."""
 
     maps: Maps
     database: Database
@@ -42,6 +42,7 @@ class MapParts:
     audit: AuditSink
     clock: Clock
     on_event: LaneEvent
+    width_of: Callable[[str], float | None] = lambda _robot_id: None
 
 
 class MapBlocked(Exception):
@@ -120,7 +121,7 @@ class MapBook:
         known = next((one for one in draft.log if one.ref == ref), None)
         if known is not None:
             return draft, known.changes
-        outcome = await asyncio.to_thread(lambda: apply(op, _parsed(draft.features), ids, args))
+        outcome = await asyncio.to_thread(lambda: apply(op, parsed(draft.features), ids, args))
         changes = [FeatureChange(one.id, draft.features.get(one.id), _json(one.after)) for one in outcome.changes]
         return await self._append(session, ref, outcome.label, changes)
 
@@ -134,19 +135,24 @@ class MapBook:
         self._parts.authorize(session, Permission.EDIT_MAP)
         return await self._run(self._maps.redo, session.farm_id, session.user_id)
 
-    async def findings(self, session: SessionInfo) -> list[Finding]:
-        """Check the draft, or what is published when there is none."""
-        self._parts.authorize(session, Permission.WATCH)
+    async def findings(self, session: SessionInfo, robot_id: str | None = None) -> list[Finding]:
+        """Check the draft, or what is published when there is none.
+
+        Args:
+            robot_id: whose width parcels are checked for; without one, no parcel is too narrow.
+        """
+        self._parts.authorize(session, Permission.WATCH, robot_id)
+        width_m = None if robot_id is None else self._parts.width_of(robot_id)
         draft = await self.draft(session)
         features = draft.features if draft is not None else (await self.published(session))[1]
-        return await asyncio.to_thread(lambda: check(_parsed(features).values()))
+        return await asyncio.to_thread(lambda: check(parsed(features).values(), width_m))
 
     async def differences(self, session: SessionInfo) -> tuple[int, list[Difference]]:
         """Return what the draft changes, and against which version; raises ``NotFound``."""
         self._parts.authorize(session, Permission.WATCH)
         draft = await self._needed(session)
         base = await self._run(self._maps.features_of, session.farm_id, draft.base_version)
-        found = await asyncio.to_thread(lambda: compare(_parsed(base).values(), _parsed(draft.features).values()))
+        found = await asyncio.to_thread(lambda: compare(parsed(base).values(), parsed(draft.features).values()))
         return draft.base_version, found
 
     async def publish(self, session: SessionInfo, note: str, *, is_shrinking_ok: bool) -> MapVersion:
@@ -246,7 +252,8 @@ def _checked(change: FeatureChange) -> dict[str, Any] | None:
     return as_geojson(feature)
 
 
-def _parsed(features: Mapping[str, dict[str, Any]]) -> dict[str, MapFeature]:
+def parsed(features: Mapping[str, dict[str, Any]]) -> dict[str, MapFeature]:
+    """Return features as the map's operations take them, by id."""
     return {key: parse_feature(raw) for key, raw in features.items()}
 
 

@@ -6,7 +6,7 @@ import asyncio
 import re
 from collections import OrderedDict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from hmi.commands.map_book import MapBook
@@ -16,6 +16,7 @@ from hmi.domain.role import Permission
 from hmi.map_files.errors import BadMapFile
 from hmi.map_files.exported import MapFile
 from hmi.map_files.imported import Imported, MapItem
+from hmi.map_files.progress import Progress, Report
 from hmi.map_files.writer import write_map
 from hmi.mapping.feature import parse_feature
 from hmi.security.authorization import Authorize
@@ -30,8 +31,8 @@ _NO_ID = re.compile(r"[^a-z0-9]+")
 class Reader(Protocol):
     """Reads a map file in bounded time and memory; ``hmi.map_files.worker.MapReader`` is one."""
 
-    async def read(self, data: bytes, name: str) -> Imported:
-        """Return what the file holds; raises ``BadMapFile``."""
+    async def read(self, data: bytes, name: str, on_progress: Report | None = None) -> Imported:
+        """Return what the file holds; raises ``BadMapFile``. Cancelling ends the work and leaves nothing."""
         ...
 
 
@@ -45,6 +46,15 @@ class Waiting:
     content: Imported
 
 
+@dataclass(slots=True)
+class Reading:
+    """A file that is being read now."""
+
+    farm_id: str
+    task: asyncio.Task[Imported]
+    progress: Progress = field(default_factory=lambda: Progress(0.0))
+
+
 class MapExchange:
     """Imports and exports.
 
@@ -54,17 +64,63 @@ class MapExchange:
     def __init__(self, book: MapBook, reader: Reader, authorize: Authorize, farm_name: str) -> None:
         self._book, self._reader, self._authorize, self._farm_name = book, reader, authorize, farm_name
         self._waiting: OrderedDict[str, Waiting] = OrderedDict()
+        self._reading: dict[str, Reading] = {}
 
-    async def read(self, session: SessionInfo, data: bytes, name: str) -> Waiting:
-        """Read a file; nothing of it is in the map yet."""
+    async def read(self, session: SessionInfo, data: bytes, name: str, ref: str | None = None) -> Waiting:
+        """Read a file; nothing of it is in the map yet.
+
+        Args:
+            ref: names the work while it goes on, for ``progress`` and ``cancel``.
+        """
         self._authorize(session, Permission.EDIT_MAP)
-        content = await self._reader.read(data, name)
+        ref = ref or new_id()
+        if ref in self._reading:
+            raise BadMapFile("busy", "This import is being read already.")
+        work = self._reader.read(data, name, lambda progress: self._told(ref, progress))
+        self._reading[ref] = Reading(session.farm_id, asyncio.create_task(work, name="map-reading"))
+        try:
+            content = await self._outcome(self._reading[ref].task)
+        finally:
+            del self._reading[ref]
         waiting = Waiting(new_id()[:16], session.farm_id, name, content)
         self._waiting[waiting.id] = waiting
         own = [one.id for one in self._waiting.values() if one.farm_id == session.farm_id]
         for key in own[:-KEPT]:
             del self._waiting[key]
         return waiting
+
+    def progress(self, session: SessionInfo, ref: str) -> Progress:
+        """Return how far the file named ``ref`` is read; raises ``NotFound`` when it is not being read."""
+        self._authorize(session, Permission.EDIT_MAP)
+        return self._own(session, ref).progress
+
+    def cancel(self, session: SessionInfo, ref: str) -> None:
+        """Give up a file that is being read, or forget one that waits for a choice; raises ``NotFound``."""
+        self._authorize(session, Permission.EDIT_MAP)
+        waiting = self._waiting.get(ref)
+        if waiting is not None and waiting.farm_id == session.farm_id:
+            del self._waiting[ref]
+        else:
+            self._own(session, ref).task.cancel()
+
+    def _own(self, session: SessionInfo, ref: str) -> Reading:
+        reading = self._reading.get(ref)
+        if reading is None or reading.farm_id != session.farm_id:
+            raise NotFound("this import is not there any more")
+        return reading
+
+    def _told(self, ref: str, progress: Progress) -> None:
+        if ref in self._reading:
+            self._reading[ref].progress = progress
+
+    async def _outcome(self, task: asyncio.Task[Imported]) -> Imported:
+        try:
+            await asyncio.wait({task})
+        finally:
+            task.cancel()  # whoever waited is gone; a finished task is not touched by this
+        if task.cancelled():
+            raise BadMapFile("cancelled", "The import was given up. Nothing of it was kept.")
+        return task.result()
 
     async def take(
         self, session: SessionInfo, import_id: str, ref: str, chosen: Sequence[int], kinds: Mapping[str, str]

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from hmi.commands.gate import Gate
 from hmi.commands.ports import AuditSink, LaneEvent, MissionSource, StoredMission
@@ -15,6 +17,7 @@ from hmi.security.session_info import SessionInfo
 from hmi.store.audit_chain import AuditEntry
 from hmi.store.errors import StoreError
 
+Proof = Callable[[], Mapping[str, Any]]
 log = logging.getLogger(__name__)
 
 
@@ -40,6 +43,17 @@ class MissionSender:
 
     async def send(self, actor: SessionInfo, robot_id: str, mission_id: str) -> MissionSent:
         """Send a stored mission; only a robot that read back the same hash has it."""
+        return await self.put(actor, robot_id, mission_id, self._source)
+
+    async def put(
+        self, actor: SessionInfo, robot_id: str, mission_id: str, source: MissionSource, proof: Proof | None = None
+    ) -> MissionSent:
+        """Send what ``source`` has for this mission and robot, as ``send`` does.
+
+        Args:
+            proof: asked in the moment of sending that the person has control and decided just now, for a robot that
+                drives; raises ``OrderRefused``.
+        """
         try:
             robot = self._gate.right(actor, Permission.SEND_MISSION, robot_id)
             if robot_id in self._busy:
@@ -48,16 +62,21 @@ class MissionSender:
             return self._settle(actor, robot_id, mission_id, MissionSent(Outcome.REJECTED, refused.code, refused.text))
         self._busy.add(robot_id)
         try:
-            return self._settle(actor, robot_id, mission_id, await self._upload(actor, robot, mission_id))
+            return self._settle(
+                actor, robot_id, mission_id, await self._upload(actor, robot, mission_id, source, proof)
+            )
         finally:
             self._busy.discard(robot_id)
 
-    async def _upload(self, actor: SessionInfo, robot: Robot, mission_id: str) -> MissionSent:
+    async def _upload(
+        self, actor: SessionInfo, robot: Robot, mission_id: str, source: MissionSource, proof: Proof | None
+    ) -> MissionSent:
         try:
-            stored = await self._source.stored(actor.farm_id, mission_id, robot.id)
+            stored = await source.stored(actor.farm_id, mission_id, robot.id)
             if stored is None:
                 return MissionSent(Outcome.REJECTED, UNKNOWN_MISSION, "There is no such mission.")
-            answer = await self._sender.upload_mission(robot.id, dict(stored.document))
+            document = {**stored.document, **({} if proof is None else {"proof": proof()})}
+            answer = await self._sender.upload_mission(robot.id, document)
         except OrderRefused as refused:
             return MissionSent(Outcome.REJECTED, refused.code, refused.text)
         except OrderFailed as failed:
@@ -69,10 +88,11 @@ class MissionSender:
             text = f"{robot.name} read back another mission than was sent. Do not start it; send it again."
             return MissionSent(Outcome.REJECTED, HASH_MISMATCH, text, answer.sha256)
         try:
-            await self._source.sent(actor.farm_id, mission_id, robot.id, actor.user_name)
+            await source.sent(actor.farm_id, mission_id, robot.id, actor.user_name)
         except StoreError:  # the robot has it all the same, and its state will say so
             log.exception("mission %s is on %s but its status was not stored", mission_id, robot.id)
-        return MissionSent(Outcome.ACCEPTED, "ok", _sent_text(robot, stored), answer.sha256)
+        text = " ".join(filter(None, (_sent_text(robot, stored), stored.note)))
+        return MissionSent(Outcome.ACCEPTED, "ok", text, answer.sha256)
 
     def _settle(self, actor: SessionInfo, robot_id: str, mission_id: str, result: MissionSent) -> MissionSent:
         data = {"mission_id": mission_id, "code": result.code, "sha256": result.sha256}

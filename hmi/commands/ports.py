@@ -6,7 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from hmi.domain.robot import Robot
+from hmi.domain.robot import Order, Robot
+from hmi.security.session_info import SessionInfo
 from hmi.store.audit_chain import AuditLine
 
 
@@ -40,12 +41,13 @@ class AuditSink(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class StoredMission:
-    """A stored mission as it goes to a robot, with the hash the robot must read back."""
+    """A stored mission as it goes to a robot, with the hash the robot must read back; ``note`` is for the sender."""
 
     mission_id: str
     name: str
     document: Mapping[str, Any]
     sha256: str
+    note: str = ""
 
 
 class MissionSource(Protocol):
@@ -61,6 +63,18 @@ class MissionSource(Protocol):
 
     async def sent(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> None:
         """Note that the robot holds this mission now."""
+        ...
+
+
+class StartRules(Protocol):
+    """What must be true of people and records before a mission moves; answers from memory."""
+
+    def check(self, actor: SessionInfo, robot: Robot, order: Order, checklist_id: str | None) -> None:
+        """Return if this person may start or resume what the robot says it has.
+
+        Raises:
+            OrderRefused: the document is not the stored one, or the checklist is missing.
+        """
         ...
 
 

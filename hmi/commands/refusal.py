@@ -20,6 +20,7 @@ NO_LEASE, NOT_MANUAL, DRIVEN_ELSEWHERE = "no_lease", "not_manual", "driven_elsew
 DELAY, DELAY_UNKNOWN, BAD_SETPOINT = "delay", "delay_unknown", "bad_setpoint"
 NOT_STANDING, OTHER_PRESS, NOTHING_TO_RESET = "not_standing", "other_press", "nothing_to_reset"
 UNKNOWN_MISSION, HASH_MISMATCH = "unknown_mission", "hash_mismatch"
+MAP_CHANGED, NOT_READ_BACK, CHECKLIST_MISSING = "map_changed", "not_read_back", "checklist_missing"
 HARDWARE_STOP, SAFETY_UNKNOWN, WRONG_MISSION = "hardware_stop", "safety_unknown", "wrong_mission"
 
 ACTION_PERMISSION: dict[Action, Permission] = {

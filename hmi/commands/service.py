@@ -6,11 +6,13 @@ than 2 s is refused, whatever it is: nothing executes late after any outage. Onl
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 from hmi.commands.gate import Gate
 from hmi.commands.lease_service import LeaseService
 from hmi.commands.ledger import CommandResult, OrderLedger, Ticket
+from hmi.commands.ports import StartRules
 from hmi.commands.refusal import ACTION_PERMISSION, NO_LEASE, WRONG_MISSION, OrderRefused
 from hmi.domain.command import LEASED_ACTIONS, Action, CommandOrder
 from hmi.domain.robot import Order, OrderStatus, Robot
@@ -29,13 +31,24 @@ class CommandRequest:
     command_id: str
     tick_id: str
     mission_id: str | None = None
+    checklist_id: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class UnattendedStart:
+    """Which mission an armed queue starts; robot and hash must be those it sent."""
+
+    robot_id: str
+    command_id: str
+    mission_id: str
+    sha256: str
 
 
 class CommandService:
     """Sends instant actions. Refusals are results with code and sentence, never exceptions."""
 
-    def __init__(self, gate: Gate, leases: LeaseService, ledger: OrderLedger) -> None:
-        self._gate, self._leases, self._ledger = gate, leases, ledger
+    def __init__(self, gate: Gate, leases: LeaseService, ledger: OrderLedger, rules: StartRules | None = None) -> None:
+        self._gate, self._leases, self._ledger, self._rules = gate, leases, ledger, rules
 
     async def submit(self, actor: SessionInfo, request: CommandRequest) -> CommandResult:
         """Send one command and return what became of it within 2 s.
@@ -58,6 +71,37 @@ class CommandService:
             return self._ledger.refuse(ticket, refused)
         return await self._ledger.place(ticket, lambda: self._order(actor, robot, request))
 
+    async def start_unattended(
+        self, actor: SessionInfo, request: UnattendedStart, still: Callable[[], None]
+    ) -> CommandResult:
+        """Start a mission without a person at the moment, under the lease the console holds for an armed queue.
+
+        No screen decides here, so there is no tick: ``still`` decides instead, in the moment of sending, and raises
+        ``OrderRefused`` when anything is not as it must be. Everything else is asked as for a person.
+        """
+        ticket = Ticket(
+            kind="command",
+            ref=request.command_id,
+            robot_id=request.robot_id,
+            what=Action.START.value,
+            actor=actor,
+            content=(request.mission_id,),
+        )
+
+        def prepare() -> CommandOrder:
+            robot = self._gate.right(actor, ACTION_PERMISSION[Action.START], request.robot_id)
+            if self._leases.holds(actor.session_id, robot.id) is None:
+                raise OrderRefused(NO_LEASE, "The queue has no control of the robot any more.")
+            still()
+            self._gate.may_move(robot)
+            loaded = robot.state.order if robot.state is not None else None
+            if loaded is None or (loaded.mission_id, loaded.sha256) != (request.mission_id, request.sha256):
+                raise OrderRefused(WRONG_MISSION, f"{robot.name} holds another mission than the queue sent.")
+            order = self._build(actor, robot, Action.START, request.command_id, mission=loaded)
+            return replace(order, is_supervised=False)
+
+        return await self._ledger.place(ticket, prepare)
+
     async def close_drive(self, actor: SessionInfo, robot_id: str, command_id: str) -> CommandResult:
         """End manual driving for the holder because nothing was pressed for long; moves nothing, takes nothing."""
         ticket = Ticket("command", command_id, robot_id, Action.DRIVE_CLOSE.value, actor, ("no input",))
@@ -75,6 +119,8 @@ class CommandService:
         if request.action in _MOVING:
             self._gate.may_move(robot)
         mission = _mission(robot, request)
+        if mission is not None and self._rules is not None:
+            self._rules.check(actor, robot, mission, request.checklist_id)
         return self._build(actor, robot, request.action, request.command_id, mission=mission)
 
     def _build(

@@ -185,4 +185,5 @@ class DemoSeed:
             robot_id=mission.robot_id,
             field_id=mission.field_id,
             statistics=planned.statistics,
+            map_version=1,  # the map the demo comes with
         )

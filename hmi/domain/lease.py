@@ -21,12 +21,16 @@ TOKEN_BITS = 20  # a million grants an epoch; the epoch grows at each start of t
 
 @dataclass(frozen=True, slots=True)
 class Holder:
-    """The browser that holds or wants a lease; all pages of the same sign-in are one holder."""
+    """The browser that holds or wants a lease; all pages of the same sign-in are one holder.
+
+    ``is_system`` is the console itself, for an armed queue: it gives way to any person who asks.
+    """
 
     session_id: str
     user_id: str
     user_name: str
     device_name: str
+    is_system: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,9 +145,12 @@ class LeaseBook:
         self._seq.pop(lease.token, None)
 
     def request(self, robot_id: str, holder: Holder, now_s: float) -> LeaseAnswer:
-        """Take a free robot, or wait to be given a held one. Asking twice changes nothing."""
+        """Take a free robot, or wait to be given a held one. Asking twice changes nothing.
+
+        What the system holds, a person gets by asking: nobody is there who could answer.
+        """
         lease = self.of(robot_id, now_s)
-        if lease is None:
+        if lease is None or (lease.holder.is_system and not holder.is_system):
             return self._issue(robot_id, holder, now_s)
         if lease.holder.session_id == holder.session_id:
             return LeaseAnswer(LeaseCode.GRANTED, self._put(replace(lease, renewed_s=now_s)))

@@ -36,6 +36,8 @@ class Mover(StrEnum):
 
 _S = MissionStatus
 _PERSON, _CONSOLE, _ROBOT = Mover.PERSON, Mover.CONSOLE, Mover.ROBOT
+SETTLED_S = 1.0
+"""Clocks are matched to within a few hundredths; a report this much later than an order knows of it."""
 ENDED = frozenset({_S.DONE, _S.ABORTED, _S.FAILED})
 ON_ROBOT = frozenset({_S.SENT, _S.ACCEPTED, _S.RUNNING, _S.PAUSED, _S.RESUMING})
 UNDER_WAY = frozenset({_S.RUNNING, _S.PAUSED, _S.RESUMING})
@@ -55,10 +57,12 @@ MOVES: dict[MissionStatus, dict[MissionStatus, Mover]] = {
                 _S.ACCEPTED: _ROBOT, _S.SENT: _PERSON},
     _S.RESUMING: {_S.RUNNING: _ROBOT, _S.PAUSED: _ROBOT, _S.DONE: _ROBOT, _S.ABORTED: _ROBOT, _S.FAILED: _ROBOT},
     _S.DONE: {_S.SENT: _PERSON, _S.ACCEPTED: _ROBOT, _S.RUNNING: _ROBOT},
-    _S.ABORTED: {_S.SENT: _PERSON, _S.ACCEPTED: _ROBOT, _S.RUNNING: _ROBOT},
-    _S.FAILED: {_S.SENT: _PERSON, _S.ACCEPTED: _ROBOT, _S.RUNNING: _ROBOT},
+    _S.ABORTED: {_S.SENT: _PERSON, _S.ACCEPTED: _ROBOT, _S.RUNNING: _ROBOT, _S.PAUSED: _PERSON},
+    _S.FAILED: {_S.SENT: _PERSON, _S.ACCEPTED: _ROBOT, _S.RUNNING: _ROBOT, _S.PAUSED: _PERSON},
 }  # fmt: skip
-"""The only table of moves. An ended mission may be sent again: it starts fresh, its log keeps both lives."""
+"""The only table of moves. An ended mission may be sent again: it starts fresh, its log keeps both lives.
+One that was interrupted may be taken up again: it is paused then, before the way back to where it stopped.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,9 +121,13 @@ class OpenMission:
     status: MissionStatus
     robot_id: str | None
     sha256: str
+    acted_s: float | None = None
+    """When a person's last order for it was accepted, on the console's monotonic clock."""
 
 
-def reported_move(mission: OpenMission, order: Order | None) -> tuple[tuple[MissionStatus, ...], str] | None:
+def reported_move(
+    mission: OpenMission, order: Order | None, reported_s: float | None = None
+) -> tuple[tuple[MissionStatus, ...], str] | None:
     """Return the states a robot's report takes its mission through, with the reason; ``None`` if nothing changes.
 
     More than one state where the console was away while one of them passed.
@@ -127,6 +135,7 @@ def reported_move(mission: OpenMission, order: Order | None) -> tuple[tuple[Miss
     Args:
         mission: one that this robot may hold.
         order: what the robot says it has, ``None`` if it has no mission.
+        reported_s: when that was true, on the console's monotonic clock.
     """
     if order is None or order.status is OrderStatus.NONE or order.mission_id != mission.mission_id:
         return _gone(mission, order)
@@ -134,16 +143,19 @@ def reported_move(mission: OpenMission, order: Order | None) -> tuple[tuple[Miss
         # an older document of the same mission: says nothing about the one stored now
         return None
     after = _REPORTED[order.status]
-    if after is mission.status or _is_before_news(mission.status, order.status):
+    if after is mission.status or _is_before_news(mission, order.status, reported_s):
         return None
     return _through(mission.status, after, _WHY[order.status])
 
 
-def _is_before_news(status: MissionStatus, reported: OrderStatus) -> bool:
+def _is_before_news(mission: OpenMission, reported: OrderStatus, reported_s: float | None) -> bool:
     """Say whether a report is older than what a person did since: the last life of a mission sent again."""
-    if status is MissionStatus.SENT:
+    if mission.status is MissionStatus.SENT:
         return reported in (OrderStatus.PAUSED, OrderStatus.DONE, OrderStatus.ABORTED, OrderStatus.FAILED)
-    return status is MissionStatus.RESUMING and reported is OrderStatus.PAUSED
+    if mission.status is not MissionStatus.RESUMING or reported is not OrderStatus.PAUSED:
+        return False
+    # the robot runs from the moment it accepted; a pause reported later is a new one
+    return mission.acted_s is None or reported_s is None or reported_s < mission.acted_s + SETTLED_S
 
 
 def _through(before: MissionStatus, after: MissionStatus, why: str) -> tuple[tuple[MissionStatus, ...], str] | None:

@@ -24,7 +24,7 @@ def canonical(document: Mapping[str, Any]) -> Document:
     """
     datum = document["datum"]
     home = document.get("home")
-    return {
+    whole: Document = {
         "v": 1,
         "robot": document["robot"],
         "mission_id": document["mission_id"],
@@ -44,6 +44,10 @@ def canonical(document: Mapping[str, Any]) -> Document:
         "at_end": document.get("at_end", "stay"),
         "home": None if home is None else [float(home[0]), float(home[1])],
     }
+    for name, form in (("map_version", _map_version), ("continues", _continues)):
+        if document.get(name) is not None:  # a field of the contract that is left out, not null, where it is unknown
+            whole[name] = form(document[name])
+    return whole
 
 
 def mission_sha256(document: Mapping[str, Any]) -> str:
@@ -61,15 +65,27 @@ def renamed(document: Mapping[str, Any], *, mission_id: str | None = None, name:
     return {**document, "mission_id": mission_id or document["mission_id"], "name": name or document["name"]}
 
 
+def _map_version(given: Mapping[str, Any]) -> Document:
+    return {"number": int(given["number"]), "sha256": given["sha256"]}
+
+
+def _continues(given: Mapping[str, Any]) -> Document:
+    return {"base_sha256": given["base_sha256"], "segments": int(given["segments"])}
+
+
 def _segment(segment: Mapping[str, Any]) -> Document:
-    return {
+    jump = {"jump": True} if segment.get("jump") else {}
+    whole: Document = {
         "kind": segment["kind"],
         "points": _points(segment["points"]),
         "speed_mps": float(segment["speed_mps"]),
         "tool_on": bool(segment.get("tool_on", False)),
         "row": int(segment.get("row", 0)),
         "pivot": bool(segment.get("pivot", False)),
+        **jump,
     }
+    # the contract leaves out a dose that nobody gave
+    return {**whole, "dose": float(segment["dose"])} if "dose" in segment else whole
 
 
 def _points(points: Sequence[Sequence[float]]) -> list[list[float]]:

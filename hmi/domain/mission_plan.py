@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from enum import StrEnum
 from typing import Any, Protocol
 
 from hmi.domain.mission_document import Document
@@ -48,6 +49,48 @@ class MissionRefused(MissionError):
     """A stored mission cannot be changed, copied or deleted like this now."""
 
 
+class Pattern(StrEnum):
+    """In which order the rows of a field are driven."""
+
+    SHORTEST = "shortest"
+    ROW_BY_ROW = "row_by_row"
+    SKIP_ROWS = "skip_rows"
+    SPIRAL = "spiral"
+
+
+class Corner(StrEnum):
+    """Where in the field the rows begin."""
+
+    NORTH_WEST = "north_west"
+    NORTH_EAST = "north_east"
+    SOUTH_WEST = "south_west"
+    SOUTH_EAST = "south_east"
+
+
+@dataclass(frozen=True, slots=True)
+class TreatedArea:
+    """Ground with a treatment of its own: ``dose`` times the usual one, 0 is off, 2 the most."""
+
+    geometry: Geometry
+    dose: float
+
+
+@dataclass(frozen=True, slots=True)
+class Treatment:
+    """Where the tool works. Later areas win over earlier ones.
+
+    Args:
+        areas: ground that differs from the rest of the field.
+        rest_dose: of the ground outside the areas.
+        lead_in_m, lead_out_m: the tool is on so long before and after treated ground; ``None`` takes the tool's own.
+    """
+
+    areas: tuple[TreatedArea, ...] = ()
+    rest_dose: float = 1.0
+    lead_in_m: float | None = None
+    lead_out_m: float | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class Surroundings:
     """The map around a field, each feature with its width in metres (0 for polygons).
@@ -68,13 +111,18 @@ class PlanWish:
     Args:
         mission_id, name, robot_id, field_name: as they shall stand in the document.
         parcel: the field, a GeoJSON polygon.
-        width_m: distance of the rows.
+        width_m: working width of the tool; the rows are that far apart, less the overlap.
         datum_lat_deg, datum_lon_deg: origin of the plane; best the robot's own.
         robot: what the robot says it is; ``None`` takes the usual weeder.
         angle_rad: row direction; ``None`` searches the one with the fewest rows.
         headland_passes: laps around the field; ``None`` takes as many as turning needs.
         home: longitude and latitude of where the robot stands; ``None`` begins at the first row.
         returns_home: drive back at the end.
+        pattern: order of the rows.
+        corner: where the rows begin; ``None`` begins where the way from home is short.
+        overlap: share of the width that neighbouring rows work twice.
+        row_speed_mps: speed on the rows; ``None`` takes the robot's usual one.
+        plant_spacing_m: of a planter, along the row; ``None`` takes the usual density.
     """
 
     mission_id: str
@@ -92,6 +140,12 @@ class PlanWish:
     returns_home: bool = False
     surroundings: Surroundings = Surroundings()
     revision: int = 1
+    pattern: Pattern = Pattern.SHORTEST
+    corner: Corner | None = None
+    overlap: float = 0.0
+    row_speed_mps: float | None = None
+    plant_spacing_m: float | None = None
+    treatment: Treatment = Treatment()
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,8 +157,20 @@ class PlannedMission:
     statistics: dict[str, Any]
 
 
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """A plan to look at: its numbers (SI) and a drawing of it, metres east and north of the wish's datum."""
+
+    statistics: dict[str, Any]
+    drawing: dict[str, Any]
+
+
 class Planner(Protocol):
     """Plans off the event loop."""
+
+    async def candidate(self, wish: PlanWish) -> Candidate:
+        """Return the plan to look at; cancelling gives the work up. Raises as ``plan``."""
+        ...
 
     async def plan(self, wish: PlanWish) -> PlannedMission:
         """Return the plan.

@@ -17,6 +17,7 @@ from hmi.live import frames
 from hmi.live.outbox import Outbox
 from hmi.live.topics import FleetTopic, PosesTopic, RobotTopic
 from hmi.presenters.operate import Context, MissionTitle
+from hmi.presenters.start_checks import MissionFacts
 from hmi.store.fleet import ALL_PARTS, FleetStore, Part
 
 log = logging.getLogger(__name__)
@@ -25,6 +26,7 @@ TICK_S = 0.1
 FLUSH_S = 0.04  # a change is sent at once, the next one after this: 10 Hz telemetry is never held back
 FLEET_S = 0.5  # lists are read by people
 TitleOf = Callable[[str], MissionTitle | None]
+FactsOf = Callable[[str], MissionFacts | None]
 _NO_PARTS: frozenset[Part] = frozenset()
 
 
@@ -36,12 +38,19 @@ class LiveHub:
         ticks: issues the tick ids that orders must echo.
         clock: the console's clocks.
         title_of: mission id to what people call it; answers from memory.
+        facts_of: mission id to what the start checks need; answers from memory.
     """
 
     def __init__(
-        self, store: FleetStore, ticks: TickRing, clock: Clock, title_of: TitleOf = lambda _mission_id: None
+        self,
+        store: FleetStore,
+        ticks: TickRing,
+        clock: Clock,
+        title_of: TitleOf = lambda _mission_id: None,
+        facts_of: FactsOf = lambda _mission_id: None,
     ) -> None:
         self._store, self._ticks, self._clock, self._title_of = store, ticks, clock, title_of
+        self._facts_of = facts_of
         self._lanes: set[Outbox] = set()
         self._robots: dict[str, RobotTopic] = {}
         self._extras: dict[str, dict[str, Any]] = {}
@@ -187,8 +196,8 @@ class LiveHub:
     def _context(self, robot_id: str) -> Context:
         entry = self._store.registration(robot_id)
         if entry is None:
-            return Context(title_of=self._title_of)
-        return Context(entry.contact_name or "", entry.contact_phone or "", self._title_of)
+            return Context(title_of=self._title_of, facts_of=self._facts_of)
+        return Context(entry.contact_name or "", entry.contact_phone or "", self._title_of, self._facts_of)
 
     def _join(self, lane: Outbox, topics: Iterable[str]) -> None:
         for name in topics:

@@ -13,10 +13,10 @@ from hmi.store.fleet import Part
 
 GROUPS_OF: dict[Part, tuple[str, ...]] = {
     Part.REGISTRY: ("id", "tiles", "why", "actions", "body"),
-    Part.LINK: ("link", "tiles", "why", "actions"),
+    Part.LINK: ("link", "tiles", "why", "actions", "checks"),
     Part.FACTSHEET: ("id", "tiles", "body"),
-    Part.TELEMETRY: ("pose", "tiles"),
-    Part.STATE: ("mode", "mission", "supervisor", "tiles", "why", "actions", "faults"),
+    Part.TELEMETRY: ("pose", "tiles", "checks"),
+    Part.STATE: ("mode", "mission", "supervisor", "tiles", "why", "actions", "checks", "faults"),
     Part.SAFETY: ("mode", "safety", "tiles", "why", "actions"),
     Part.NODES: (),
 }

@@ -60,17 +60,22 @@ def mapped(raw: dict[str, Any], problems: list[str]) -> tuple[str | None, dict[s
     return name, {**rest, **known}
 
 
-def tidy(raw: dict[str, Any], problems: list[str]) -> dict[str, Any]:
-    """Return attributes as plain values within the limits; append what was cut."""
+def tidy(raw: dict[str, Any], problems: list[str], *, is_own: bool = False) -> dict[str, Any]:
+    """Return attributes as plain values within the limits; append what was cut.
+
+    Args:
+        is_own: written by this program: as long as a feature of the map may have them.
+    """
+    chars, most = (limits.OWN_CHARS, limits.OWN_ATTRIBUTES) if is_own else (limits.TEXT_CHARS, limits.ATTRIBUTES)
     kept: dict[str, Any] = {}
     for key, value in raw.items():
         name = cleaned(str(key)).strip()[: limits.KEY_CHARS]
         if not name:
             continue
-        if len(kept) >= limits.ATTRIBUTES:
-            problems.append(f"Only the first {limits.ATTRIBUTES} attributes were kept.")
+        if len(kept) >= most:
+            problems.append(f"Only the first {most} attributes were kept.")
             break
-        kept[name] = _plain(value, name, problems)
+        kept[name] = _plain(value, name, problems, chars)
     return kept
 
 
@@ -84,29 +89,29 @@ def clean_name(name: str) -> str:
     return " ".join(cleaned(name).split())[: limits.NAME_CHARS].strip()
 
 
-def _plain(value: Any, name: str, problems: list[str]) -> Any:
+def _plain(value: Any, name: str, problems: list[str], chars: int) -> Any:
     if isinstance(value, bytes):
         value = value.decode("utf-8", "replace")
     if isinstance(value, (date, datetime)):
         return value.isoformat()
     if isinstance(value, str):
         value = value.encode("utf-8", "replace").decode("utf-8")
-        if len(value) > limits.TEXT_CHARS:
-            problems.append(f"{name[:40]} was cut to {limits.TEXT_CHARS} characters.")
-        return value[: limits.TEXT_CHARS]
+        if len(value) > chars:
+            problems.append(f"{name[:40]} was cut to {chars} characters.")
+        return value[:chars]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     if isinstance(value, int) and not isinstance(value, bool) and abs(value) > 2**53:
         return str(value)[: limits.TEXT_CHARS] if abs(value) < 10**100 else None
     if isinstance(value, (list, dict)):
-        return _nested(value, name, problems)
+        return _nested(value, name, problems, chars)
     return value
 
 
-def _nested(value: Any, name: str, problems: list[str]) -> Any:
+def _nested(value: Any, name: str, problems: list[str], chars: int) -> Any:
     try:
         text = json.dumps(value, allow_nan=False, ensure_ascii=False)
-        if len(text) <= limits.TEXT_CHARS:
+        if len(text) <= chars:
             return json.loads(text.encode("utf-8", "replace"))
     except (ValueError, TypeError, RecursionError):
         pass

@@ -21,12 +21,14 @@ class MapFile:
 
     Attributes:
         left_out: names of features that the format has no place for.
+        cut: sentences about what features lose in it.
     """
 
     data: bytes
     media_type: str
     file_name: str
     left_out: tuple[str, ...] = ()
+    cut: tuple[str, ...] = ()
 
 
 def packed(files: Mapping[str, bytes]) -> bytes:

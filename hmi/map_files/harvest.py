@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from statistics import median
 from typing import Any
+
+from pyproj import Geod
 
 from hmi.map_files import attributes
 from hmi.map_files.coordinate_system import WGS84, CoordinateSystem
@@ -17,18 +20,23 @@ from hmi.map_files.own_words import settled
 from hmi.map_files.shape import BadShape, fit, lines_of, simple_parts
 from hmi.map_files.source import Source, SourceFeature, SourceLayer
 
+_GEOD = Geod(ellps="WGS84")
+TOLD_EVERY = 50  # shapes
 FAR_DEG = 5.0  # about 500 km: no farm is that large
 _ASSUMED = "The file does not name its coordinate system; WGS84 was assumed. Check the place on the map."
 _EXCHANGED = "It lies far from the rest of the file: latitude and longitude may be exchanged."
 
 
-def harvest(source: Source) -> Imported:
+def harvest(source: Source, report: Callable[[int, int], None] = lambda shapes, of: None) -> Imported:
     """Return the items and what was skipped.
+
+    Args:
+        report: is told now and then how many shapes of how many were looked at.
 
     Raises:
         BadMapFile: nothing in it, too much in it, or no coordinate system that could be meant.
     """
-    reaper = _Reaper(source.skipped)
+    reaper = _Reaper(source.skipped, sum(len(layer.features) for layer in source.layers), report)
     for layer in source.layers:
         try:
             reaper.layer(layer)
@@ -43,7 +51,8 @@ def harvest(source: Source) -> Imported:
 
 
 class _Reaper:
-    def __init__(self, skipped: list[Skipped]) -> None:
+    def __init__(self, skipped: list[Skipped], total: int, report: Callable[[int, int], None]) -> None:
+        self._total, self._report, self._seen = total, report, 0
         self.items: list[MapItem] = []
         self.skipped = list(skipped)
         self.systems: list[str] = []
@@ -61,6 +70,9 @@ class _Reaper:
             crs, notes = WGS84, [_ASSUMED]
         for feature in layer.features:
             self._allowance.feature()
+            self._seen += 1
+            if self._seen % TOLD_EVERY == 0:
+                self._report(self._seen, self._total)
             self._feature(layer.name, feature, feature.crs or crs, notes)
 
     def _feature(self, layer: str, feature: SourceFeature, crs: CoordinateSystem, notes: list[str]) -> None:
@@ -97,13 +109,21 @@ class _Reaper:
             is_named = feature.is_exact and name is not None
             title = named if named or is_named else f"{best.capitalize()} {n + 1}"
             own_id = feature.id if len(shapes) == 1 else None
-            self.items.append(MapItem(n, title or "", best, kinds, shape, kept, tuple(dict.fromkeys(said)), own_id))
+            said = list(dict.fromkeys(said))
+            self.items.append(MapItem(n, title or "", best, kinds, shape, kept, tuple(said), own_id, _area_m2(shape)))
+
+
+def _area_m2(shape: Geometry) -> float:
+    """Return the area on the ellipsoid; a plane for each shape would take longer than reading the file."""
+    rings = shape["coordinates"] if shape["type"] == "Polygon" else []
+    areas = [abs(_GEOD.polygon_area_perimeter([p[0] for p in ring], [p[1] for p in ring])[0]) for ring in rings]
+    return float(max(areas[0] - sum(areas[1:]), 0.0)) if areas else 0.0
 
 
 def _told(feature: SourceFeature, problems: list[str]) -> tuple[str | None, str | None, dict[str, Any]]:
     """Return name, kind and properties; those of our own files stand as they are."""
     if feature.is_exact:
-        return feature.name, feature.kind, attributes.tidy(feature.properties, problems)
+        return feature.name, feature.kind, attributes.tidy(feature.properties, problems, is_own=True)
     name, properties = attributes.mapped(feature.properties, problems)
     return attributes.clean_name(feature.name or name or "") or None, feature.kind, properties
 

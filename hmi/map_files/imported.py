@@ -21,6 +21,7 @@ class MapItem:
         properties: known ones by the names of the farm map, the rest by their own.
         problems: sentences for the operator; the item can be taken nevertheless.
         id: the id that the file gives, where it gives a usable one.
+        area_m2: inside the outline without holes; 0 for lines.
     """
 
     n: int
@@ -31,6 +32,7 @@ class MapItem:
     properties: dict[str, Any]
     problems: tuple[str, ...] = ()
     id: str | None = None
+    area_m2: float = 0.0
 
     @property
     def vertices(self) -> int:

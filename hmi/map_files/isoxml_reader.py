@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from typing import Any
 from xml.etree.ElementTree import Element
 
-from hmi.map_files import guidance_reader
+from hmi.map_files import guidance_reader, isoxml_own
 from hmi.map_files.archive import Archive
 from hmi.map_files.coordinate_system import WGS84
 from hmi.map_files.errors import BadMapFile
@@ -47,8 +47,9 @@ def read(root: Element, archive: Archive | None = None, path: str = "") -> Sourc
     elements = [element for one in roots for element in one]
     names = {element.get("A", ""): element.get("B", "") for element in _all(elements, "CTP", "FRM")}
     names |= {cvt.get("A", ""): cvt.get("B", "") for ctp in _all(elements, "CTP") for cvt in children(ctp, "CVT")}
+    own = isoxml_own.read(root, archive, path)
     for i, partfield in enumerate(_all(elements, "PFD"), start=1):
-        source.layers.append(_partfield(i, partfield, names, source.skipped))
+        source.layers.append(_partfield(i, partfield, names, source.skipped, own))
     return source
 
 
@@ -86,18 +87,21 @@ def _external(root: Element, archive: Archive | None, path: str, skipped: list[S
             skipped.append(Skipped(f"{stem}.XML", why, "Pack the whole TASKDATA folder into one zip."))
 
 
-def _partfield(n: int, pfd: Element, names: dict[str, str], skipped: list[Skipped]) -> SourceLayer:
+def _partfield(
+    n: int, pfd: Element, names: dict[str, str], skipped: list[Skipped], own: isoxml_own.Entries
+) -> SourceLayer:
     title = pfd.get("C") or pfd.get("B") or f"Field {n}"
     layer = SourceLayer(f"field {n} ({title[:40]})", WGS84, [])
     for i, pln in enumerate(children(pfd, "PLN"), start=1):
-        layer.features.append(_polygon(i, pln, title, _crop(pfd, names)))
+        layer.features.append(isoxml_own.restore(_polygon(i, pln, title, _crop(pfd, names)), pln.get("E"), own))
     for i, lsg in enumerate(children(pfd, "LSG"), start=1):
-        layer.features.append(_line(i, lsg))
+        layer.features.append(isoxml_own.restore(_line(i, lsg), lsg.get("F"), own))
     for i, pnt in enumerate(children(pfd, "PNT"), start=1):
         if pnt.get("A") != "10":  # the reference point of the field is no thing on it
-            layer.features.append(_point(i, pnt))
+            layer.features.append(isoxml_own.restore(_point(i, pnt), pnt.get("G"), own))
     for i, ggp in enumerate(children(pfd, "GGP"), start=1):
-        layer.features += guidance_reader.group(i, ggp, layer.name, skipped)
+        rows = guidance_reader.group(i, ggp, layer.name, skipped)
+        layer.features += [isoxml_own.restore(one, ggp.get("A") if len(rows) == 1 else None, own) for one in rows]
     return layer
 
 

@@ -7,7 +7,19 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 KINDS_OF = {  # docs/protocols/map.md, Features; likeliest first
-    "Polygon": ("parcel", "no-go", "obstacle", "building", "road", "water", "hedge", "tree", "slow", "farm"),
+    "Polygon": (
+        "parcel",
+        "no-go",
+        "obstacle",
+        "building",
+        "road",
+        "water",
+        "hedge",
+        "tree",
+        "slow",
+        "farm",
+        "treatment",
+    ),
     "LineString": ("road", "rows", "hedge", "water", "tree"),
     "MultiLineString": ("rows",),
     "Point": ("obstacle", "tree", "home", "gate"),
@@ -23,6 +35,7 @@ _WORDS = {
     "a-b a_b ab_line",
     "no-go": "nogo no-go no_go keepout keep-out exclusion exclude forbidden verboten sperrzone sperrflaeche buffer "
     "geofence prohibited",
+    "treatment": "treatment treatment_area treatment_zone behandlung behandlungszone spritzzone",
     "slow": "slow slowzone speed_zone langsam",
     "obstacle": "obstacle obstacles hindernis hindernisse obstakel obstaculo pylon pole mast stone rock boulder well "
     "manhole hydrant tower",

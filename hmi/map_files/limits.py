@@ -1,4 +1,5 @@
-"""How much a map file may hold. A farm of 1,000 fields stays far below all of it."""
+"""How much a map file may hold. A farm of 1,000 fields stays far below all of it;
+the export of a whole district, of which a farm takes its own, is just within it."""
 
 from __future__ import annotations
 
@@ -9,10 +10,12 @@ UNPACKED_BYTES = 200_000_000  # all entries of an archive together
 ENTRIES = 2_000
 RATIO = 200  # unpacked to packed; map data stays below 50
 RATIO_FROM_BYTES = 1_000_000  # a small table of blanks may pack better than that and does no harm
-VERTICES = 200_000
-FEATURES = 5_000
+VERTICES = 1_000_000
+FEATURES = 20_000
 TEXT_CHARS = 500  # of one attribute
 ATTRIBUTES = 200  # of one feature
+OWN_CHARS = 32_768  # of one attribute in a file of this program: what a feature of the map may hold
+OWN_ATTRIBUTES = 5_000
 NAME_CHARS = 200
 KEY_CHARS = 64
 DEPTH = 4  # collections within collections

@@ -9,6 +9,12 @@ from hmi.mapping.errors import BadFeature
 from hmi.mapping.feature import parse_feature
 
 RADIUS_M = 1.0  # of a point obstacle that comes without one; the operator is told
+_SMALLEST = {
+    "Point": [0, 0],
+    "LineString": [[0, 0], [1, 1]],
+    "MultiLineString": [[[0, 0], [1, 1]]],
+    "Polygon": [[[0, 0], [1, 0], [1, 1], [0, 0]]],
+}
 _TRIES = 20
 _FEWER = 30  # attributes that are kept where all together are too long
 
@@ -16,10 +22,11 @@ _FEWER = 30  # attributes that are kept where all together are too long
 def settled(kind: str, geometry: Geometry, properties: dict[str, Any], problems: list[str]) -> dict[str, Any]:
     """Return the properties that a feature of ``kind`` may have; append what was put aside, and why."""
     kept = dict(properties)
+    stand_in = {"type": geometry["type"], "coordinates": _SMALLEST[geometry["type"]]}  # the shape itself is fit already
     for _ in range(_TRIES):
         head = {"id": "x", "kind": kind, "name": ""}
         try:
-            return parse_feature({"type": "Feature", "properties": {**kept, **head}, "geometry": geometry}).properties
+            return parse_feature({"type": "Feature", "properties": {**kept, **head}, "geometry": stand_in}).properties
         except BadFeature as error:
             key = error.code.removeprefix("bad_")
             sentence = error.text.removeprefix("x: ")

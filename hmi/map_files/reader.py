@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import codecs
-from collections.abc import Callable
 from xml.etree.ElementTree import Element
 
 from hmi.map_files import (
@@ -21,10 +20,12 @@ from hmi.map_files.archive import Archive
 from hmi.map_files.errors import BadMapFile
 from hmi.map_files.harvest import harvest
 from hmi.map_files.imported import Imported
+from hmi.map_files.progress import Progress, Report
 from hmi.map_files.source import Source
 from hmi.map_files.xml_tree import local, parse
 
 KNOWN = "GeoJSON, KML, KMZ, shapefile (zip), ISOXML or GPX"
+_READ = 0.3  # share of the work until the shapes are known
 _UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _OTHERS = {
     b"\x1f\x8b": "This is a gzip archive. Unpack it and import what is inside.",
@@ -37,24 +38,23 @@ _OTHERS = {
 _BY_SUFFIX = {".kmz": "kmz", ".kml": "kmz"}
 
 
-def read_map(data: bytes, name: str, report: Callable[[float], None] | None = None) -> Imported:
+def read_map(data: bytes, name: str, report: Report | None = None) -> Imported:
     """Return what a map file holds.
 
     Args:
         name: of the file; it decides where the content leaves open what it is.
-        report: is told the share that is done, 0 to 1.
+        report: is told how far it is.
 
     Raises:
         BadMapFile: nothing of it can be taken; says why and what to do.
     """
-    tell = report or (lambda share: None)
+    tell = report or (lambda progress: None)
     if len(data) > limits.FILE_BYTES:
         raise BadMapFile("too_large", f"The file is larger than {limits.FILE_BYTES // 1_000_000} MB. Split it.")
-    tell(0.05)
+    tell(Progress(0.05))
     source = _read(data, name)
-    tell(0.6)
-    imported = harvest(source)
-    tell(1.0)
+    imported = harvest(source, lambda shapes, of: tell(Progress(_READ + (1 - _READ) * shapes / max(of, 1), shapes)))
+    tell(Progress(1.0, len(imported.items)))
     return imported
 
 

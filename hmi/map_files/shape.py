@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from collections.abc import Sequence
+from itertools import chain
 from typing import Any
 
+import numpy as np
 from shapely import Polygon, is_valid
 
 from hmi.map_files import limits
@@ -17,6 +18,7 @@ from hmi.map_files.limits import Allowance
 Line = list[list[float]]
 _DEPTH_OF = {"Point": 0, "MultiPoint": 1, "LineString": 1, "MultiLineString": 2, "Polygon": 2, "MultiPolygon": 3}
 _SINGLE_OF = {"MultiPoint": "Point", "MultiPolygon": "Polygon"}
+_NUMBERS = {int, float}
 _DECIMALS = 8  # a millimetre, as hmi.mapping keeps it
 
 
@@ -69,7 +71,7 @@ def fit(part: Geometry, crs: CoordinateSystem, allowance: Allowance, problems: l
         return {"type": kind, "coordinates": lines[0][0]}
     if kind == "Polygon":
         rings = [_ring(line, problems, is_hole=i > 0) for i, line in enumerate(lines)]
-        if not is_valid(Polygon(rings[0], rings[1:])):
+        if not is_valid(Polygon(np.array(rings[0]), [np.array(ring) for ring in rings[1:]])):
             problems.append("An edge crosses or touches itself, or a hole leaves the outline. Look at it before use.")
         return {"type": kind, "coordinates": rings}
     for line in lines:
@@ -94,7 +96,21 @@ def _lines(coordinates: Any, depth: int) -> list[Any]:
 
 def _finite(line: list[Any], allowance: Allowance) -> Line:
     allowance.vertices(len(line))
-    return [_position(position) for position in line]
+    plain = _plain(line)
+    return [_position(position) for position in line] if plain is None else plain
+
+
+def _plain(line: list[Any]) -> Line | None:
+    """Return a line of usable pairs of numbers all at once, ``None`` where one by one must be said what is wrong."""
+    if set(map(type, line)) != {list} or not set(map(len, line)) <= {2}:
+        return None
+    if not set(map(type, chain.from_iterable(line))) <= _NUMBERS:
+        return None
+    try:
+        xy = np.array(line, dtype=np.float64)
+    except OverflowError:
+        return None
+    return line if bool((np.abs(xy) <= 1e9).all()) else None  # NaN is not below anything
 
 
 def _position(raw: Any) -> list[float]:
@@ -110,7 +126,7 @@ def _position(raw: Any) -> list[float]:
 
 def _converted(lines: list[Line], crs: CoordinateSystem, problems: list[str]) -> list[Line]:
     if crs.is_wgs84:
-        return [[_rounded(position) for position in line] for line in lines]
+        return [(np.round(np.array(line, dtype=np.float64), _DECIMALS) + 0.0).tolist() for line in lines]
     flat = [position for line in lines for position in line]
     try:
         lons, lats, error_m = crs.to_wgs84([p[0] for p in flat], [p[1] for p in flat])
@@ -129,7 +145,8 @@ def _rounded(place: Sequence[float]) -> list[float]:
 
 
 def _check_places(places: Line) -> None:
-    for lon, lat in places:
+    reach = np.abs(np.array(places, dtype=np.float64)).max(axis=0)
+    for lon, lat in places if reach[0] > 180 or reach[1] > 90 else ():
         if abs(lon) <= 180 and abs(lat) <= 90:
             continue
         if abs(lat) <= 180 and abs(lon) <= 90:
@@ -157,13 +174,5 @@ def _ring(line: Line, problems: list[str], *, is_hole: bool) -> Line:
 
 def _signed_area(ring: Line) -> float:
     """Return the area in square degrees, positive if counter-clockwise; seen from a corner to keep its digits."""
-    lon, lat = ring[0]
-    return sum(_cross(a, b, lon, lat) for a, b in _edges(ring)) / 2
-
-
-def _cross(a: list[float], b: list[float], lon: float, lat: float) -> float:
-    return (a[0] - lon) * (b[1] - lat) - (b[0] - lon) * (a[1] - lat)
-
-
-def _edges(ring: Line) -> Iterator[tuple[list[float], list[float]]]:
-    return pairwise(ring)
+    x, y = (np.array(ring, dtype=np.float64) - ring[0]).T
+    return float((x[:-1] * y[1:] - x[1:] * y[:-1]).sum()) / 2

@@ -46,16 +46,19 @@ def write(features: Sequence[MapFeature], farm_id: str, _farm_name: str) -> MapF
     if not features:
         raise BadMapFile("nothing_in_it", "The map is empty. Draw or import something first.")
     files: dict[str, bytes] = {}
+    cut: list[str] = []
     for layer, (shape_type, geometries) in _TYPES.items():
         of_layer = [feature for feature in features if feature.geometry["type"] in geometries]
         if of_layer:
-            files |= _layer(f"{stem(farm_id)}-{layer}", shape_type, of_layer)
-    return MapFile(packed(files), "application/zip", f"{stem(farm_id)}-shapefile.zip")
+            columns = _columns([_pieces(feature) for feature in of_layer])
+            files |= _layer(f"{stem(farm_id)}-{layer}", shape_type, of_layer, columns)
+            told = dict.fromkeys(key for feature in of_layer for key in feature.properties)
+            cut += [f"{key} of {layer}: there is no column left for it" for key in told if key not in columns]
+    return MapFile(packed(files), "application/zip", f"{stem(farm_id)}-shapefile.zip", cut=tuple(cut))
 
 
-def _layer(name: str, shape_type: int, features: list[MapFeature]) -> dict[str, bytes]:
+def _layer(name: str, shape_type: int, features: list[MapFeature], columns: dict[str, list[str]]) -> dict[str, bytes]:
     rows = [_pieces(feature) for feature in features]
-    columns = _columns(rows)
     streams = {suffix: io.BytesIO() for suffix in (".shp", ".shx", ".dbf")}
     writer = shapefile.Writer(
         shp=streams[".shp"], shx=streams[".shx"], dbf=streams[".dbf"], shapeType=shape_type, encoding="utf-8"

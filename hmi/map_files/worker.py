@@ -5,17 +5,20 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import gc
+import pickle
 import tempfile
-from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 from hmi.map_files import limits
 from hmi.map_files.errors import BadMapFile
-from hmi.map_files.imported import Imported
+from hmi.map_files.imported import Imported, MapItem
+from hmi.map_files.progress import Progress, Report
 from hmi.map_files.reader import read_map
-from hmi.planning.side_process import SideProcess, SideProcessDied
+from hmi.planning.side_process import SideProcess, SideProcessDied, limit_memory
 
-READ_LIMIT_S = 60.0  # the largest file that is allowed takes a quarter of it
+READ_LIMIT_S = 120.0  # the largest file that is allowed takes a quarter of it on an idle core
+PART_VERTICES = 4000  # unpacked in one go: about 10 ms
 MEMORY_BYTES = 2 * 1024**3  # address space of the process; libraries alone take half a GB of it
 WAITING_LIMIT = 4  # files that may wait for the one at work
 PROGRESS_S = 0.25  # how often the share that is done is looked at
@@ -39,11 +42,13 @@ class MapReader:
         self._waiting = 0
         self._work: asyncio.Task[Imported] | None = None
 
-    async def read(self, data: bytes, name: str, on_progress: Callable[[float], None] | None = None) -> Imported:
+    async def read(self, data: bytes, name: str, on_progress: Report | None = None) -> Imported:
         """Return what the file holds.
 
         Args:
-            on_progress: called on this loop with the share that is done, 0 to 1, rising.
+            on_progress: called on this loop with how far it is, rising.
+
+        Cancelling the task that waits here kills the process at work; nothing of the file stays.
 
         Raises:
             BadMapFile: see ``read_map``; and ``too_long``, ``too_large``, ``cancelled``, ``busy``.
@@ -55,7 +60,7 @@ class MapReader:
         self._waiting += 1
         try:
             async with self._turn:
-                return await self._read(data, name, on_progress or (lambda share: None))
+                return await self._read(data, name, on_progress or (lambda progress: None))
         finally:
             self._waiting -= 1
 
@@ -70,7 +75,7 @@ class MapReader:
         if self._work is not None:
             await asyncio.wait({self._work})
 
-    async def _read(self, data: bytes, name: str, on_progress: Callable[[float], None]) -> Imported:
+    async def _read(self, data: bytes, name: str, on_progress: Report) -> Imported:
         with tempfile.TemporaryDirectory(prefix="headland-import-") as folder:
             share = Path(folder) / "share"
             work = asyncio.create_task(self._run(data, name, share), name="map-read")
@@ -89,7 +94,7 @@ class MapReader:
     async def _run(self, data: bytes, name: str, share: Path) -> Imported:
         process = SideProcess()
         try:
-            return await process.run(_read_bounded, data, name, str(share), self._memory_bytes)
+            return await _joined(await process.run(_read_bounded, data, name, str(share), self._memory_bytes))
         except SideProcessDied as error:
             raise BadMapFile("too_large", _TOO_LARGE) from error
         finally:
@@ -105,38 +110,51 @@ async def _outcome(work: asyncio.Task[Imported], *, is_late: bool, limit_s: floa
     return work.result()
 
 
-async def _watch(share: Path, on_progress: Callable[[float], None]) -> None:
-    told = 0.0
+async def _watch(share: Path, on_progress: Report) -> None:
+    told = Progress(0.0)
     while True:
         await asyncio.sleep(PROGRESS_S)
         with contextlib.suppress(OSError, ValueError):
-            now = float(await asyncio.to_thread(share.read_text, encoding="ascii"))
+            done, shapes = (await asyncio.to_thread(share.read_text, encoding="ascii")).split()
+            now = Progress(float(done), int(shapes))
             if now > told:
                 told = now
                 on_progress(told)
 
 
-def _read_bounded(data: bytes, name: str, share: str, memory_bytes: int) -> Imported:
+async def _joined(parts: list[bytes]) -> Imported:
+    """Unpack what the process found, a little at a time: nobody else on this loop waits for a large file."""
+    imported: Imported = pickle.loads(parts[0])  # noqa: S301 - from our own process, as its pool itself does
+    items: list[MapItem] = []
+    for part in parts[1:]:
+        items += await asyncio.to_thread(pickle.loads, part)
+    return replace(imported, items=tuple(items))
+
+
+def _parts(imported: Imported) -> list[bytes]:
+    """Pack a file, first without its items, then these in parts of about ``PART_VERTICES`` corners."""
+    parts = [pickle.dumps(replace(imported, items=()))]
+    part: list[MapItem] = []
+    corners = 0
+    for item in imported.items:
+        part.append(item)
+        corners += item.vertices
+        if corners >= PART_VERTICES:
+            parts.append(pickle.dumps(part))
+            part, corners = [], 0
+    return [*parts, pickle.dumps(part)]
+
+
+def _read_bounded(data: bytes, name: str, share: str, memory_bytes: int) -> list[bytes]:
     """Read within the memory allowed; runs in the side process."""
-    _limit_memory(memory_bytes)
+    limit_memory(memory_bytes)
     gc.disable()  # the process ends with the file; collecting would take most of the time of a large one
     try:
-        return read_map(data, name, lambda done: _tell(share, done))
+        return _parts(read_map(data, name, lambda done: _tell(share, done)))
     except MemoryError as error:
         raise BadMapFile("too_large", _TOO_LARGE) from error
 
 
-def _tell(share: str, done: float) -> None:
+def _tell(share: str, done: Progress) -> None:
     with contextlib.suppress(OSError):
-        Path(share).write_text(f"{done:.3f}", encoding="ascii")
-
-
-def _limit_memory(memory_bytes: int) -> None:
-    """Bound the address space of this process where the system can (setrlimit, POSIX.1-2017)."""
-    try:
-        import resource
-    except ImportError:
-        return  # Windows; time and size are bounded there
-    _, hard = resource.getrlimit(resource.RLIMIT_AS)
-    most = memory_bytes if hard == resource.RLIM_INFINITY else min(memory_bytes, hard)
-    resource.setrlimit(resource.RLIMIT_AS, (most, hard))
+        Path(share).write_text(f"{done.share:.3f} {done.shapes}", encoding="ascii")

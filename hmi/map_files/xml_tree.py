@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from xml.etree.ElementTree import Element, ParseError  # names only; parsing is done by defusedxml
 
@@ -9,6 +10,7 @@ from defusedxml import DefusedXmlException, ElementTree
 
 from hmi.map_files.errors import BadMapFile
 
+_UNCLEAN = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff\u2028\u2029]")
 DEPTH = 200  # elements within elements; KML folders may be nested, and never that deep
 
 
@@ -53,16 +55,12 @@ def text_of(element: Element | None) -> str:
 
 def is_clean(text: str) -> bool:
     """Say whether XML 1.0 can hold the text as it is (section 2.2, and 2.11 on line ends)."""
-    return all(c in "\t\n" or (c >= " " and not "\x7f" <= c <= "\x9f" and not _is_outside(c)) for c in text)
+    return _UNCLEAN.search(text) is None
 
 
 def cleaned(text: str) -> str:
     """Return the text without what XML 1.0 cannot hold."""
-    return "".join(c for c in text if is_clean(c))
-
-
-def _is_outside(char: str) -> bool:
-    return "\ud800" <= char <= "\udfff" or char in "\ufffe\uffff\u2028\u2029"
+    return _UNCLEAN.sub("", text)
 
 
 def _check_depth(root: Element) -> None:

@@ -34,9 +34,13 @@ RANGES = {
     "width_m": Range("Width", 0, 200, "m"),
     "heading_deg": Range("Heading", -360, 360, "degrees", True),
     "speed_mps": Range("Speed", 0, 20, "m/s"),
+    "dose": Range("Dose", 0, 2, "times the usual one", True),
 }
 TYPES = {"home": ("home", "garage", "charging"), "rows": ("a-b", "curve", "recorded")}
 TEXTS = {"crop": "Crop", "species": "Species", "status": "Growth stage", "category": "Category", "type": "Type"}
+VALID_FROM = "valid_from"
+"""Own attribute of parcels: the day, by attribute, from which its value holds."""
+DATED = ("crop", "species", "status", "seeded", "row_spacing_m", "row_bearing_deg", "headland_m")
 IDS = {"parcel_id": "Parcel", "robot": "Robot"}
 
 
@@ -60,7 +64,9 @@ def _check(kind: str, key: str, value: object) -> None:
     if key in RANGES:
         _check_number(key, value)
     elif key == "seeded":
-        _check_date(value)
+        _check_date("seeded", "Seeded", value)
+    elif key == VALID_FROM:
+        _check_days(value)
     elif key in IDS:
         if not isinstance(value, str) or not is_id(value):
             raise _bad(key, f"{IDS[key]} is {_shown(value)}. Give an id such as north-2.")
@@ -83,15 +89,22 @@ def _check_number(key: str, value: object) -> None:
     raise _bad(key, f"{allowed.label} is {shown}. Give a number {least}, at most {allowed.most:g} {allowed.unit}.")
 
 
-def _check_date(value: object) -> None:
+def _check_date(key: str, label: str, value: object) -> None:
     try:
         if not isinstance(value, str) or len(value) != 10:
             raise ValueError
         year = date.fromisoformat(value).year
     except ValueError:
-        raise _bad("seeded", f"Seeded is {_shown(value)}. Give a date such as 2026-04-08.") from None
+        raise _bad(key, f"{label} is {_shown(value)}. Give a date such as 2026-04-08.") from None
     if not 1900 <= year <= 2200:
-        raise _bad("seeded", f"Seeded is {value}. Check the year.")
+        raise _bad(key, f"{label} is {value}. Check the year.")
+
+
+def _check_days(value: object) -> None:
+    if not isinstance(value, dict) or not all(key in DATED for key in value):
+        raise _bad(VALID_FROM, f"Valid from is {_shown(value)}. Give a day for {', '.join(DATED[:-1])} or {DATED[-1]}.")
+    for key, day in value.items():
+        _check_date(VALID_FROM, f"{key} valid from", day)
 
 
 def _plain_json(kept: Mapping[str, Any]) -> dict[str, Any]:

@@ -24,6 +24,7 @@ class Kind(NamedTuple):
 
 _PARCEL = (
     "crop", "species", "status", "seeded", "row_spacing_m", "row_bearing_deg", "headland_m", "category", "type",
+    "valid_from",
 )  # fmt: skip
 
 KINDS: MappingProxyType[str, Kind] = MappingProxyType(
@@ -37,6 +38,7 @@ KINDS: MappingProxyType[str, Kind] = MappingProxyType(
         "gate": Kind("gate", (POINT,), ("width_m",)),
         "no-go": Kind("keep-out zone", (POLYGON,)),
         "slow": Kind("slow zone", (POLYGON,), ("speed_mps",)),
+        "treatment": Kind("treatment area", (POLYGON,), ("dose",)),
         "rows": Kind("rows", (LINE, LINES), ("parcel_id", "type")),
         "tree": Kind("tree", (POLYGON, LINE, POINT), ("width_m",)),
         "hedge": Kind("hedge", (POLYGON, LINE), ("width_m",)),

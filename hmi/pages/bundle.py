@@ -19,7 +19,7 @@ STATIC = Path(__file__).resolve().parents[2] / "static"
 STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 """Cascade order of what every page carries: tokens first, screens last."""
 
-SCREEN_STYLES = ("maps",)
+SCREEN_STYLES = ("maps", "plan", "queue")
 """Styles that a screen fetches with its scripts."""
 
 SCRIPTS = {
@@ -31,11 +31,18 @@ SCRIPTS = {
     ),
     "admin": ("admin_forms",),
     "maps": (
-        "maps_kinds", "maps_measure", "maps_queue", "maps_client", "maps_menu", "maps_tools", "maps_fields",
-        "maps_feature", "maps_checks", "maps_changes", "maps_upload", "maps_import", "maps_versions", "maps_publish",
-        "maps_dock", "maps_chips", "maps_walk", "maps_surface", "maps_edits", "maps_screen",
+        "maps_kinds", "maps_measure", "maps_queue", "maps_client", "maps_menu", "maps_tools", "maps_hint",
+        "maps_fields", "maps_history", "maps_reshape", "maps_export", "maps_import_list", "maps_receiver",
+        "maps_feature", "maps_checks", "maps_changes", "maps_upload", "maps_base", "maps_import", "maps_versions",
+        "maps_publish", "maps_dock", "maps_chips", "maps_walk", "maps_surface", "maps_edits", "maps_screen",
     ),
-    "missions": ("field_picture", "mission_numbers", "mission_form", "missions"),
+    "missions": (
+        "mission_numbers", "plan_client", "plan_path", "plan_picture", "plan_scrubber", "plan_numbers", "plan_checks",
+        "plan_treatment", "plan_steps", "plan_templates", "plan_inputs", "queue_data", "queue_drag", "queue_conditions",
+        "queue_entry", "queue_arm", "queue_blackouts", "queue_timeline", "queue_list", "queue_view", "missions_bulk",
+        "mission_form", "mission_ways", "missions",
+    ),
+    "run": ("field_picture", "start_checks", "rest_sheet"),
 }  # fmt: skip
 """Scripts by file, in load order: each uses only names of those before it.
 What few people open loads with its screen.

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from components.live_element import LiveElement
 from hmi.domain.role import Permission
+from hmi.pages import bundle
 from hmi.pages.services import PageServices
 from hmi.security.session_info import SessionInfo
 
@@ -22,8 +23,10 @@ def build(services: PageServices, session: SessionInfo) -> None:
         hook="missions",
         data_may_edit="" if services.refusal(session, Permission.EDIT_MISSION) else "yes",
         data_may_send="" if services.refusal(session, Permission.SEND_MISSION) else "yes",
+        data_plan_style=bundle.screen_style_url("plan"),
         data_no_edit=MAY_NOT_EDIT,
         data_no_send=MAY_NOT_SEND,
+        data_style=bundle.screen_style_url("queue"),
     )
     LiveElement(
         "hl-dock-hint",

@@ -14,7 +14,7 @@ from components.state_path import StatePath
 from components.telemetry_tile import TelemetryTile
 from hmi.domain.ids import is_id
 from hmi.domain.role import Permission
-from hmi.pages import notice
+from hmi.pages import bundle, notice
 from hmi.pages.services import PageServices
 from hmi.security.session_info import SessionInfo
 
@@ -39,7 +39,12 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
         notice.build("operate", "lock", f"You may not watch {robot.name}", problem, "/fleet", "Fleet")
         return
     with LiveElement(
-        "hl-screen", classes="h-screen h-operate", data_screen="operate", data_robot=robot_id, data_title=robot.name
+        "hl-screen",
+        classes="h-screen h-operate",
+        data_screen="operate",
+        data_robot=robot_id,
+        data_title=robot.name,
+        data_code=bundle.script_url("run"),
     ):
         with ui.element("section").classes("h-map").props('aria-label="Map"'):
             LiveMap(robot_id).classes("h-mapfill")

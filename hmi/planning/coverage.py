@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from hmi.domain.mission_plan import PlanRefused
+from hmi.domain.mission_plan import Pattern, PlanRefused
 from hmi.planning import headland as headlands
 from hmi.planning import swaths as rows_of
 from hmi.planning.dubins import Pose
@@ -21,10 +21,11 @@ from hmi.planning.headland import Headland, Lap
 from hmi.planning.job import Job, checked_field, inner_field
 from hmi.planning.links import Linker
 from hmi.planning.machine import RobotProfile
+from hmi.planning.patterns import driving_order, span_for
 from hmi.planning.plan import GENTLE_RAD, Figures, Leg, LegKind, Plan, headings, turn_between
 from hmi.planning.projection import Floats
 from hmi.planning.swaths import Swath
-from hmi.planning.tour import by_part, tour
+from hmi.planning.tour import by_part
 
 _GAP_M = 0.04
 _GRID_M = 1e-4  # without a grid, a union of many strips with common edges loses some of them
@@ -39,13 +40,17 @@ def plan_coverage(job: Job) -> Plan:
         PlanRefused: the input is unusable or the field cannot be worked like this; says why.
     """
     field = checked_field(job)
-    division = headlands.divide(job.machine, job.width_m, job.headland_passes)
+    is_wide = job.pattern is Pattern.SKIP_ROWS
+    division = headlands.divide(job.machine, job.width_m, job.headland_passes, is_wide=is_wide)
     inner = inner_field(field, division, job)
     ground = Ground(field, job.machine, crop=erode(inner, min(job.width_m, 1.0) * 0.6))
     angle = job.angle_rad if job.angle_rad is not None else rows_of.best_angle(inner, job.width_m)
     cells = rows_of.lay_rows(inner, ground.turning, angle, job.width_m)
     if not any(cells):
         raise PlanRefused("field_too_small", "No row fits into this field. Choose a smaller width.", "width_m")
+    cells = [[row for row in cell if job.doses.is_wanted_along(np.array([row.a, row.b]))] for cell in cells]
+    if not any(cells):
+        raise PlanRefused("nothing_to_treat", "No row crosses ground to be treated. Change the treatment.", "treatment")
     return _Course(job, ground, division, cells).run(field, inner, angle)
 
 
@@ -60,7 +65,7 @@ class _Course:
         self.notes: list[str] = []
         self.row = 0
         self.laps: list[Lap] = []
-        self.waiting = headlands.laps(ground, division)
+        self.waiting = [lap for lap in headlands.laps(ground, division) if job.doses.is_wanted_along(lap.points)]
         self.done: list[Swath] = []
 
     def run(self, field: BaseGeometry, inner: BaseGeometry, angle: float) -> Plan:
@@ -69,18 +74,25 @@ class _Course:
         self._headland()
         if self.job.home is not None:
             self._home()
-        legs = _with_pivots(self.legs, self.job.machine)
+        legs = self.job.doses.cut(_with_pivots(self.legs, self.job.machine))
         figures = self._figures(legs, field, inner, angle)
-        missed = 1 - figures.covered_m2 / figures.area_m2
+        missed = figures.missed_m2 / figures.wanted_m2
         if missed > _TOLD_MISSED:
-            self.notes.append(f"{missed:.0%} of the field stays untreated, mostly where the robot cannot turn.")
+            ground = "field" if self.job.doses.is_plain else "ground to be treated"
+            self.notes.append(f"{missed:.0%} of the {ground} stays untreated, mostly where the robot cannot turn.")
         return Plan(tuple(legs), figures, tuple(self.notes))
 
     # rows
 
     def _rows(self, inner: BaseGeometry) -> None:
         groups = by_part([cell for cell in self.cells if cell], self.ground.turning)
-        driven = [row for group in groups for cell in tour(group, inner, self.job.home) for row in cell]
+        job, span = self.job, span_for(self.job.machine, self.job.width_m)
+        driven = [
+            row
+            for group in groups
+            for cell in driving_order(job.pattern, group, inner, home=job.home, corner=job.corner, span=span)
+            for row in cell
+        ]
         around = headlands.after_rows(
             [lap for lap in self.waiting if lap.is_inner], driven, self.division, self.job.width_m
         )
@@ -185,10 +197,11 @@ class _Course:
 
     def _figures(self, legs: list[Leg], field: BaseGeometry, inner: BaseGeometry, angle: float) -> Figures:
         work = effort(legs, self.job.machine)
-        width = self.job.width_m
-        strips = [*rows_of.strips(self.done, width), *headlands.strips(self.laps, width)]
+        strips = self._strips(legs)
         worked = shapely.union_all(strips, grid_size=_GRID_M)
         covered = shapely.intersection(worked, field)
+        wanted = self.job.doses.wanted(field)
+        treated = covered if self.job.doses.is_plain else covered.intersection(wanted)
         return Figures(
             length_m=work.length_m,
             working_length_m=work.working_length_m,
@@ -206,7 +219,22 @@ class _Course:
             battery_share=work.energy_j / self.job.machine.battery_j,
             angle_rad=angle % math.pi,
             headland_passes=len(self.division.offsets_m),
+            wanted_m2=float(wanted.area),
+            missed_m2=max(0.0, float(wanted.area - treated.area)),
         )
+
+    def _strips(self, legs: list[Leg]) -> list[BaseGeometry]:
+        """Return the ground that each row, lap or treated piece of them works."""
+        width = self.job.treated_width_m
+        if self.job.doses.is_plain:
+            return [*rows_of.strips(self.done, width), *headlands.strips(self.laps, width)]
+        return worked_strips(legs, width)
+
+
+def worked_strips(legs: Sequence[Leg], width_m: float) -> list[BaseGeometry]:
+    """Return the ground that each leg with the tool on works, not clipped to the field."""
+    lines = [shapely.LineString(leg.points) for leg in legs if leg.tool_on]
+    return list(shapely.buffer(lines, width_m / 2, quad_segs=12, cap_style="flat"))
 
 
 def _entry_cost(here: Pose, lap: Floats) -> float:

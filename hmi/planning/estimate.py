@@ -31,6 +31,8 @@ def effort(legs: Sequence[Leg], machine: RobotProfile) -> Effort:
     pivoting = [abs(turn_between(a, b)) for a, b in pairwise(legs) if b.pivot]
     duration = sum(times) + sum(pivot_time(angle, machine) for angle in pivoting)
     working = sum(t for t, leg in zip(times, legs, strict=True) if leg.tool_on)
+    # a lower dose takes less power; a higher one takes more time, and so the legs are slower
+    dosed = sum(t * min(leg.dose, 1.0) for t, leg in zip(times, legs, strict=True) if leg.tool_on)
     length = sum(lengths)
     return Effort(
         length_m=length,
@@ -39,8 +41,21 @@ def effort(legs: Sequence[Leg], machine: RobotProfile) -> Effort:
         working_s=working,
         turns=_turns(legs),
         pivots=len(pivoting),
-        energy_j=length * machine.drive_j_per_m + duration * machine.idle_w + working * machine.tool_w,
+        energy_j=length * machine.drive_j_per_m + duration * machine.idle_w + dosed * machine.tool_w,
     )
+
+
+def timeline(legs: Sequence[Leg], machine: RobotProfile) -> list[tuple[float, float]]:
+    """Return when each leg begins and ends, seconds from the start; a turn on the spot lies before its leg."""
+    times = _times(legs, [leg.length_m for leg in legs], machine)
+    found: list[tuple[float, float]] = []
+    now = 0.0
+    for number, (leg, time) in enumerate(zip(legs, times, strict=True)):
+        if leg.pivot and number > 0:
+            now += pivot_time(turn_between(legs[number - 1], leg), machine)
+        found.append((now, now + time))
+        now += time
+    return found
 
 
 def pivot_time(angle_rad: float, machine: RobotProfile) -> float:
@@ -51,8 +66,8 @@ def pivot_time(angle_rad: float, machine: RobotProfile) -> float:
 
 def _turns(legs: Sequence[Leg]) -> int:
     """Count changes from one row or lap to the next."""
-    work = [k for k, leg in enumerate(legs) if leg.kind in (LegKind.ROW, LegKind.HEADLAND)]
-    return max(0, len(work) - 1)
+    work = sum(leg.kind in (LegKind.ROW, LegKind.HEADLAND) and not leg.is_continued for leg in legs)
+    return max(0, work - 1)
 
 
 def _times(legs: Sequence[Leg], lengths: Sequence[float], machine: RobotProfile) -> list[float]:

@@ -42,17 +42,18 @@ class Headland:
     depth_m: float
 
 
-def divide(machine: RobotProfile, width_m: float, passes: int | None) -> Headland:
+def divide(machine: RobotProfile, width_m: float, passes: int | None, *, is_wide: bool = False) -> Headland:
     """Choose the laps.
 
     Args:
         machine: needs room to turn at the end of the rows.
         width_m: working width.
         passes: number of laps; ``None`` takes as many as turning needs.
+        is_wide: rows are skipped, and even a machine that could turn on the spot shall turn in an arc.
     """
     first = max(width_m / 2, machine.border_m)
     if passes is None:
-        wanted = machine.reach_m + machine.margin_m + _turn_depth(machine, width_m)
+        wanted = machine.reach_m + machine.margin_m + _turn_depth(machine, width_m, is_wide=is_wide)
         passes = max(1, math.ceil((wanted - first - width_m / 2) / width_m - 1e-9) + 1)
     offsets = tuple(first + k * width_m for k in range(passes))
     # with few passes the inner field still begins where the machine can turn; the laps then cover less
@@ -60,13 +61,13 @@ def divide(machine: RobotProfile, width_m: float, passes: int | None) -> Headlan
     return Headland(offsets, depth)
 
 
-def _turn_depth(machine: RobotProfile, width_m: float) -> float:
+def _turn_depth(machine: RobotProfile, width_m: float, *, is_wide: bool) -> float:
     """Return how far beyond the row ends a turn into the next row reaches, the border slanting by some 25 degrees.
 
     A half circle where the rows are two radii apart; nearer than that, a bulb, which a machine that can turn on
     the spot does without.
     """
-    if width_m >= 2 * machine.turning_radius_m:
+    if width_m >= 2 * machine.turning_radius_m or (is_wide and machine.can_pivot):
         return machine.turning_radius_m + 0.5 * width_m
     return 0.0 if machine.can_pivot else 3.2 * machine.turning_radius_m
 

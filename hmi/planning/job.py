@@ -10,10 +10,11 @@ import shapely
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from hmi.domain.mission_plan import PlanRefused
+from hmi.domain.mission_plan import Corner, Pattern, PlanRefused
 from hmi.planning.ground import erode, polygons_of
 from hmi.planning.headland import Headland
 from hmi.planning.machine import RobotProfile
+from hmi.planning.treatment import EVERYWHERE, DoseMap
 
 MIN_WIDTH_M, MAX_WIDTH_M = 0.05, 50.0
 MAX_POINTS = 200_000  # corners of the field as given
@@ -28,7 +29,7 @@ class Job:
 
     Args:
         parcel: the field with its holes; the machine's outline never leaves it while it works.
-        width_m: distance of the rows, the width one pass treats.
+        width_m: distance of the rows.
         machine: whose outline and speeds count.
         obstacles: ground inside the field where the machine may not be.
         angle_rad: direction of the rows, 0 east; ``None`` searches the best.
@@ -36,6 +37,10 @@ class Job:
         home: where the machine stands; ``None`` begins at the first row.
         roads: ground outside the field it may use to get there.
         returns_home: drive back at the end.
+        pattern: order of the rows.
+        corner: where the rows begin.
+        tool_width_m: the width one pass treats; ``None`` is the distance of the rows.
+        doses: where the tool works, and how much.
     """
 
     parcel: Polygon
@@ -47,6 +52,15 @@ class Job:
     home: tuple[float, float] | None = None
     roads: BaseGeometry | None = None
     returns_home: bool = False
+    pattern: Pattern = Pattern.SHORTEST
+    corner: Corner | None = None
+    tool_width_m: float | None = None
+    doses: DoseMap = EVERYWHERE
+
+    @property
+    def treated_width_m(self) -> float:
+        """Width that one pass treats."""
+        return self.tool_width_m or self.width_m
 
 
 def checked_field(job: Job) -> BaseGeometry:

@@ -12,6 +12,8 @@ from hmi.domain.mission_plan import PlanRefused
 from hmi.domain.robot import Factsheet
 from hmi.planning.projection import Floats
 
+_LEAD_IN_M = {"laser": 0.3, "planter": 0.0}  # a laser sees weeds half a second before it fires at them
+_LEAD_OUT_M = {"laser": 0.1, "planter": 0.0}
 PIVOTING_RADIUS_M = 1.0  # arcs planned for a machine that could also turn on the spot
 
 
@@ -20,7 +22,8 @@ class RobotProfile:
     """What the planner needs to know of a robot. SI; the reference point ``base`` is what follows the path.
 
     ``margin_m`` is kept between outline and border: RTK noise, tracking error and the sampling of curves.
-    Energy figures are per metre driven, per second awake and per second of tool work.
+    Energy figures are per metre driven, per second awake and per second of tool work. The tool is switched on
+    ``lead_in_m`` before ground to be treated and off ``lead_out_m`` after it.
     """
 
     length_m: float = 2.6
@@ -38,6 +41,8 @@ class RobotProfile:
     drive_j_per_m: float = 1_600.0
     idle_w: float = 180.0
     tool_w: float = 1_500.0
+    lead_in_m: float = 0.5
+    lead_out_m: float = 0.2
 
     def __post_init__(self) -> None:
         """Refuse a machine that cannot be."""
@@ -68,6 +73,8 @@ class RobotProfile:
             transit_speed_mps=min(base.transit_speed_mps, top),
             accel_mps2=min(base.accel_mps2, sheet.max_accel_mps2),
             yaw_rate_radps=min(base.yaw_rate_radps, sheet.max_yaw_rate_radps),
+            lead_in_m=_LEAD_IN_M.get(sheet.tool_kind, base.lead_in_m),
+            lead_out_m=_LEAD_OUT_M.get(sheet.tool_kind, base.lead_out_m),
         )
 
     @property

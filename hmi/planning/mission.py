@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,17 +14,22 @@ from shapely.geometry.base import BaseGeometry
 
 from hmi.domain.ids import is_id
 from hmi.domain.mission_document import Document, canonical, mission_sha256
-from hmi.domain.mission_plan import Geometry, PlannedMission, PlanRefused, PlanWish
+from hmi.domain.mission_plan import Candidate, Geometry, PlannedMission, PlanRefused, PlanWish
 from hmi.planning.coverage import plan_coverage
+from hmi.planning.drawing import drawing
 from hmi.planning.job import Job
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import Leg, Plan
 from hmi.planning.projection import LocalFrame
+from hmi.planning.statistics import statistics
+from hmi.planning.treatment import DoseMap
 
 MAX_SEGMENTS = 20_000  # of the edge contract
 MAX_EXTENT_M = 20_000.0  # a plane at the datum is true over this distance; no field is larger
 MAX_POINTS_IN = 200_000
-ROAD_WIDTH_M = 4.0
+MAX_OVERLAP = 0.5
+MAX_DOSE = 2.0
+MAX_LEAD_M = 10.0
 YARD_RADIUS_M = 4.0  # ground around home where a robot can turn
 
 
@@ -37,12 +42,23 @@ def plan_mission(wish: PlanWish, machine: RobotProfile | None = None) -> Planned
     Raises:
         PlanRefused: the input is unusable or the field cannot be worked like this; says why.
     """
-    _check_names(wish)
-    frame = _frame(wish)
-    job = _job(wish, frame, machine or _machine(wish))
-    plan = plan_coverage(job)
+    job, plan = _planned(wish, machine)
     document = canonical(_document(wish, job, plan))
-    return PlannedMission(document, mission_sha256(document), _statistics(plan))
+    return PlannedMission(document, mission_sha256(document), statistics(wish, job, plan))
+
+
+def plan_candidate(wish: PlanWish) -> Candidate:
+    """Plan a mission to look at: its numbers and a drawing, no document; raises as ``plan_mission``."""
+    job, plan = _planned(wish, None)
+    _check_length(plan)
+    return Candidate(statistics(wish, job, plan), drawing(job, plan))
+
+
+def _planned(wish: PlanWish, machine: RobotProfile | None) -> tuple[Job, Plan]:
+    _check_names(wish)
+    _check_numbers(wish)
+    job = _job(wish, _frame(wish), machine or _machine(wish))
+    return job, plan_coverage(job)
 
 
 def _job(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> Job:
@@ -58,7 +74,8 @@ def _job(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> Job:
     roads = shapely.union_all(ways).difference(shapely.union_all(obstacles)) if ways else None
     return Job(
         parcel=parcel,
-        width_m=wish.width_m,
+        width_m=wish.width_m * (1 - wish.overlap),
+        tool_width_m=wish.width_m,
         machine=machine,
         obstacles=tuple(polygon for area in near for polygon in _parts(area)),
         angle_rad=wish.angle_rad,
@@ -66,18 +83,34 @@ def _job(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> Job:
         home=home,
         roads=roads,
         returns_home=wish.returns_home,
+        pattern=wish.pattern,
+        corner=wish.corner,
+        doses=_doses(wish, frame, machine),
     )
 
 
+def _doses(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> DoseMap:
+    given = wish.treatment
+    lead_in = machine.lead_in_m if given.lead_in_m is None else given.lead_in_m
+    lead_out = machine.lead_out_m if given.lead_out_m is None else given.lead_out_m
+    areas = tuple((_area(area.geometry, 0.0, frame), area.dose) for area in given.areas)
+    return DoseMap(areas, given.rest_dose, lead_in, lead_out)
+
+
 def _machine(wish: PlanWish) -> RobotProfile:
-    return RobotProfile() if wish.robot is None else RobotProfile.from_factsheet(wish.robot)
+    usual = RobotProfile() if wish.robot is None else RobotProfile.from_factsheet(wish.robot)
+    if wish.row_speed_mps is None:
+        return usual
+    top = usual.transit_speed_mps if wish.robot is None else wish.robot.max_speed_mps
+    if not 0 < wish.row_speed_mps <= top:
+        text = f"A speed of {wish.row_speed_mps:g} m/s is not possible; this robot drives up to {top:g} m/s."
+        raise PlanRefused("bad_speed", text, "row_speed_mps")
+    return replace(usual, row_speed_mps=wish.row_speed_mps)
 
 
 def _document(wish: PlanWish, job: Job, plan: Plan) -> Document:
+    _check_length(plan)
     segments = [_segment(leg) for leg in plan.legs]
-    if len(segments) > MAX_SEGMENTS:
-        text = f"The plan has {len(segments)} pieces; a robot takes {MAX_SEGMENTS}. Choose a larger row distance."
-        raise PlanRefused("too_many_rows", text, "width_m")
     is_home_at_end = bool(plan.legs) and plan.legs[-1].kind.value == "exit"
     return {
         "robot": wish.robot_id,
@@ -100,7 +133,7 @@ def _segment(leg: Leg) -> Document:
     points = np.round(leg.points, 3) + 0.0  # millimetres; the sum turns -0.0 into 0.0
     keep = np.append(True, np.any(np.diff(points, axis=0) != 0, axis=1))
     kept = points[keep] if keep.sum() > 1 else points[[0, -1]]
-    return {
+    segment = {
         "kind": leg.kind.value,
         "points": kept.tolist(),
         "speed_mps": round(leg.speed_mps, 3),
@@ -108,11 +141,14 @@ def _segment(leg: Leg) -> Document:
         "row": leg.row,
         "pivot": leg.pivot,
     }
+    # left out where it is the usual one: robots that know no doses take such missions too
+    return segment if leg.dose == 1.0 else {**segment, "dose": round(leg.dose, 3)}
 
 
-def _statistics(plan: Plan) -> dict[str, Any]:
-    figures = {k: round(v, 4) if isinstance(v, float) else v for k, v in asdict(plan.figures).items()}
-    return {**figures, "notes": list(plan.notes)}
+def _check_length(plan: Plan) -> None:
+    if len(plan.legs) > MAX_SEGMENTS:
+        text = f"The plan has {len(plan.legs)} pieces; a robot takes {MAX_SEGMENTS}. Choose a larger row distance."
+        raise PlanRefused("too_many_rows", text, "width_m")
 
 
 def _frame(wish: PlanWish) -> LocalFrame:
@@ -129,6 +165,20 @@ def _check_names(wish: PlanWish) -> None:
     for name in ("name", "field_name"):
         if not 1 <= len(getattr(wish, name)) <= 80:
             raise PlanRefused("bad_name", "A name has 1 to 80 characters.", name)
+
+
+def _check_numbers(wish: PlanWish) -> None:
+    if not 0 <= wish.overlap <= MAX_OVERLAP:
+        raise PlanRefused("bad_overlap", f"Choose an overlap of 0 to {MAX_OVERLAP:.0%}.", "overlap")
+    spacing = wish.plant_spacing_m
+    if spacing is not None and not 0.05 <= spacing <= 100:
+        raise PlanRefused("bad_spacing", "Choose a plant spacing of 0.05 to 100 m.", "plant_spacing_m")
+    treatment = wish.treatment
+    if any(not 0 <= dose <= MAX_DOSE for dose in (treatment.rest_dose, *(area.dose for area in treatment.areas))):
+        raise PlanRefused("bad_dose", f"A dose is 0 (off) to {MAX_DOSE:g} times the usual one.", "treatment")
+    leads = (treatment.lead_in_m, treatment.lead_out_m)
+    if any(lead is not None and not 0 <= lead <= MAX_LEAD_M for lead in leads):
+        raise PlanRefused("bad_lead", f"The tool may be on 0 to {MAX_LEAD_M:g} m before and after.", "lead_in_m")
 
 
 def _polygon(geometry: Geometry, frame: LocalFrame) -> Polygon:

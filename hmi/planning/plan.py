@@ -29,7 +29,8 @@ class Leg:
     """One smooth piece of path. ``points`` is (N, 2) metres in the plan's plane, N >= 2.
 
     ``row`` counts from 1 in driving order and is 0 off the rows. ``pivot``: stop before this leg and turn on
-    the spot to its first direction.
+    the spot to its first direction. ``dose`` is times the usual one. ``is_continued``: a piece of the row or lap
+    that the leg before it belongs to.
     """
 
     kind: LegKind
@@ -38,6 +39,8 @@ class Leg:
     tool_on: bool = False
     row: int = 0
     pivot: bool = False
+    dose: float = 1.0
+    is_continued: bool = False
 
     @property
     def length_m(self) -> float:
@@ -57,7 +60,11 @@ class Leg:
 
 @dataclass(frozen=True, slots=True)
 class Figures:
-    """Numbers of a plan, SI. Areas: field, worked, worked twice, inner field (behind the headland) and worked of it."""
+    """Numbers of a plan, SI.
+
+    Areas: field, to be treated, worked, worked twice, to be treated and not worked, inner field (behind the
+    headland) and worked of it.
+    """
 
     length_m: float
     working_length_m: float
@@ -75,6 +82,8 @@ class Figures:
     battery_share: float
     angle_rad: float
     headland_passes: int
+    wanted_m2: float
+    missed_m2: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)

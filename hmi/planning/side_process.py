@@ -61,6 +61,17 @@ class SideProcess:
             process.join(1.0)
 
 
+def limit_memory(memory_bytes: int) -> None:
+    """Bound the address space of this process where the system can (setrlimit, POSIX.1-2017)."""
+    try:
+        import resource
+    except ImportError:
+        return  # Windows; time and size are bounded there
+    _, hard = resource.getrlimit(resource.RLIMIT_AS)
+    most = memory_bytes if hard == resource.RLIM_INFINITY else min(memory_bytes, hard)
+    resource.setrlimit(resource.RLIMIT_AS, (most, hard))
+
+
 def _live_with_the_parent() -> None:
     """End when the parent does, and only then."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C reaches the whole process group

@@ -3,17 +3,25 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
+from typing import TypeVar
 
-from hmi.domain.mission_plan import PlannedMission, PlanRefused, PlanWish
-from hmi.planning.mission import plan_mission
+from hmi.domain.mission_plan import Candidate, PlannedMission, PlanRefused, PlanWish
+from hmi.domain.mission_rest import PlannedRest, RestWish
+from hmi.planning.mission import plan_candidate, plan_mission
+from hmi.planning.rest import plan_rest
 from hmi.planning.side_process import SideProcess, SideProcessDied
 
 PLAN_LIMIT_S = 60.0  # a hundred hectares with ten holes at half a metre take less
 WAITING_LIMIT = 8  # plans that may wait for the one at work
 
 
+W = TypeVar("W")
+P = TypeVar("P")
+
+
 class PlanningProcess:
-    """Plans one mission at a time; a ``Planner``. Close it: the process does not end by itself.
+    """Plans one mission at a time; a ``Planner`` and a ``RestPlanner``. Close it: the process does not end by itself.
 
     Args:
         limit_s: a plan that takes longer is given up.
@@ -31,12 +39,23 @@ class PlanningProcess:
         Raises:
             PlanRefused: it cannot be planned, took too long, or too many are waiting.
         """
+        return await self._run(plan_mission, wish)
+
+    async def rest(self, wish: RestWish) -> PlannedRest:
+        """Return the new rest of a mission; raises as ``plan``."""
+        return await self._run(plan_rest, wish)
+
+    async def candidate(self, wish: PlanWish) -> Candidate:
+        """Return the plan to look at; raises as ``plan``, and cancelling it frees the process."""
+        return await self._run(plan_candidate, wish)
+
+    async def _run(self, work: Callable[[W], P], wish: W) -> P:
         if self._waiting >= WAITING_LIMIT:
             raise PlanRefused("busy", "The planner is busy. Try again in a minute.")
         self._waiting += 1
         try:
             async with self._turn:
-                return await asyncio.wait_for(self._process.run(plan_mission, wish), self._limit_s)
+                return await asyncio.wait_for(self._process.run(work, wish), self._limit_s)
         except TimeoutError as error:
             text = f"Planning took more than {self._limit_s:.0f} s. Choose a larger row distance or a smaller field."
             raise PlanRefused("too_long", text, "width_m") from error

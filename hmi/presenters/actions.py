@@ -12,7 +12,8 @@ from hmi.presenters.units import milliseconds
 from hmi.presenters.words import HARDWARE_STOP, NO_LINK, NOT_REGISTERED, RESET_FIRST, has_mission, mode_of
 
 Verdict = dict[str, Any]
-ACTIONS = ("start", "pause", "resume", "abort", "return_home", "drive", "reset")
+ACTIONS = ("start", "pause", "resume", "later", "fresh", "change", "abort", "return_home", "drive", "reset")
+"""The robot's commands, and three that send a mission: resume later, start fresh, change the rest."""
 _ACTIVE = (OrderStatus.RUNNING, OrderStatus.PAUSED)
 _STARTABLE = (OrderStatus.LOADED, OrderStatus.DONE, OrderStatus.ABORTED, OrderStatus.FAILED)
 _MOVED = ("moved_while_paused", "return_home")
@@ -25,6 +26,9 @@ def actions(robot: Robot) -> dict[str, Verdict]:
         "start": _start(robot),
         "pause": _pause(robot),
         "resume": _resume(robot),
+        "later": _later(robot),
+        "fresh": _fresh(robot),
+        "change": _change(robot),
         "abort": _abort(robot),
         "return_home": _return_home(robot),
         "drive": _drive(robot),
@@ -93,7 +97,43 @@ def _resume(robot: Robot) -> str:
         return "Clear the fault first"
     if mode is not Mode.PAUSED or not has_mission(robot, *_ACTIVE):
         return "No paused mission"
-    return "It was moved since the pause. Start it instead" if _was_moved(robot) else ""
+    return "It was moved since the pause. Drive it back, or Resume later" if _was_moved(robot) else ""
+
+
+def _later(robot: Robot) -> str:
+    """Whether interrupted work can be taken up again from where it stands."""
+    if held := _held(robot):
+        return held
+    if mode_of(robot) in (Mode.AUTO, Mode.MANUAL):
+        return "It must stand still first"
+    if has_mission(robot, OrderStatus.PAUSED):
+        return "" if _was_moved(robot) else "It stands where it paused. Resume it"
+    if not has_mission(robot, OrderStatus.ABORTED, OrderStatus.FAILED) or not is_begun(robot):
+        return "No interrupted mission"
+    return ""
+
+
+def _fresh(robot: Robot) -> str:
+    """Whether the whole mission can be sent again from its first row."""
+    if mode_of(robot) not in (Mode.IDLE, Mode.PAUSED):
+        return _held(robot) or "Pause it first"
+    is_left = has_mission(robot, OrderStatus.PAUSED, OrderStatus.DONE, OrderStatus.ABORTED, OrderStatus.FAILED)
+    return "" if is_left else "No mission to begin again"
+
+
+def _change(robot: Robot) -> str:
+    """Whether the rest of what is under way can be changed."""
+    is_running = mode_of(robot) is Mode.AUTO and has_mission(robot, OrderStatus.RUNNING)
+    if not is_running and not (mode_of(robot) is Mode.PAUSED and has_mission(robot, OrderStatus.PAUSED)):
+        return "No mission under way"
+    is_away = has_mission(robot, OrderStatus.PAUSED) and _was_moved(robot)
+    return "It was moved since the pause. Resume later brings it back first" if is_away else ""
+
+
+def is_begun(robot: Robot) -> bool:
+    """Say whether something of its mission is done."""
+    order = robot.state.order if robot.state is not None else None
+    return order is not None and (order.area_done_m2 > 0 or order.row > 0)
 
 
 def _abort(robot: Robot) -> str:

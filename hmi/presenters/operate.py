@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 from hmi.domain.robot import Robot
 from hmi.presenters.actions import actions, why
+from hmi.presenters.start_checks import MissionFacts, start_checks
 from hmi.presenters.tiles import tiles
 from hmi.presenters.units import heading_deg, milliseconds
 from hmi.presenters.words import FAULT_LEVELS, kind_label, mode_of, mode_text, tool_label
@@ -27,6 +28,7 @@ class Context(NamedTuple):
     contact_name: str = ""
     contact_phone: str = ""
     title_of: Callable[[str], MissionTitle | None] = lambda _mission_id: None
+    facts_of: Callable[[str], MissionFacts | None] = lambda _mission_id: None
 
 
 def present(robot: Robot, context: Context, groups: Iterable[str] | None = None) -> Groups:
@@ -84,6 +86,7 @@ def _mission(robot: Robot, context: Context) -> Any:
     if robot.state is None or robot.state.order is None:
         return None
     order = robot.state.order
+    facts = context.facts_of(order.mission_id)
     title = context.title_of(order.mission_id) or MissionTitle(order.mission_id, "")
     return {
         "t": milliseconds(robot.state.stamp.source_s),
@@ -101,6 +104,7 @@ def _mission(robot: Robot, context: Context) -> Any:
         "is_supervised": order.is_supervised,
         "segment": order.segment,
         "segment_s_m": round(order.segment_s_m, 2),
+        "is_pending": facts is not None and facts.is_pending,
     }
 
 
@@ -124,6 +128,11 @@ def _why(robot: Robot, _context: Context) -> Any:
 
 def _actions(robot: Robot, _context: Context) -> Any:
     return actions(robot)
+
+
+def _checks(robot: Robot, context: Context) -> Any:
+    order = robot.state.order if robot.state is not None else None
+    return start_checks(robot, context.facts_of(order.mission_id) if order is not None else None)
 
 
 def _safety(robot: Robot, _context: Context) -> Any:
@@ -190,6 +199,7 @@ PRESENTERS: dict[str, Callable[[Robot, Context], Any]] = {
     "tiles": _tiles,
     "why": _why,
     "actions": _actions,
+    "checks": _checks,
     "safety": _safety,
     "body": _body,
     "faults": _faults,

@@ -17,25 +17,28 @@ def new_nonce() -> str:
     return secrets.token_urlsafe(16)
 
 
-def page_policy(nonce: str, host: str, stop_url: str | None) -> str:
+def page_policy(nonce: str, host: str, stop_url: str | None, tiles_origin: str | None = None) -> str:
     """Return the policy of one page.
 
     Vue compiles templates at run time (``unsafe-eval``), Quasar sets style attributes (``unsafe-inline``); everything
-    else comes from this origin, and the only other place to talk to is the STOP gateway.
+    else comes from this origin, and the only other places to talk to are the STOP gateway and, where an admin has
+    set one, the server of the online map.
 
     Args:
         nonce: what the page's script tags carry.
         host: the ``Host`` of the request, already checked.
         stop_url: public address of the STOP gateway for this host.
+        tiles_origin: scheme, host and port of the online map, if there is one.
     """
+    tiles = [tiles_origin] if tiles_origin else []
     # 'self' does not cover websockets in older Safari, so they are named.
-    connect = ["'self'", f"ws://{host}", f"wss://{host}", *_stop_sources(stop_url)]
+    connect = ["'self'", f"ws://{host}", f"wss://{host}", *_stop_sources(stop_url), *tiles]
     return "; ".join((
         "default-src 'self'",
         f"script-src 'self' 'nonce-{nonce}' 'unsafe-eval'",
         "script-src-attr 'none'",
         "style-src 'self' 'unsafe-inline'",
-        "img-src 'self' data: blob:",
+        " ".join(("img-src 'self' data: blob:", *tiles)),
         "font-src 'self' data:",
         "media-src 'self' blob:",
         f"connect-src {' '.join(connect)}",

@@ -41,27 +41,28 @@ class ResponseHeaders:
     Args:
         app: what is protected; anything that compresses pages is best put outside of this.
         stop_url_of: returns the public address of the STOP gateway for the ``Host`` of a request.
+        tiles_origin: the server of the online map, if an admin has set one.
     """
 
-    def __init__(self, app: ASGIApp, stop_url_of: Callable[[str], str | None]) -> None:
+    def __init__(self, app: ASGIApp, stop_url_of: Callable[[str], str | None], tiles_origin: str | None = None) -> None:
         self._app = app
-        self._stop_url_of = stop_url_of
+        self._policy = lambda nonce, host: page_policy(nonce, host, stop_url_of(host), tiles_origin)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass the request on and amend the answer."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        await self._app(scope, receive, _Answer(scope, send, self._stop_url_of))
+        await self._app(scope, receive, _Answer(scope, send, self._policy))
 
 
 class _Answer:
     """The ``send`` of one request."""
 
-    def __init__(self, scope: Scope, send: Send, stop_url_of: Callable[[str], str | None]) -> None:
+    def __init__(self, scope: Scope, send: Send, policy: Callable[[str, str], str]) -> None:
         self._scope = scope
         self._send = send
-        self._stop_url_of = stop_url_of
+        self._policy = policy
         self._start: Message | None = None
         self._page: list[bytes] = []
 
@@ -104,7 +105,7 @@ class _Answer:
 
     def _page_headers(self, headers: Headers, nonce: str, length: int) -> Headers:
         host = _value(self._scope["headers"], b"host").decode("latin-1")
-        policy = page_policy(nonce, host, self._stop_url_of(host))
+        policy = self._policy(nonce, host)
         replaced = {b"content-length", b"content-security-policy", b"cache-control", b"etag"}
         is_body_known = self._scope["method"] != "HEAD"
         kept = [header for header in headers if header[0].lower() not in replaced]

@@ -106,6 +106,15 @@ class Maps:
                 raise NotFound(f"there is no map version {number}")
             return dict(row.features)
 
+    def versions_of(self, farm_id: str, feature_id: str) -> list[tuple[MapVersion, dict[str, Any] | None]]:
+        """Return one feature in every version, oldest first, ``None`` where it is not; sizes are not counted."""
+        self._begin(farm_id)
+        row = MapVersionRow
+        query = select(row.number, row.by, row.note, row.published_at, row.features[feature_id])
+        with self._database.read() as session:
+            found = session.execute(query.where(row.farm_id == farm_id).order_by(row.number)).all()
+        return [(MapVersion(number, by, note, at, 0), raw) for number, by, note, at, raw in found]
+
     def draft(self, farm_id: str) -> MapDraft | None:
         """Return the farm's draft, if there is one."""
         with self._database.read() as session:

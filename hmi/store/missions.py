@@ -17,15 +17,25 @@ from hmi.domain.mission_document import Document, for_robot, mission_sha256, ren
 from hmi.domain.mission_plan import MissionRefused
 from hmi.store.database import Database
 from hmi.store.errors import AlreadyExists, NotFound
+from hmi.store.mission_tables import MissionRevisionRow
 from hmi.store.tables import MissionLogRow, MissionRow
 
 DELETABLE = frozenset({MissionStatus.DRAFT, MissionStatus.VALIDATED})
 """What ran, or waits to run, keeps its record."""
+_NEVER_RAN = DELETABLE | {MissionStatus.QUEUED, MissionStatus.WAITING}
+PROGRESS_EVERY_S = 15.0
+"""A console that is killed has forgotten no more of a running mission than this."""
 
 
 @dataclass(frozen=True, slots=True)
 class Mission:
-    """A stored mission without its document. ``statistics`` are the planner's figures, SI."""
+    """A stored mission without its document. ``statistics`` are the planner's figures, SI.
+
+    Args:
+        map_version: number of the published map it was planned on; ``None`` for one that is older than map versions.
+        progress: how far a robot came on this document, see ``hmi.domain.mission_rest.Progress``.
+        pending_sha256: of a document that was sent and not read back yet; empty if there is none.
+    """
 
     id: str
     farm_id: str
@@ -41,6 +51,9 @@ class Mission:
     revision: int = 1
     is_supervised: bool = True
     statistics: dict[str, Any] = field(default_factory=dict)
+    map_version: int | None = None
+    progress: dict[str, Any] | None = None
+    pending_sha256: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +79,7 @@ class Missions:
         self._clock = clock
         self._known: dict[str, Mission] = {}
         self._version = 0
+        self._kept_s: dict[str, float] = {}
         self._changing = threading.Lock()
         self._listeners: list[Callable[[Mission], None]] = []
 
@@ -128,6 +142,39 @@ class Missions:
             session.add(self._log(stored, stored.created_by, why, {}))
         return self._remember(stored)
 
+    def keep_progress(self, mission_id: str, progress: dict[str, Any], *, is_urgent: bool = False) -> None:
+        """Store how far a robot came, if the last time was a while ago or ``is_urgent``; no log, no event."""
+        now_s = self._clock.mono_s()
+        known = self._known.get(mission_id)
+        if known is None or known.progress == progress:
+            return
+        if not is_urgent and now_s - self._kept_s.get(mission_id, -PROGRESS_EVERY_S) < PROGRESS_EVERY_S:
+            return
+        self._kept_s[mission_id] = now_s
+        with self._changing, self._database.write() as session:
+            row = session.get(MissionRow, mission_id)
+            if row is None or row.sha256 != progress["sha256"]:
+                return
+            row.progress = progress
+            # seen by those who ask; not a change that anybody has to be told of
+            self._known[mission_id] = replace(self._known[mission_id], progress=progress)
+
+    def change(
+        self,
+        farm_id: str,
+        mission_id: str,
+        work: Callable[[Session, Mission, Document], tuple[Mission, Document]],
+        by: str,
+        why: str,
+        data: dict[str, Any] | None = None,
+    ) -> Mission:
+        """Let ``work`` change a mission and what lies beside it in one transaction, with a line in its log.
+
+        Raises:
+            NotFound: there is no such mission; and what ``work`` raises.
+        """
+        return self._change(farm_id, mission_id, work, by, why, data or {})
+
     def rename(self, farm_id: str, mission_id: str, name: str, by: str) -> Mission:
         """Give a mission another name; its hash changes with it.
 
@@ -136,12 +183,40 @@ class Missions:
             MissionRefused: a robot holds it or a queue waits for it.
         """
 
-        def change(mission: Mission, document: Document) -> tuple[Mission, Document]:
+        def change(_session: Session, mission: Mission, document: Document) -> tuple[Mission, Document]:
             if mission.status not in EDITABLE:
                 raise MissionRefused("in_use", f"{mission.name} is {mission.status.value}. Copy it instead.")
             return replace(mission, name=name), renamed(document, name=name)
 
         return self._change(farm_id, mission_id, change, by, "Renamed.", {"name": name})
+
+    def adjust(
+        self,
+        farm_id: str,
+        mission_id: str,
+        by: str,
+        *,
+        is_supervised: bool | None = None,
+        robot_id: str | None = None,
+    ) -> Mission:
+        """Mark a mission attended or not, or give it to another robot; its hash changes with the robot.
+
+        Raises:
+            NotFound: there is no such mission.
+            MissionRefused: a robot holds it or a queue waits for it.
+        """
+
+        def change(_session: Session, mission: Mission, document: Document) -> tuple[Mission, Document]:
+            if mission.status not in EDITABLE:
+                raise MissionRefused("in_use", f"{mission.name} is {mission.status.value}. Copy it instead.")
+            if robot_id is not None and robot_id != document["robot"]:
+                document = for_robot(document, robot_id)
+            attended = mission.is_supervised if is_supervised is None else is_supervised
+            return replace(mission, is_supervised=attended, robot_id=robot_id or mission.robot_id), document
+
+        words = [] if is_supervised is None else ["A person must be there." if is_supervised else "May run unattended."]
+        words += [] if robot_id is None else [f"For {robot_id} now."]
+        return self._change(farm_id, mission_id, change, by, " ".join(words), {})
 
     def move(
         self,
@@ -168,7 +243,7 @@ class Missions:
         """
         before = MissionStatus.DRAFT
 
-        def change(mission: Mission, document: Document) -> tuple[Mission, Document]:
+        def change(_session: Session, mission: Mission, document: Document) -> tuple[Mission, Document]:
             nonlocal before
             before = mission.status
             check_move(before, after, mover)
@@ -199,10 +274,13 @@ class Missions:
         with self._changing, self._database.write() as session:
             row = _row(session, farm_id, mission_id)
             ran = select(MissionLogRow.id).filter_by(mission_id=mission_id)
-            ran = ran.where(MissionLogRow.status.not_in([s.value for s in DELETABLE])).limit(1)
+            ran = ran.where(MissionLogRow.status.not_in([s.value for s in _NEVER_RAN])).limit(1)
+            if MissionStatus(row.status) in _NEVER_RAN - DELETABLE:
+                raise MissionRefused("in_queue", f"{row.name} is in a queue. Take it out there first.")
             if MissionStatus(row.status) not in DELETABLE or session.scalar(ran) is not None:
                 raise MissionRefused("has_record", f"{row.name} was sent to a robot; its record is kept.")
             session.execute(delete(MissionLogRow).filter_by(mission_id=mission_id))
+            session.execute(delete(MissionRevisionRow).filter_by(mission_id=mission_id))
             session.delete(row)
             self._known = {key: one for key, one in self._known.items() if key != mission_id}
             self._version += 1
@@ -211,7 +289,7 @@ class Missions:
         self,
         farm_id: str,
         mission_id: str,
-        change: Callable[[Mission, Document], tuple[Mission, Document]],
+        change: Callable[[Session, Mission, Document], tuple[Mission, Document]],
         by: str,
         why: str,
         data: dict[str, Any],
@@ -219,7 +297,7 @@ class Missions:
     ) -> Mission:
         with self._changing, self._database.write() as session:
             row = _row(session, farm_id, mission_id)
-            mission, document = change(_mission(row), row.document)
+            mission, document = change(session, _mission(row), row.document)
             mission = replace(mission, updated_at=at or self._clock.utc())
             if document is not row.document:
                 row.document = document
@@ -258,7 +336,7 @@ def _row(session: Session, farm_id: str, mission_id: str) -> MissionRow:
 
 _SAME = (
     "farm_id", "name", "field_name", "field_id", "robot_id", "revision", "is_supervised", "sha256", "statistics",
-    "created_by", "created_at", "updated_at",
+    "map_version", "progress", "pending_sha256", "created_by", "created_at", "updated_at",
 )  # fmt: skip
 
 

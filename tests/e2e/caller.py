@@ -41,6 +41,14 @@ class Caller:
             body = {**body, "tick": self.tick()}
         return self._client.post(f"/api/v1{path}", json=body)
 
+    def patch(self, path: str, body: dict[str, Any]) -> httpx.Response:
+        """Send a PATCH below ``/api/v1``."""
+        return self._client.patch(f"/api/v1{path}", json=body)
+
+    def delete(self, path: str) -> httpx.Response:
+        """Send a DELETE below ``/api/v1``."""
+        return self._client.delete(f"/api/v1{path}")
+
     def tick(self) -> str:
         """Return a tick issued just now."""
         if self._lane is None:

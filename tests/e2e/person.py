@@ -70,6 +70,8 @@ class Person:
 
     def slide(self, hook: str) -> None:
         """Drag the thumb of a slide-to-confirm past its flag and let go."""
+        if hook in ("mission-start", "mission-resume"):
+            self.tick_list()
         expect(self.hook(f"{hook}-thumb")).to_be_visible()
         track, thumb = self.box(hook), self.box(f"{hook}-thumb")
         y = thumb["y"] + thumb["height"] / 2
@@ -77,6 +79,22 @@ class Person:
         self.page.mouse.down()
         self.page.mouse.move(track["x"] + track["width"] - 4, y, steps=12)
         self.page.mouse.up()
+
+    def tick_list(self) -> None:
+        """Tick the list before a start, if this screen asks for it and it is not ticked yet."""
+        button = self.hook("mission-checks")
+        if button.count() == 0:
+            return
+        expect(button).to_contain_text(re.compile(r"\d of \d(?!.*loading)"), timeout=10_000)
+        if "list open" not in button.inner_text():
+            return
+        button.click()
+        sheet = self.hook("start-sheet")
+        expect(sheet.get_by_role("checkbox").first).to_be_visible()
+        for line in sheet.get_by_role("checkbox").all():
+            line.click()
+        expect(sheet.get_by_test_id("checklist-state")).to_contain_text("Ticked by", timeout=10_000)
+        sheet.get_by_role("button", name="Close").click()
 
     def hold(self, hook: str) -> None:
         """Put a finger on an element and leave it there; ``let_go`` lifts it."""

@@ -11,6 +11,7 @@ import pytest
 
 from tests.e2e.installation import Installation
 from tests.e2e.person import Person, wait_for
+from tests.e2e.test_farmer import send_mission
 
 pytestmark = pytest.mark.browser
 Come = Callable[..., Person]
@@ -38,10 +39,7 @@ def kill_and_stop(martha: Person, calm: Installation, part: str, wait_ms: int = 
 
 def let_it_drive(martha: Person, calm: Installation) -> None:
     """Start the stored mission and wait until the robot is under way."""
-    martha.open("/missions")
-    martha.hook("mission-row-trial-strip").click()
-    martha.hook("plan-send").click()
-    martha.sees("mission-row-trial-strip", "sent|accepted", within_s=20)
+    send_mission(martha)
     martha.operate(ROBOT)
     martha.slide("mission-start")
     wait_for(lambda: calm.world(ROBOT)["speed_mps"] > 0.1, within_s=20, what="it drives")
@@ -69,11 +67,9 @@ def test_a_hundred_kills_at_any_moment(person: Come, calm: Installation) -> None
 
 def test_a_start_asked_while_the_broker_is_dead_never_acts(person: Come, calm: Installation) -> None:
     martha = person("operator")
-    martha.open("/missions")
-    martha.hook("mission-row-trial-strip").click()
-    martha.hook("plan-send").click()
-    martha.sees("mission-row-trial-strip", "sent|accepted", within_s=20)
+    send_mission(martha)
     martha.operate(ROBOT)
+    martha.tick_list()
     before_m = calm.world(ROBOT)["distance_m"]
     os.kill(calm.pid("broker"), signal.SIGSTOP)
     try:

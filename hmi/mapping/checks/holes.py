@@ -8,12 +8,13 @@ from itertools import combinations
 from shapely.geometry import Polygon
 from shapely.ops import nearest_points
 
-from hmi.mapping.checks.finding import BLOCKS, Finding, Fix
+from hmi.mapping.checks.finding import BLOCKS, LOOK, Finding, Fix
 from hmi.mapping.checks.site import Site
+from hmi.mapping.operations.hole import APART_M
 
 
 def holes(site: Site) -> Iterator[Finding]:
-    """Find holes that leave the outline, or touch or overlap another hole."""
+    """Find holes that leave or touch the outline, or touch or overlap another hole."""
     for n in sorted({path.feature for path in site.paths if path.is_closed and path.number}):
         rings = [site.corners_m[path.start : path.stop] for path in site.paths if path.feature == n]
         outline, *inner = map(Polygon, rings)
@@ -26,6 +27,8 @@ def _outside(site: Site, n: int, outline: Polygon, numbered: list[tuple[int, Pol
     feature_id = site.features[n].id
     for number, hole in numbered if outline.is_valid else ():
         if outline.covers(hole):
+            if outline.exterior.distance(hole) < APART_M:
+                yield _touching(site, n, outline, number, hole)
             continue
         is_clear = not outline.intersects(hole)
         fix = (
@@ -42,6 +45,18 @@ def _outside(site: Site, n: int, outline: Polygon, numbered: list[tuple[int, Pol
             at=site.place(hole.representative_point()),
             fix=fix,
         )
+
+
+def _touching(site: Site, n: int, outline: Polygon, number: int, hole: Polygon) -> Finding:
+    return Finding(
+        "hole_touches",
+        LOOK if site.is_valid[n] else BLOCKS,
+        site.features[n].id,
+        f"Hole {number} touches the edge.",
+        "Draw it clear of the edge, or cut the edge back at it.",
+        at=site.place(nearest_points(outline.exterior, hole)[0]),
+        fix=Fix("Cut at the edge", "untangle", (site.features[n].id,)),
+    )
 
 
 def _together(site: Site, n: int, numbered: list[tuple[int, Polygon]]) -> Iterator[Finding]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 import shapely
@@ -12,12 +11,12 @@ from shapely import STRtree
 
 from hmi.mapping.checks.finding import LOOK, Finding, Fix
 from hmi.mapping.checks.site import Site
-from hmi.mapping.ground import GRID_M, areas_in, polygons_in, sound
+from hmi.mapping.ground import polygons_in
 from hmi.mapping.measures import area_text
+from hmi.mapping.operations.strips import SLIVER_M, strips_between
 
 OVERLAP_M2 = 1.0
 SLIVER_M2 = 1.0
-SLIVER_M = 0.5  # wider is a path someone may have meant
 TOUCH_M = 0.02  # nearer is the same edge
 
 
@@ -36,12 +35,14 @@ def overlaps(site: Site) -> Iterator[Finding]:
             LOOK,
             larger.id,
             f"Parcels overlap by {area_text(float(areas[n]))}.",
-            f"{larger.title} and {smaller.title} are the same ground. Remove one."
+            f"{larger.title} and {smaller.title} are the same ground."
             if is_same
             else f"{larger.title} and {smaller.title} share ground; it would be worked twice.",
             other_id=smaller.id,
             at=site.place(polygons_in(shared[n])[0].representative_point()),
-            fix=None if is_same else Fix(f"Cut back {larger.title}", "clip", (larger.id,), {"others": [smaller.id]}),
+            fix=Fix("Make them one", "merge", (larger.id, smaller.id))
+            if is_same
+            else Fix(f"Cut back {larger.title}", "clip", (larger.id,), {"others": [smaller.id]}),
         )
 
 
@@ -50,18 +51,19 @@ def slivers(site: Site) -> Iterator[Finding]:
     of = site.of_kind("parcel")
     shapes = site.shapes[of]
     for a, b in _gaping(shapes):
-        gaps = [gap for gap in _between(shapes[a], shapes[b]) if gap.area > SLIVER_M2]
+        gaps = [gap for gap in strips_between(shapes[a], shapes[b]) if gap.area > SLIVER_M2]
         if not gaps:
             continue
-        one, other = site.features[of[a]], site.features[of[b]]
+        one, other = (site.features[k] for k in sorted((of[a], of[b]), key=lambda k: -shapely.area(site.shapes[k])))
         yield Finding(
             "sliver",
             LOOK,
             one.id,
             f"A strip of {area_text(gaps[0].area)} lies between two parcels.",
-            f"{one.title} and {other.title} are less than {SLIVER_M:g} m apart there. Snap their corners together.",
+            f"{one.title} and {other.title} are less than {SLIVER_M:g} m apart there. Nobody works the strip.",
             other_id=other.id,
             at=site.place(gaps[0].representative_point()),
+            fix=Fix(f"Give it to {one.title}", "close_gap", (one.id,), {"to": other.id}),
         )
 
 
@@ -92,18 +94,3 @@ def _gaping(shapes: NDArray[np.object_]) -> Iterator[tuple[int, int]]:
         for owner in of[starts[a] : stops[a]]
     }
     yield from sorted(found)
-
-
-def _between(a: Any, b: Any) -> list[Any]:
-    """Return what lies between two parcels and is narrower than ``SLIVER_M``, largest first."""
-    region = shapely.box(*_common(shapely.bounds(a), shapely.bounds(b)))
-    near = areas_in(shapely.intersection(shapely.union(a, b), region))
-    reach_m = SLIVER_M / 2
-    closed = sound(near.buffer(reach_m, join_style="mitre").buffer(-reach_m, join_style="mitre"))
-    strips = polygons_in(shapely.difference(closed, near, grid_size=GRID_M))
-    return [strip for strip in strips if strip.distance(a) < 1e-3 and strip.distance(b) < 1e-3]
-
-
-def _common(a: NDArray[np.float64], b: NDArray[np.float64]) -> tuple[float, float, float, float]:
-    low, high = np.maximum(a[:2], b[:2]) - 2 * SLIVER_M, np.minimum(a[2:], b[2:]) + 2 * SLIVER_M
-    return float(low[0]), float(low[1]), float(high[0]), float(high[1])

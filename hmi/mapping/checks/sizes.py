@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import shapely
 
-from hmi.mapping.checks.finding import LOOK, Finding
+from hmi.mapping.checks.finding import LOOK, Finding, Fix
 from hmi.mapping.checks.site import Site
 from hmi.mapping.measures import area_text
 
@@ -29,6 +29,7 @@ def areas(site: Site) -> Iterator[Finding]:
             f"Parcel has {area_text(float(area))}. That is very {size}.",
             "Check its corners, or remove it." if size == "small" else "Check its corners, or draw a farm instead.",
             at=site.place(site.shapes[n].representative_point()),
+            fix=Fix("Remove it", "remove", (site.features[n].id,)) if size == "small" else None,
         )
 
 

@@ -16,16 +16,20 @@ from hmi.mapping.operations.arguments import Arguments
 from hmi.mapping.operations.buffer import buffer
 from hmi.mapping.operations.clean import clean
 from hmi.mapping.operations.clip import clip
+from hmi.mapping.operations.close_gap import close_gap
+from hmi.mapping.operations.cut_antimeridian import cut_antimeridian
 from hmi.mapping.operations.hole import add_hole, remove_hole
 from hmi.mapping.operations.merge import merge
 from hmi.mapping.operations.move import shift, turn
 from hmi.mapping.operations.orient import orient
 from hmi.mapping.operations.outcome import Change, Outcome
+from hmi.mapping.operations.remove import remove
 from hmi.mapping.operations.selection import Selection
 from hmi.mapping.operations.simplify import simplify
 from hmi.mapping.operations.snap_end import snap_end
 from hmi.mapping.operations.split import split
 from hmi.mapping.operations.straighten import straighten
+from hmi.mapping.operations.straighten_all import straighten_all
 from hmi.mapping.operations.swap_axes import swap_axes
 from hmi.mapping.operations.untangle import untangle
 
@@ -45,6 +49,7 @@ OPERATIONS: MappingProxyType[str, Operation] = MappingProxyType(
         "merge": Operation(merge, frozenset({"gap_m"})),
         "buffer": Operation(buffer, frozenset({"distance_m"})),
         "straighten": Operation(straighten, frozenset({"from", "to", "ring"})),
+        "straighten_all": Operation(straighten_all, frozenset({"within_deg"})),
         "simplify": Operation(simplify, frozenset({"tolerance_m"})),
         "shift": Operation(shift, frozenset({"east_m", "north_m"})),
         "turn": Operation(turn, frozenset({"angle_deg"})),
@@ -56,6 +61,9 @@ OPERATIONS: MappingProxyType[str, Operation] = MappingProxyType(
         "untangle": Operation(untangle),
         "snap_end": Operation(snap_end, frozenset({"to"})),
         "swap_axes": Operation(swap_axes),
+        "close_gap": Operation(close_gap, frozenset({"to", "width_m"})),
+        "cut_antimeridian": Operation(cut_antimeridian),
+        "remove": Operation(remove),
     }
 )
 

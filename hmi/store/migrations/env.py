@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from alembic import context
 
-from hmi.store import map_tables  # noqa: F401 - so that its tables are known
+from hmi.store import (  # noqa: F401 - so that their tables are known
+    base_map_tables,
+    map_tables,
+    mission_tables,
+    queue_tables,
+    template_tables,
+)
 from hmi.store.tables import Base
 
 context.configure(

@@ -10,6 +10,7 @@ export const STEP_DEG = 0.5;
 const RADIUS_PX = [56, 131];
 const SHARE = 0.3; // of the smaller side of the parcel on the screen
 const LEAST_SIDE_PX = 150; // smaller parcels have no room for a dial
+const HOME_PX = 84; // clear of the home's own handle
 const KNOB_PX = 19;
 const REACH_PX = 24;
 
@@ -28,19 +29,32 @@ export function rowBearing(feature) {
   return { bearing: stepped(best[1] % 180), isSet: false };
 }
 
+const isHome = (feature) => feature?.properties?.kind === 'home' && feature.geometry.type === 'Point';
+
+/** What the dial of a feature shows, degrees clockwise from north: rows of a parcel, or which way a robot stands at home. */
+export function bearingOf(feature) {
+  if (!isHome(feature)) return rowBearing(feature);
+  const heading = feature.properties.heading_deg; // kept counter-clockwise from east
+  return Number.isFinite(heading) ? { bearing: inTurn(90 - heading), isSet: true } : { bearing: 0, isSet: false };
+}
+
 export const withBearing = (feature, degrees) => ({
-  ...feature, properties: { ...feature.properties, row_bearing_deg: stepped(degrees) },
+  ...feature, properties: { ...feature.properties, ...(isHome(feature) ? { heading_deg: inTurn(90 - stepped(degrees)) } : { row_bearing_deg: stepped(degrees) }) },
 });
 
 /** Label of a change of direction. */
 export function turnText(before, after) {
-  const to = degreesText(after.properties.row_bearing_deg);
-  const { bearing, isSet } = rowBearing(before);
-  return isSet ? `Row direction ${degreesText(bearing)} to ${to}` : `Row direction ${to}`;
+  const to = degreesText(bearingOf(after).bearing);
+  const { bearing, isSet } = bearingOf(before);
+  const word = isHome(after) ? 'Heading' : 'Row direction';
+  return isSet ? `${word} ${degreesText(bearing)} to ${to}` : `${word} ${to}`;
 }
+
+const isSame = (a, b) => bearingOf(a).isSet === bearingOf(b).isSet && bearingOf(a).bearing === bearingOf(b).bearing;
 
 /** {cx, cy, radius, kx, ky, bearing, isSet} in px, or null where there is nothing to turn or no room. */
 export function dialOf(feature, surface) {
+  if (isHome(feature)) return around(feature, surface, surface.toPx(partsOf(feature)[0][0][0]), HOME_PX, true);
   if (feature?.properties?.kind !== 'parcel' || !isArea(feature)) return null;
   const rings = partsOf(feature).reduce((a, b) => (areaM2(b) > areaM2(a) ? b : a)); // the largest part
   const places = rings[0].map((position) => surface.toPx(position));
@@ -48,10 +62,13 @@ export function dialOf(feature, surface) {
   const least = Math.min(side(0), side(1));
   if (least < LEAST_SIDE_PX) return null;
   const radius = Math.min(Math.max(least * SHARE, RADIUS_PX[0]), RADIUS_PX[1]);
-  const [cx, cy] = surface.toPx(labelPoint(rings[0]));
-  const { bearing, isSet } = rowBearing(feature);
+  return around(feature, surface, surface.toPx(labelPoint(rings[0])), radius, false);
+}
+
+function around(feature, surface, [cx, cy], radius, isArrow) {
+  const { bearing, isSet } = bearingOf(feature);
   const angle = (bearing - surface.camera.bearing) * DEG;
-  return { cx, cy, radius, kx: cx + radius * Math.sin(angle), ky: cy - radius * Math.cos(angle), angle, bearing, isSet };
+  return { cx, cy, radius, kx: cx + radius * Math.sin(angle), ky: cy - radius * Math.cos(angle), angle, bearing, isSet, isArrow };
 }
 
 export const isOnKnob = (dial, [x, y]) => Boolean(dial) && Math.hypot(dial.kx - x, dial.ky - y) <= REACH_PX;
@@ -73,7 +90,7 @@ export class DialDrag {
 
   finish() {
     const { core, id, before, live } = this;
-    if (live.properties.row_bearing_deg === before.properties.row_bearing_deg) core.show(id, null);
+    if (isSame(live, before)) core.show(id, null);
     else core.commit(turnText(before, live), [{ id, before, after: live }]);
   }
 
@@ -88,7 +105,7 @@ export class DialDrag {
 
 /** Draw the dial as on the drawing board: circle, north line, bar through the middle, knob. */
 export function paintDial(context, dial, palette, isChosen) {
-  const { cx, cy, radius, kx, ky, angle, bearing, isSet } = dial;
+  const { cx, cy, radius, kx, ky, angle, bearing, isSet, isArrow } = dial;
   dashed(context, [3.5, 8.5], () => {
     context.beginPath();
     context.arc(cx, cy, radius, 0, 2 * Math.PI);
@@ -97,7 +114,7 @@ export function paintDial(context, dial, palette, isChosen) {
     context.stroke();
   });
   dashed(context, [5, 5], () => line(context, [[cx, cy], [cx, cy - radius]], palette.ink2, 1.2));
-  dashed(context, isSet ? [] : [8, 6], () => line(context, [[2 * cx - kx, 2 * cy - ky], [kx, ky]], palette.ink, 3));
+  dashed(context, isSet ? [] : [8, 6], () => line(context, [isArrow ? [cx, cy] : [2 * cx - kx, 2 * cy - ky], [kx, ky]], palette.ink, 3));
   if (isChosen) disc(context, kx, ky, 26, { fill: palette.sel, alpha: 0.22 });
   disc(context, kx, ky, KNOB_PX, { fill: palette.raised, stroke: palette.ink, width: 2.6 });
   context.save();

@@ -10,9 +10,11 @@ export class Draft {
   constructor() {
     this.byId = new Map();
     this.boxes = new Map();
+    this.revision = 0;
   }
 
   set(features) {
+    this.revision += 1;
     this.byId.clear();
     this.boxes.clear();
     for (const feature of features) this.#put(idOf(feature), feature);
@@ -20,6 +22,7 @@ export class Draft {
 
   /** Apply [{id, after}]; `after` null removes. */
   apply(changes) {
+    this.revision += 1;
     for (const { id, after } of changes) {
       if (after) this.#put(id, after);
       else {

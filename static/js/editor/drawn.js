@@ -1,6 +1,7 @@
 // What a finished drawing is: a new feature, or a hole or cut that the server makes.
 
 import { contains, idOf } from './draft.js';
+import { radiusOf } from './circle_pen.js';
 import { PENS } from './pen.js';
 import { kept } from './plane.js';
 import { isArea, newFeature, partsOf, turnOf } from './shape.js';
@@ -13,8 +14,10 @@ export function drawnOf(tool, points, selection, draft) {
     area: () => ({ type: 'Polygon', coordinates: [[...points, points[0]]] }),
     line: () => ({ type: 'LineString', coordinates: points }),
     point: () => ({ type: 'Point', coordinates: points[0] }),
+    circle: () => ({ type: 'Point', coordinates: points[0] }),
   }[shape]();
-  return { feature: newFeature(kind, geometry, kind === 'rows' ? rowsOf(points, selection, draft) : own) };
+  if (shape === 'circle') return { feature: newFeature(kind, geometry, { radius_m: radiusOf(points[0], points[1]) }) };
+  return { feature: newFeature(kind, geometry, kind === 'rows' ? { ...rowsOf(points, selection, draft), ...own } : own) };
 }
 
 function rowsOf(points, selection, draft) {

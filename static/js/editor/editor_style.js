@@ -14,9 +14,11 @@ const isLook = (look) => ['==', ['get', 'look'], look];
 /** [layer, id of the layer above it or null]; paint values starting with '@' are palette names. */
 const LAYERS = [
   [{ id: 'edit-farm', source: 'farm', type: 'line', filter: ['all', ofKind('farm'), AREAS], paint: { 'line-color': '@edge', 'line-width': 1.4, 'line-dasharray': [8, 4] } }, 'parcel'],
+  [{ id: 'edit-treatment', source: 'farm', type: 'line', filter: ['all', ofKind('treatment'), AREAS], paint: { 'line-color': '@plan', 'line-width': 1.6, 'line-dasharray': [4, 3] } }, null],
   [{ id: 'edit-slow', source: 'farm', type: 'line', filter: ['all', ofKind('slow'), AREAS], paint: { 'line-color': '@plan', 'line-width': 1.6, 'line-dasharray': [2, 3] } }, null],
   [{ id: 'edit-rows-kept', source: 'farm', type: 'line', filter: ['all', ofKind('rows'), LINES], paint: { 'line-color': '@plan', 'line-width': 2 } }, null],
   [{ id: 'edit-place', source: 'farm', type: 'circle', filter: ['all', ofKind('home', 'gate'), POINTS], paint: { 'circle-color': '@raised', 'circle-radius': 8, 'circle-stroke-color': '@ink', 'circle-stroke-width': 2 } }, null],
+  [{ id: 'edit-strips', source: 'strips', type: 'line', paint: { 'line-color': '@row', 'line-width': 1, 'line-opacity': 0.55 } }, 'no-go'],
   [{ id: 'edit-headland', source: 'edit', type: 'fill', filter: isLook('headland'), paint: { 'fill-color': '@headland' } }, 'no-go'],
   [{ id: 'edit-plain', source: 'edit', type: 'fill', filter: isLook('plain'), paint: { 'fill-color': '@parcelOn' } }, 'no-go'],
   [{ id: 'edit-bed', source: 'edit', type: 'line', filter: isLook('ground'), paint: { 'line-color': '@parcelOn', 'line-width': 1 } }, 'no-go'],
@@ -28,6 +30,7 @@ const colour = (value, palette) => (typeof value === 'string' && value[0] === '@
 /** Add the builder's source and layers to a running map. */
 export function addEditorStyle(map, palette) {
   map.addSource('edit', { type: 'geojson', data: EMPTY, tolerance: 0, maxzoom: 18 });
+  map.addSource('strips', { type: 'geojson', data: EMPTY, tolerance: 0, maxzoom: 18 });
   for (const [layer, above] of LAYERS) {
     const paint = Object.fromEntries(Object.entries(layer.paint).map(([key, value]) => [key, colour(value, palette)]));
     map.addLayer({ ...layer, paint }, above && map.getLayer(above) ? above : undefined);
@@ -40,6 +43,12 @@ export function paintEditorStyle(map, palette) {
       if (colour(value, palette) !== value) map.setPaintProperty(layer.id, key, colour(value, palette));
     }
   }
+}
+
+/** Show row directions of all others: [[lon, lat], [lon, lat]] each. */
+export function showStrips(map, lines) {
+  const features = lines.length ? [{ type: 'Feature', properties: {}, geometry: { type: 'MultiLineString', coordinates: lines } }] : [];
+  map.getSource('strips')?.setData({ type: 'FeatureCollection', features });
 }
 
 /** Show parcels in hand: [{feature, rows: {ground: {lines, spacingM}, lines} or null}]. */

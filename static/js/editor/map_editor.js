@@ -4,6 +4,7 @@
 
 import { BodyDrag } from './body_drag.js';
 import { CornerDrag } from './corner_drag.js';
+import { CirclePen, CirclePress } from './circle_pen.js';
 import { DialDrag, isOnKnob, turnText, withBearing } from './dial.js';
 import { drawnOf } from './drawn.js';
 import { handleAt } from './handles.js';
@@ -14,24 +15,25 @@ import { PENS, Pen, PenPress } from './pen.js';
 import { kept } from './plane.js';
 import { Pointer } from './pointer.js';
 import { cornerName, isArea, moved, partsOf, rebuilt, removed } from './shape.js';
+import { TurnDrag } from './trial.js';
 import { kindWord } from './words.js';
 import { Workbench } from './workbench.js';
 
 const REACH_PX = 12; // beside a line or a point
 const NO_WEBGL = 'Drawing needs WebGL. This device shows the map only.';
-const HEARD = ['onSelect', 'onChange', 'onMeasure', 'onDrawn', 'onPoint', 'onNotice'];
+const HEARD = ['onSelect', 'onChange', 'onMeasure', 'onDrawn', 'onPoint', 'onNotice', 'onTurn'];
 
 export class MapEditor {
   #tool = 'select';
   #held = null; // what arrow keys move until they are let go
   #isBodyFree = false;
 
-  /** options: {vendorUrl, readOnly, onSelect(ids), onChange({label, changes}), onMeasure(text), onDrawn(drawn), onPoint(lonLat), onNotice(text)}. */
+  /** options: {vendorUrl, baseMapsUrl, readOnly, onSelect(ids), onChange({label, changes}), onMeasure(text), onDrawn(drawn), onPoint(lonLat), onNotice(text), onTurn(degrees)}. */
   constructor(host, options) {
     this.host = host;
     this.options = options;
     this.say = Object.fromEntries(HEARD.map((name) => [name, (value) => options[name]?.(value)]));
-    this.bench = new Workbench(host, options.vendorUrl, {
+    this.bench = new Workbench(host, options, {
       fit: () => this.fit(),
       lost: () => this.#lost(),
       tap: (at, event) => this.#tap(at, event),
@@ -55,6 +57,7 @@ export class MapEditor {
       tap: (at, event) => this.#tap(at, event),
       hover: (at) => this.#hover(at),
       hold: () => bench.surface.hold(),
+      share: () => bench.surface.share(),
       release: () => bench.surface.release(Boolean(bench.pen)),
     });
     this.keyboard = new Keyboard(host, {
@@ -112,7 +115,7 @@ export class MapEditor {
     const isAllowed = !bench.isReady || this.#canEdit || (tool === 'measure' && bench.surface.isEditable);
     this.#tool = isAllowed ? tool : 'select';
     this.host.dataset.tool = this.#tool;
-    bench.pen = bench.isReady && this.#tool in PENS ? new Pen(bench, this.#tool) : null;
+    bench.pen = bench.isReady && this.#tool in PENS ? penOf(bench, this.#tool) : null;
     bench.isHandled = this.#canEdit && this.#tool === 'select';
     if (bench.isReady) bench.surface.release(Boolean(bench.pen));
     bench.repaint();
@@ -154,6 +157,23 @@ export class MapEditor {
     this.bench.setFindings(findings);
   }
 
+  /** Give the circle that is being drawn its radius in metres; false while it has no middle. */
+  setRadius(metres) {
+    return this.bench.pen?.setRadius?.(metres) ?? false;
+  }
+
+  /** Show features as they would become; none: the preview is over. */
+  setTrial(features) {
+    this.bench.trial = features;
+    this.bench.repaint();
+  }
+
+  /** Put a dial on the shape in hand, at so many degrees, that is heard by `onTurn`; null takes it away. */
+  setTurning(degrees) {
+    this.bench.turning = degrees;
+    this.bench.repaint();
+  }
+
   /** Set the row direction of a parcel, in degrees clockwise from north. */
   setDirection(id, degrees) {
     const before = this.bench.draft.get(id);
@@ -167,6 +187,11 @@ export class MapEditor {
     const { draft, isReady, surface } = this.bench;
     const features = ids ? ids.map((id) => draft.get(id)).filter(Boolean) : draft.features;
     if (isReady) surface.fit(features);
+  }
+
+  /** Lay a base map with these bounds [west, south, east, north] under the map and bring it into view. */
+  showBase(id, bounds) {
+    if (this.bench.isReady) this.bench.surface.showBase(id, bounds);
   }
 
   /** Take the last point of the drawing back; false when nothing is being drawn. */
@@ -225,10 +250,13 @@ export class MapEditor {
     const { bench } = this;
     this.host.focus({ preventScroll: true, focusVisible: false });
     const isTouch = event.pointerType === 'touch';
+    if (bench.pen instanceof CirclePen) return new CirclePress(bench.pen, at, event);
     if (bench.pen) return isTouch ? new PenPress(bench.pen) : null; // the mouse pans and clicks
     if (!this.#canEdit || event.shiftKey || this.several) return null;
     const { only, ids } = this.#selection;
     const { dial } = bench;
+    if (only && bench.turning !== null) return isOnKnob(dial, at) ? new TurnDrag(bench, dial, (degrees) => this.say.onTurn(degrees)) : null;
+    if (bench.trial.length) return null; // what is looked at is not what a finger would change
     if (only && isOnKnob(dial, at)) return new DialDrag(bench, ids[0], dial);
     const found = only && handleAt(bench.handles, at);
     if (found) {
@@ -339,3 +367,5 @@ export class MapEditor {
     return true;
   }
 }
+
+const penOf = (bench, tool) => (PENS[tool].shape === 'circle' ? new CirclePen(bench, tool) : new Pen(bench, tool));

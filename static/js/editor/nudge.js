@@ -1,7 +1,7 @@
 // Small steps by keys: what is held down moves on the screen at once and becomes one change when it is let go.
 
 import { pushed } from './body_drag.js';
-import { STEP_DEG, rowBearing, turnText, withBearing } from './dial.js';
+import { STEP_DEG, bearingOf, turnText, withBearing } from './dial.js';
 import { shifted } from './plane.js';
 import { cornerAt, cornerName, laid, moved, rebuilt } from './shape.js';
 import { movedText } from './words.js';
@@ -59,7 +59,7 @@ export class DialNudge {
 
   push(right, up) {
     this.turned += (Math.sign(right) || Math.sign(up)) * STEP_DEG * (Math.hypot(right, up) > 0.5 ? 10 : 1); // Shift: 5 degrees
-    this.live = withBearing(this.before, rowBearing(this.before).bearing + this.turned);
+    this.live = withBearing(this.before, bearingOf(this.before).bearing + this.turned);
     this.core.show(this.id, this.live);
   }
 

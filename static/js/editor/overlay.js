@@ -6,6 +6,7 @@ import { paintCrossings, paintMarks } from './finding_marks.js';
 import { isSame, LOOK_PX } from './handles.js';
 import { dashed, disc, haloText, line, pill, square, tooltip } from './ink.js';
 import { lengthM } from './plane.js';
+import { paintTrial } from './trial.js';
 import { isArea, partsOf } from './shape.js';
 import { lengthText, measureText, sizeText } from './words.js';
 
@@ -34,9 +35,10 @@ export class Overlay {
     context.lineCap = 'butt';
     for (const feature of view.selected) this.#outline(feature, view);
     paintCrossings(context, view.marks, view.toPx, palette);
+    paintTrial(context, view.trial, view);
     if (view.drag) this.#guides(view.drag, view);
     if (view.dial && !view.drag) paintDial(context, view.dial, palette, view.isDialChosen);
-    if (view.handles) this.#handles(view);
+    if (view.handles && !view.trial.length) this.#handles(view);
     paintMarks(context, view.marks, view.toPx, palette);
     if (view.drag) this.#drag(view.drag, view);
     if (view.pen) this.#pen(view.pen, view);
@@ -125,6 +127,10 @@ export class Overlay {
     const { points, next, shape } = pen;
     if (pen.finished) this.#measured(pen.finished, view);
     const places = points.map(toPx);
+    if (shape === 'circle' && places.length) {
+      this.#circle(places[0], next, view);
+      return;
+    }
     if (next) this.#guides({ guides: next.lines }, view);
     if (places.length) line(context, places, palette.ink, 3);
     if (next && places.length) dashed(context, [8, 6], () => line(context, [places.at(-1), toPx(next.position)], palette.ink, 2.4));
@@ -141,6 +147,18 @@ export class Overlay {
     const [x, y] = toPx(next.position);
     if (!next.isClosing) this.#active(x, y, palette);
     if (next.tip.length) tooltip(context, next.tip, [x, y], palette, camera);
+  }
+
+  #circle([x, y], next, { toPx, palette, camera }) {
+    const { context } = this;
+    if (next) {
+      const [ex, ey] = toPx(next.position);
+      disc(context, x, y, Math.hypot(ex - x, ey - y), { fill: palette.sel, stroke: null, alpha: 0.16 });
+      dashed(context, [8, 6], () => disc(context, x, y, Math.hypot(ex - x, ey - y), { stroke: palette.ink, width: 3 }));
+      line(context, [[x, y], [ex, ey]], palette.ink, 1.6);
+      tooltip(context, next.tip, [ex, ey], palette, camera);
+    }
+    square(context, x, y, 21, { fill: palette.raised, stroke: palette.ink, width: 2.6 });
   }
 
   #lengths(points, toPx, palette) {

@@ -9,16 +9,26 @@ export const PENS = {
   parcel: { shape: 'area', kind: 'parcel', word: 'parcel' },
   obstacle: { shape: 'area', kind: 'obstacle', word: 'obstacle' },
   building: { shape: 'area', kind: 'building', word: 'building' },
+  circle: { shape: 'circle', kind: 'obstacle', word: 'obstacle' },
   'no-go': { shape: 'area', kind: 'no-go', word: 'keep-out zone' },
+  slow: { shape: 'area', kind: 'slow', word: 'slow zone', own: { speed_mps: 0.5 } },
+  water: { shape: 'area', kind: 'water', word: 'pond' },
   hole: { shape: 'area', word: 'hole' },
   road: { shape: 'line', kind: 'road', word: 'road', own: { width_m: 4 } },
+  hedge: { shape: 'line', kind: 'hedge', word: 'hedge', own: { width_m: 3 } },
+  yard: { shape: 'area', kind: 'road', word: 'yard' },
   rows: { shape: 'line', kind: 'rows', word: 'row line' },
+  curve: { shape: 'line', kind: 'rows', word: 'guide line', own: { type: 'curve' } },
+  recorded: { shape: 'line', kind: 'rows', word: 'crop row', own: { type: 'recorded' } },
   split: { shape: 'line', word: 'cut' },
   measure: { shape: 'line', word: 'measure' },
   home: { shape: 'point', kind: 'home', word: 'home', own: { type: 'home' } },
+  garage: { shape: 'point', kind: 'home', word: 'garage', own: { type: 'garage' } },
+  charging: { shape: 'point', kind: 'home', word: 'charging place', own: { type: 'charging' } },
+  gate: { shape: 'point', kind: 'gate', word: 'gate', own: { width_m: 4 } },
 };
 
-const LEAST = { area: 3, line: 2, point: 1 };
+const LEAST = { area: 3, line: 2, point: 1, circle: 2 };
 const DOUBLE_TAP_MS = 350;
 
 export class Pen {

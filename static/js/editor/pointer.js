@@ -3,7 +3,7 @@
 export const TAP_PX = 6;
 
 /**
- * act: {grab(at, event) -> gesture or null, tap(at, event), hover(at), hold(), release()};
+ * act: {grab(at, event) -> gesture or null, tap(at, event), hover(at), hold(), share(), release()};
  * a gesture has move(at, event), finish(), tap(at, event) and cancel().
  */
 export class Pointer {
@@ -36,7 +36,7 @@ export class Pointer {
     if (this.fingers.size > 1) {
       this.isSeveral = true;
       this.cancel();
-      this.act.release();
+      this.act.share();
       return;
     }
     this.isSeveral = false;

@@ -4,22 +4,26 @@ import { CanvasEngine } from '../map/canvas_engine.js';
 import { farmLabels, readableLabels } from '../map/captions.js';
 import { Controls } from '../map/controls.js';
 import { boxOf, latOf, lonOf, mercX, mercY } from '../map/geometry.js';
+import { farmWidths } from '../map/farm_style.js';
 import { GlEngine, hasWebGl } from '../map/gl_engine.js';
 import { LabelLayer } from '../map/labels.js';
 import { Scene } from '../map/scene.js';
+import { baseChoice } from '../map/layers.js';
 import { readPalette, watchTheme } from '../map/theme.js';
-import { addEditorStyle, paintEditorStyle, showBed } from './editor_style.js';
+import { addEditorStyle, paintEditorStyle, showBed, showStrips } from './editor_style.js';
 import { idOf } from './draft.js';
 
 const LOST_CONTEXT_MS = 3000;
 const FIT_MARGIN_PX = 72;
 const NEAREST_ZOOM = 20.5; // a single corner must not fill the screen
 const BELOW_PX = 20;
+const SAME_SCALE_DEG = 0.5; // a metre is drawn within 1 % of what it should be
 const START = { mx: mercX(10), my: mercY(50), zoom: 5, bearing: 0 };
 
 export class Surface {
   /** hooks: {moved(), framed(), palette(), lost()}. */
-  constructor(host, { vendorUrl, hooks }) {
+  constructor(host, { vendorUrl, baseMapsUrl, hooks }) {
+    this.baseMapsUrl = baseMapsUrl;
     this.host = host;
     this.vendorUrl = vendorUrl;
     this.hooks = hooks;
@@ -65,9 +69,12 @@ export class Surface {
     this.engine = engine;
     this.host.dataset.engine = engine.kind;
     engine.setPalette(this.palette);
+    this.scaledAt = latOf(START.my);
     if (engine.kind === 'gl') addEditorStyle(engine.map, this.palette);
     this.element.querySelector('canvas').tabIndex = -1; // the host around it is the one stop of the Tab key
     this.controls ??= this.#controls();
+    this.base?.attach(engine, this.palette);
+    if (baseChoice()) this.#under();
     this.#moved();
   }
 
@@ -80,11 +87,43 @@ export class Surface {
         fit: () => this.hooks.fit(),
         zoom: (step) => this.engine.ease({ zoom: this.camera.zoom + step }),
         north: () => this.engine.ease({ bearing: 0 }),
+        menu: (menu) => this.#under(menu),
       },
     });
     controls.first.title = 'Show everything';
     controls.first.setAttribute('aria-label', 'Show everything');
+    controls.menuButton.title = 'Base map';
+    controls.menuButton.setAttribute('aria-label', 'Base map');
     return controls;
+  }
+
+  /** Base maps load when one was chosen, or when the menu asks what there is. */
+  async #under(menu) {
+    if (!this.baseMapsUrl) return;
+    try {
+      const { BaseMaps } = await import('../map/base_maps.js');
+      if (this.isGone) return;
+      if (!this.base) {
+        this.base = new BaseMaps({ host: this.host, url: this.baseMapsUrl, changed: (isLook) => (isLook ? this.#theme(readPalette()) : this.#said()) });
+        this.base.attach(this.engine, this.palette);
+      }
+      if (menu) this.base.fill(menu);
+    } catch (error) {
+      console.warn('map builder: base maps did not load:', error);
+      this.controls.setNotice('Base map did not load. Showing plain ground.', { isSmall: true });
+    }
+  }
+
+  /** Lay a base map with these bounds under the map and bring it into view. */
+  async showBase(id, [west, south, east, north]) {
+    await this.#under();
+    await this.base?.load();
+    this.base?.choose(id);
+    this.fit([{ geometry: { type: 'LineString', coordinates: [[west, south], [east, north]] } }]);
+  }
+
+  #said() {
+    this.controls.setNotice(this.base.note, { isSmall: true });
   }
 
   async #fallBack() {
@@ -140,6 +179,11 @@ export class Surface {
     if (this.isEditable) showBed(this.engine.map, beds, latOf(this.camera.my));
   }
 
+  showStrips(lines) {
+    this.host.dataset.strips = lines.length;
+    if (this.isEditable) showStrips(this.engine.map, lines);
+  }
+
   redraw() {
     this.engine?.redraw();
   }
@@ -147,6 +191,11 @@ export class Surface {
   /** While a corner is dragged, the map itself must not move. */
   hold() {
     this.#hands(false, false);
+  }
+
+  /** Let two fingers move the map. Not as a tap: the first finger dragged something, and lifting both must not zoom. */
+  share() {
+    this.#hands(true, false);
   }
 
   /** Give the fingers back to the map; `isDrawing`: a double tap ends the drawing instead of zooming. */
@@ -165,9 +214,17 @@ export class Surface {
   fit(features) {
     const box = boxOf(features);
     if (!box) return false;
+    this.#rescale(latOf((box[1] + box[3]) / 2));
     const zoom = Math.min(this.camera.zoomFor(box, FIT_MARGIN_PX), NEAREST_ZOOM);
     this.engine.jump({ mx: (box[0] + box[2]) / 2, my: (box[1] + box[3]) / 2, zoom });
     return true;
+  }
+
+  /** Widths and radii in metres are right at one latitude: that of the farm, which is known with its first features. */
+  #rescale(lat) {
+    if (!this.isEditable || Math.abs(lat - this.scaledAt) < SAME_SCALE_DEG) return;
+    this.scaledAt = lat;
+    for (const [layer, key, value] of farmWidths(lat)) this.engine.map.setPaintProperty(layer, key, value);
   }
 
   toPx([lon, lat]) {
@@ -182,6 +239,7 @@ export class Surface {
   #moved() {
     if (!this.engine) return;
     this.controls?.setCamera(this.engine.camera);
+    this.base?.moved();
     this.hooks.moved();
   }
 
@@ -191,7 +249,9 @@ export class Surface {
     this.hooks.framed();
   }
 
-  #theme(palette) {
+  #theme(plain) {
+    const palette = this.base?.palette(plain) ?? plain;
+    if (this.base) this.#said();
     this.palette = palette;
     this.engine.setPalette(palette);
     if (this.isEditable) paintEditorStyle(this.engine.map, palette);
@@ -199,8 +259,10 @@ export class Surface {
   }
 
   destroy() {
+    this.isGone = true;
     clearTimeout(this.lostTimer);
     this.unwatch?.();
+    this.base?.destroy();
     this.engine?.destroy();
     this.controls?.destroy();
     this.names.destroy();

@@ -9,7 +9,9 @@ import { handlesOf } from './handles.js';
 import { Overlay } from './overlay.js';
 import { Selection } from './selection.js';
 import { cornerAt, cornerName } from './shape.js';
+import { Strips } from './strips.js';
 import { Surface } from './surface.js';
+import { turnDialOf } from './trial.js';
 import { kindWord } from './words.js';
 
 export class Workbench {
@@ -18,18 +20,20 @@ export class Workbench {
   #drag = null;
 
   /** act: {fit(), lost(), tap(at, event), drawn(tool, points)}; say: what the screen around it hears. */
-  constructor(host, vendorUrl, act, say) {
+  constructor(host, { vendorUrl, baseMapsUrl }, act, say) {
     this.host = host;
     this.act = act;
     this.say = say;
     this.isSnapping = true;
     this.isHandled = false; // corners can be dragged: the select tool, and somebody who may
     this.pen = null;
+    this.trial = []; // features as they would become
+    this.turning = null; // degrees, while somebody turns a shape
     this.marks = [];
     this.draft = new Draft();
     this.selection = new Selection(this.draft);
-    const hooks = { moved: () => this.bed?.refresh(), framed: () => this.#paint(), palette: () => this.repaint(), fit: act.fit, lost: act.lost };
-    this.surface = new Surface(host, { vendorUrl, hooks });
+    const hooks = { moved: () => this.#moved(), framed: () => this.#paint(), palette: () => this.repaint(), fit: act.fit, lost: act.lost };
+    this.surface = new Surface(host, { vendorUrl, baseMapsUrl, hooks });
   }
 
   /** Start the map; false where it can only be looked at. */
@@ -38,6 +42,7 @@ export class Workbench {
     this.overlay = new Overlay(this.host);
     this.loupe = new Loupe(this.host);
     this.bed = new Bed(this.surface);
+    this.strips = new Strips(this.surface, this.draft, () => this.selection.ids);
     this.host.append(this.surface.controls.root); // buttons over the drawing
     this.said = this.host.appendChild(document.createElement('div'));
     this.said.className = 'hl-edit-said';
@@ -45,6 +50,11 @@ export class Workbench {
     this.surface.setFeatures(this.draft.features);
     this.isReady = true;
     return isEditable;
+  }
+
+  #moved() {
+    this.bed?.refresh();
+    this.strips?.later();
   }
 
   // --- what drags, pens and nudges do
@@ -151,6 +161,7 @@ export class Workbench {
     this.marks = marksOf(this.#findings, this.draft);
     this.surface.setUnnamed(this.selection.ids);
     this.bed.show(this.inHand);
+    this.strips.later();
     this.repaint();
   }
 
@@ -171,6 +182,8 @@ export class Workbench {
   }
 
   get dial() {
+    if (this.trial.length && this.turning === null) return null;
+    if (this.turning !== null) return turnDialOf(this.inHand[0], this.surface, this.turning);
     return dialOf(this.inHand[0], this.surface);
   }
 
@@ -207,6 +220,7 @@ export class Workbench {
       dial: hasHandles ? this.dial : null,
       isDialChosen: selection.isDial,
       pen: this.pen,
+      trial: this.trial,
       marks: this.marks,
     });
     const glass = this.#underGlass;
@@ -217,7 +231,7 @@ export class Workbench {
   destroy() {
     this.isReady = false;
     cancelAnimationFrame(this.frame);
-    for (const part of [this.overlay, this.loupe, this.bed, this.surface]) part?.destroy();
+    for (const part of [this.overlay, this.loupe, this.bed, this.strips, this.surface]) part?.destroy();
     this.said?.remove();
   }
 }

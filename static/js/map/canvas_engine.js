@@ -170,6 +170,7 @@ export class CanvasEngine {
     context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     context.fillStyle = palette.ground;
     context.fillRect(0, 0, camera.width, camera.height);
+    this.under?.(context, camera, this.ratio);
     this.turn = [Math.cos(camera.bearing * DEG), Math.sin(camera.bearing * DEG)];
     const order = new Map(FARM_LAYERS.map((layer, i) => [layer, i]));
     const all = [...this.farm, ...this.mission].sort((a, b) => order.get(a.layer) - order.get(b.layer));
@@ -194,15 +195,19 @@ export class CanvasEngine {
     if (layer.shape === 'point') {
       context.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
       context.beginPath();
+      context.globalAlpha = this.alphas?.area(layer.id) ?? 1;
       context.arc(x, y, Math.max((feature.properties.radius_m ?? layer.radiusM) * perM, layer.leastPx), 0, 7);
       this.#paint(layer, 1.6);
+      context.globalAlpha = 1;
       return;
     }
     const scale = camera.worldPx / UNIT;
     this.#place(x, y, scale);
     if (layer.fill) {
       context.fillStyle = palette[layer.fill];
+      context.globalAlpha = this.alphas?.area(layer.id) ?? 1;
       context.fill(path, 'evenodd');
+      context.globalAlpha = 1;
     }
     if (!layer.line) return;
     const metres = layer.widthM ? (feature.properties.width_m ?? layer.widthM) * perM : 0;
@@ -210,7 +215,9 @@ export class CanvasEngine {
     context.setLineDash((layer.dash ?? []).map((px) => px / scale));
     context.strokeStyle = palette[layer.line];
     context.lineJoin = context.lineCap = 'round';
+    context.globalAlpha = this.alphas?.line(layer.id) ?? 1;
     context.stroke(path);
+    context.globalAlpha = 1;
     context.setLineDash([]);
   }
 

@@ -48,7 +48,7 @@ export function scaleBar(metresPerPx) {
   return [metres, metres / metresPerPx];
 }
 
-/** Control block of one map; `act`: {follow, fit, zoom(step), north, layer(name, isOn), retry}. */
+/** Control block of one map; `act`: {follow, fit, zoom(step), north, layer(name, isOn), menu(node), retry}. */
 export class Controls {
   constructor(host, { mode, hasButtons, layers, act }) {
     this.root = node('div', 'hl-map-controls');
@@ -101,6 +101,7 @@ export class Controls {
   #toggleMenu() {
     this.menu.hidden = !this.menu.hidden;
     this.menuButton.setAttribute('aria-expanded', String(!this.menu.hidden));
+    if (!this.menu.hidden) this.act.menu?.(this.menu);
   }
 
   closeMenu() {

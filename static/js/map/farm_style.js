@@ -85,6 +85,12 @@ export function farmStyle(palette, lat, data = {}) {
   return { version: 8, transition: { duration: 0, delay: 0 }, sources: { farm: source('farm'), mission: source('mission') }, layers };
 }
 
+/** [layer id, paint property, value] of everything given in metres, for a latitude. */
+export function farmWidths(lat) {
+  return COMPILED(lat).flatMap((layer) => ['circle-radius', 'line-width']
+    .filter((key) => Array.isArray(layer.paint[key])).map((key) => [layer.id, key, layer.paint[key]]));
+}
+
 /** [layer id, paint property, palette name] of everything that changes with the theme. */
 export function themedPaints() {
   return COMPILED(0).flatMap((layer) => Object.entries(layer.paint)

@@ -21,3 +21,22 @@ export function keepLayers(shown) {
     // a full or forbidden storage only means that the choice is not remembered
   }
 }
+
+const BASE_KEY = 'headland.map.base';
+
+/** Id of the base map a person chose in this browser; empty for plain ground. */
+export function baseChoice() {
+  try {
+    return localStorage.getItem(BASE_KEY) ?? '';
+  } catch {
+    return '';
+  }
+}
+
+export function keepBaseChoice(id) {
+  try {
+    localStorage.setItem(BASE_KEY, id);
+  } catch {
+    // only not remembered
+  }
+}

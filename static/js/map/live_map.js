@@ -2,11 +2,12 @@
 
 import { farmLabels, readableLabels, robotLabels } from './captions.js';
 import { Controls } from './controls.js';
+import { startEngine } from './engine_choice.js';
 import { laneRevision } from './feed.js';
 import { boxOf, mercPerMetre, mercX, mercY } from './geometry.js';
 import { Intake } from './intake.js';
 import { LabelLayer } from './labels.js';
-import { LAYERS, keepLayers, readLayers } from './layers.js';
+import { LAYERS, baseChoice, keepLayers, readLayers } from './layers.js';
 import { noticeOf } from './notice.js';
 import { RobotList } from './robot_list.js';
 import { Scene } from './scene.js';
@@ -30,6 +31,7 @@ const RING_MARGIN = 1.5;
 const USUAL = {
   mode: 'robot', hasButtons: true, engine: 'auto',
   featuresUrl: '/api/v1/features', missionUrl: '/api/v1/robots/{id}/mission.geojson',
+  baseMapsUrl: '/api/v1/base-maps',
 };
 
 export class LiveMap {
@@ -68,6 +70,7 @@ export class LiveMap {
         north: () => this.engine?.ease({ bearing: 0 }),
         layer: (name, isOn) => this.#layer(name, isOn),
         retry: () => this.intake.retry(),
+        menu: (menu) => this.#under(menu),
       },
     });
   }
@@ -92,27 +95,10 @@ export class LiveMap {
     };
     const view = this.lastView ?? { mx: mercX(10), my: mercY(50), zoom: 5, bearing: 0 };
     const setup = { scene: this.scene, palette: this.palette, view, vendor: this.options.vendorUrl, hooks };
-    const engine = (wanted === 'canvas' ? null : await this.#gl(setup)) ?? (await this.#canvas(setup));
+    const { engine, note } = await startEngine(wanted, this.surface, setup);
+    this.engineNote = note || this.engineNote;
     if (this.isGone) engine.destroy();
     else this.#ready(engine);
-  }
-
-  async #gl(setup) {
-    try {
-      const { GlEngine, hasWebGl } = await import('./gl_engine.js');
-      if (hasWebGl()) return await GlEngine.create(this.surface, setup);
-      this.engineNote = 'Simple map: this device has no WebGL.';
-    } catch (error) {
-      console.warn('map: the GL engine did not start:', error);
-      this.engineNote = 'Simple map: the full one did not load.';
-    }
-    return null;
-  }
-
-  async #canvas(setup) {
-    this.surface.replaceChildren();
-    const { CanvasEngine } = await import('./canvas_engine.js');
-    return CanvasEngine.create(this.surface, setup);
   }
 
   #ready(engine) {
@@ -124,7 +110,26 @@ export class LiveMap {
     engine.setFollowing(this.isFollowing);
     this.#told('farm');
     this.#told('mission');
+    this.base?.attach(engine, this.palette);
+    if (baseChoice()) this.#under();
     this.#moved();
+  }
+
+  /** Base maps load when one was chosen, or when the menu asks what there is. */
+  async #under(menu) {
+    try {
+      const { BaseMaps } = await import('./base_maps.js');
+      if (this.isGone || !this.engine) return;
+      if (!this.base) {
+        this.base = new BaseMaps({ host: this.host, url: this.options.baseMapsUrl, changed: (isLook) => (isLook ? this.#theme(readPalette()) : this.#notice()) });
+        this.base.attach(this.engine, this.palette);
+      }
+      if (menu) this.base.fill(menu);
+    } catch (error) {
+      console.warn('map: base maps did not load:', error);
+      this.engineNote ||= 'Base map did not load. Showing plain ground.';
+      this.#notice();
+    }
   }
 
   /** The graphics context is gone for good: go on without it. */
@@ -293,7 +298,9 @@ export class LiveMap {
   }
 
   #moved() {
-    if (this.engine) this.controls.setCamera(this.engine.camera);
+    if (!this.engine) return;
+    this.controls.setCamera(this.engine.camera);
+    this.base?.moved();
   }
 
   #framed() {
@@ -318,7 +325,8 @@ export class LiveMap {
     }
   }
 
-  #theme(palette) {
+  #theme(plain) {
+    const palette = this.base?.palette(plain) ?? plain;
     this.palette = palette;
     this.scene.setPalette(palette);
     this.engine?.setPalette(palette);
@@ -359,7 +367,7 @@ export class LiveMap {
   }
 
   #notice() {
-    const [text, how] = noticeOf(this.intake, { isReady: Boolean(this.engine) && this.frameNumber > 0, engineNote: this.engineNote });
+    const [text, how] = noticeOf(this.intake, { isReady: Boolean(this.engine) && this.frameNumber > 0, engineNote: [this.engineNote, this.engine && this.base?.note].filter(Boolean).join(' ') });
     this.controls.setNotice(text, how);
   }
 
@@ -371,6 +379,7 @@ export class LiveMap {
     clearTimeout(this.lostTimer);
     this.intake.destroy();
     this.unwatch?.();
+    this.base?.destroy();
     if (this.keys) this.host.removeEventListener('keydown', this.keys);
     this.engine?.destroy();
     this.labelLayer.destroy();

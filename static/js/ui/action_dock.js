@@ -2,7 +2,7 @@
 (() => {
   "use strict";
   const { el, icon, text, attr, style, toggle, LiveElement, define } = HL;
-  const RIGHT_OF = { start: "start", pause: "pause", resume: "resume", abort: "abort", return_home: "return_home", drive: "drive", reset: "reset" };
+  const RIGHT_OF = { start: "start", pause: "pause", resume: "resume", later: "send_mission", fresh: "send_mission", abort: "abort", return_home: "return_home", drive: "drive", reset: "reset" };
   const NEEDS_CONTROL = new Set(["start", "resume", "return_home", "drive", "reset"]);
   const OFFLINE = "Commands are off until the link is back.";
 
@@ -15,6 +15,8 @@
     if (HL.linkState() === "server-lost" || HL.linkState() === "robot-lost" || !groups.mode) return OFFLINE;
     const verdict = groups.actions?.[action];
     if (verdict && !verdict.ok) return verdict.reason;
+    const gate = action === "start" || (action === "resume" && groups.why?.code === "continued") ? HL.startChecks?.reason(robot) ?? "" : "";
+    if (gate) return gate;
     return NEEDS_CONTROL.has(action) ? HL.lease.obstacle(robot) : "";
   }
 
@@ -29,8 +31,11 @@
     if (HL.drive.isMine()) return "driving";
     if (mode === "manual") return "manual";
     if (mode === "auto") return "running";
+    if (groups.actions?.later?.ok) return groups.mission?.status === "paused" ? "moved" : "interrupted";
+    if (mode === "paused" && groups.why?.code === "continued") return "ready";
     if (mode === "paused" && ["running", "paused"].includes(groups.mission?.status ?? "paused")) return "paused";
-    return "idle";
+    if (groups.mission?.status === "done") return "done";
+    return groups.mission ? "idle" : "empty";
   }
 
   const what = () => HL.port.robot(HL.view.robot).body?.tool_label?.toLowerCase() || "tool";
@@ -40,9 +45,11 @@
   }
 
   const order = (action, extra) => () => HL.port.command(HL.view.robot, action, extra);
+  const start = (action) => () => HL.port.command(HL.view.robot, action, { checklist_id: HL.startChecks?.recordId(HL.view.robot) ?? null });
+  const onRobot = () => HL.port.robot(HL.view.robot).mission;
 
-  function button(hook, sign, label, act, look = "") {
-    const sub = el("span", { class: "sub" });
+  function button(hook, sign, label, act, look = "", line = "") {
+    const sub = el("span", { class: "sub" }, line);
     const node = el("button", { type: "button", class: `h-btn op ${look}`.trim(), "data-testid": hook }, icon(sign, look === "pri" ? "f" : ""), el("span", {}, label, sub));
     node.addEventListener("click", async () => {
       if (node.getAttribute("aria-disabled") === "true") return node.dataset.reason && HL.toast(node.dataset.reason, "lock");
@@ -51,7 +58,7 @@
       text(sub, "Waiting for the robot");
       const reply = await act();
       attr(node, "data-state", reply?.outcome ?? null);
-      text(sub, "");
+      text(sub, line);
       if (reply && reply.outcome !== "accepted") HL.toast(`${HL.outcomeWords(reply.outcome)}: ${reply.text}`, "block");
       return null;
     });
@@ -68,8 +75,11 @@
     home: (dock) => [slide(dock, { hook: "mission-return-home", icon: "home", label: "Slide to return home", line: "It drives home by itself", button: { icon: "home", label: dock.isShort ? "Home" : "Return home" }, act: order("return_home") }), "return_home"],
     abort: (dock) => [slide(dock, { hook: "mission-abort", icon: "cancel", label: "Slide to abort", line: "It stops here. Cannot be undone", button: { icon: "cancel", label: "Abort" }, act: order("abort") }), "abort"],
     drive: (dock) => [button("drive-open", "sports_esports", "Drive", () => HL.drive.open(HL.view.robot)), "drive"],
-    start: (dock) => [slide(dock, { hook: "mission-start", label: "Slide to start", line: motionLine(), act: order("start") }), "start", motionLine],
-    resume: (dock) => [slide(dock, { hook: "mission-resume", label: "Slide to resume", line: motionLine(), act: order("resume") }), "resume", motionLine],
+    start: (dock) => [slide(dock, { hook: "mission-start", label: "Slide to start", line: motionLine(), act: start("start") }), "start", motionLine],
+    checks: () => [checks(), null],
+    later: () => [button("mission-later", "history", "Resume later", () => void HL.rest?.later(onRobot()), "pri", "Drives back, goes on where it stopped"), "later"],
+    fresh: (dock) => [slide(dock, { hook: "mission-fresh", icon: "refresh", label: "Hold to start fresh", line: HL.rest?.forgets(HL.port.robot(HL.view.robot).mission), goal: "refresh", isHold: true, button: { icon: "refresh", label: "Start fresh" }, act: () => HL.rest.fresh(onRobot().id) }), "fresh"],
+    resume: (dock) => [slide(dock, { hook: "mission-resume", label: "Slide to resume", line: motionLine(), act: start("resume") }), "resume", motionLine],
     reset: (dock) => [slide(dock, { hook: "stop-reset", label: "Slide to reset stop", line: "Robot stays still. Check the area is clear.", goal: "lock_open", act: () => reset() }), "reset"],
     endManual: (dock) => [button("drive-close", "autoplay", "End manual", () => HL.drive.end() ?? HL.port.command(HL.view.robot, "drive_close"), "pri"), null],
     closeManual: (dock) => [button("drive-close", "autoplay", "End manual", order("drive_close"), "pri"), "drive"],
@@ -83,7 +93,12 @@
   const SETS = {
     running: ["pause", "home", "abort", "gap", "drive"],
     paused: ["resume", "home", "abort", "drive"],
-    idle: ["start", "home", "drive"],
+    idle: ["start", "checks", "home", "drive"],
+    empty: ["start", "home", "drive"],
+    moved: ["later", "fresh", "home", "abort", "drive"],
+    interrupted: ["later", "fresh", "home", "drive"],
+    done: ["fresh", "home", "drive"],
+    ready: ["resume", "checks", "abort", "drive"],
     latched: ["reset", "resumeOff"],
     driving: ["endManual", "gap", "timer"],
     manual: ["closeManual", "drive"],
@@ -94,6 +109,12 @@
   function resumeOff() {
     const node = el("div", { class: "h-btn op off h-resumeoff", "aria-disabled": "true", "data-testid": "mission-resume", "data-state": "idle", role: "button" }, icon("play_arrow", "l"), el("span", {}, "Resume mission", el("span", { class: "sub" }, "Reset the stop first")));
     return { node, hook: "mission-resume", allow: () => {} };
+  }
+
+  function checks() {
+    const made = button("mission-checks", "check", "Checks", () => void HL.startChecks?.open(HL.view.robot));
+    const sub = made.node.querySelector(".sub");
+    return { ...made, allow: () => text(sub, HL.startChecks?.summary(HL.view.robot) ?? "") };
   }
 
   function call() {
@@ -154,7 +175,7 @@
     fill(set) {
       this.controls.forEach(([control]) => control.drop?.());
       this.shown = set;
-      this.isShort = this.narrow.matches || set === "paused";
+      this.isShort = this.narrow.matches || set === "paused" || set === "moved";
       this.focusOn(null);
       this.controls = SETS[set].map((name) => CONTROLS[name](this));
       attr(this, "data-state", set);

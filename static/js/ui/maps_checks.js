@@ -3,18 +3,36 @@
   "use strict";
   const { el, icon, alarm, text, attr } = HL;
   const { count } = HL.maps;
+  const ROBOT = "headland.map.robot";
 
   class Checks {
-    // act: {fix(finding), show(finding)}
+    // act: {fix(finding), show(finding), robot(): another machine was chosen}
     constructor(act) {
       this.act = act;
       this.sum = el("span", { class: "h-row h-t13 h-b m-sum", role: "status" });
       this.list = el("div", { class: "m-findings" });
-      this.node = el("section", { class: "m-checks", "data-testid": "editor-checks", "aria-label": "Checks" }, el("div", { class: "h-row" }, el("h3", { class: "h-t16 h-b" }, "Checks"), this.sum), this.list);
+      this.machine = el("select", { class: "h-select m-machine", "data-testid": "checks-robot", "aria-label": "Wide enough for", onchange: () => this.choose() });
+      this.node = el("section", { class: "m-checks", "data-testid": "editor-checks", "aria-label": "Checks" }, el("div", { class: "h-row" }, el("h3", { class: "h-t16 h-b" }, "Checks"), this.sum), this.list, el("label", { class: "h-row h-t13 h-2 m-fits" }, "Wide enough for", this.machine));
       this.key = null;
+    }
+    get robot() {
+      return HL.keep.read(ROBOT, "");
+    }
+    choose() {
+      HL.keep.write(ROBOT, this.machine.value);
+      this.act.robot();
+    }
+    paintMachines() {
+      const robots = Object.entries(HL.port.fleet()).map(([id, one]) => [id, one.name]);
+      const key = JSON.stringify(robots);
+      if (key === this.machines) return;
+      this.machines = key;
+      this.machine.replaceChildren(...[["", "no machine chosen"], ...robots].map(([id, name]) => el("option", { value: id }, name)));
+      this.machine.value = robots.some(([id]) => id === this.robot) ? this.robot : "";
     }
     // checks: {findings, blocks, looks}, null while the first answer is on its way, or {error}
     paint(checks, canEdit, nameOf) {
+      this.paintMachines();
       const key = JSON.stringify([checks, canEdit]);
       if (key === this.key) return;
       this.key = key;

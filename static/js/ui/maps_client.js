@@ -229,8 +229,9 @@
       return { ok: true, changes };
     }
 
-    async checks() {
-      return HL.port.api("GET", "/map/draft/checks", null, LOAD_MS);
+    // robot: whose width parcels are checked for; empty: nobody's
+    async checks(robot) {
+      return HL.port.api("GET", `/map/draft/checks${robot ? `?robot=${encodeURIComponent(robot)}` : ""}`, null, LOAD_MS);
     }
 
     async publish(note, isShrinkingOk) {

@@ -2,18 +2,55 @@
 (() => {
   "use strict";
   const M = HL.maps;
+  const PREVIEW_MS = 15000;
   const COPY_M = 8; // a copy lies beside its original, not on it
 
   // needs of the screen: client, editor, chosen, tool, changed(), commit(label, changes), operate(op, ids, args, what), open(isTaking)
   class MapEdits extends HL.LiveElement {
     take(name) {
+      this.reshape.close();
       if (this.tool === "merge" && name !== "merge") this.several(false);
       this.measured = "";
       if (name === "merge" && this.mergeable().length >= 2) return void this.merge();
       this.tool = name;
-      this.editor?.setTool(name === "merge" ? "select" : name);
+      this.pen = M.penOf(name);
+      this.editor?.setTool(name === "merge" ? "select" : this.pen);
       if (name === "merge") this.several(true);
       this.changed();
+    }
+
+    // another of the things a tool can draw
+    draw(pen) {
+      this.pen = pen;
+      this.measured = "";
+      this.editor?.setTool(pen);
+      this.changed();
+    }
+
+    unlock(isOn) {
+      this.isUnlocked = isOn;
+      this.editor?.unlockBody(isOn);
+      this.changed();
+    }
+
+    // what an operation would do, asked when the server has everything of ours
+    async trial(op, ids, args) {
+      await this.client.flush();
+      if (this.client.queue.length) return { ok: false, text: "No connection. What it would look like is not known." };
+      return HL.port.api("POST", "/map/draft/preview", { op, features: ids, args }, PREVIEW_MS);
+    }
+
+    history(id) {
+      const feature = this.client.features.get(id);
+      if (!feature) return;
+      M.showHistory(id, feature, { canEdit: this.client.isEditing, reason: this.editReason(), setDay: (key, day) => this.setDay(id, key, day) });
+    }
+
+    setDay(id, key, day) {
+      const before = this.client.features.get(id);
+      const field = M.fieldsOf(before).find((one) => one.key === key);
+      const after = M.withDay(before, key, day);
+      this.commit(`${field?.label ?? key} ${day ? `valid from ${day}` : "valid from publishing"}`, [{ id, before, after }]);
     }
 
     several(isOn) {
@@ -77,8 +114,17 @@
     select(ids) {
       this.chosen = ids;
       this.point = null;
+      this.lockAgain();
       this.editor?.select(ids);
       this.changed();
+    }
+
+    // a shape taken off its lock is locked again when another is chosen
+    lockAgain() {
+      this.reshape.close();
+      if (!this.isUnlocked) return;
+      this.isUnlocked = false;
+      this.editor?.unlockBody(false);
     }
 
     show(ids) {
@@ -109,7 +155,13 @@
     }
 
     import(file) {
+      if (M.isBaseFile(file)) return this.baseMaps(file);
       M.importFile(file, { opened: () => this.open(false), take: (...chosen) => this.imported(...chosen) });
+      return undefined;
+    }
+
+    baseMaps(file = null) {
+      M.showBaseMaps({ mayEdit: this.may.edit, reason: this.dataset.noEdit, show: (one) => this.editor?.showBase(one.id, one.bounds) }, file);
     }
 
     async imported(importId, items, kinds, limitMs) {

@@ -13,7 +13,7 @@
     return { node, set: (value, words, note = "") => { attr(node, "hidden", value === null); attr(node, "data-value", value); text(figure, words?.text ?? ""); text(unit, words?.unit || note); } };
   };
 
-  // act: {commit(label, changes), select(ids), fit(ids), copy, remove, nudge, removeVertex, setVertex, unlockBody, several, merge, start(tool), pick}
+  // act: {commit(label, changes), select(ids), fit(ids), copy, remove, nudge, removeVertex, setVertex, unlockBody, several, merge, start(tool), pick, reshape(id), history(id)}
   class FeaturePanel {
     constructor(act) {
       this.act = act;
@@ -21,7 +21,7 @@
       this.key = null;
     }
 
-    paint({ features, chosen, canEdit, point, farm, isSeveral, revision }) {
+    paint({ features, chosen, canEdit, point, farm, isSeveral, isUnlocked, revision }) {
       this.features = features;
       const found = chosen.map((id) => features.get(id)).filter(Boolean);
       const kind = found.length === 1 ? `${found[0].id ?? found[0].properties.id}|${M.kindOf(found[0])}|${found[0].geometry.type}` : `${found.length}|${found.map((one) => one.id).join()}`;
@@ -33,7 +33,7 @@
         else if (found.length) this.buildSeveral(found, canEdit);
         else this.buildFarm(farm);
       }
-      if (this.one) this.fill(found[0], canEdit, point, isSeveral);
+      if (this.one) this.fill(found[0], canEdit, point, isSeveral, isUnlocked);
       else if (!found.length) this.fillFarm(revision);
     }
 
@@ -63,9 +63,10 @@
       this.one = id;
       this.corner = this.buildCorner(canEdit);
       this.node.replaceChildren(
-        this.head(this.name, this.line, this.tool("feature-copy", "content_copy", "Copy", () => this.act.copy(), canEdit), this.tool("feature-delete", "delete", "Delete", () => this.act.remove(), canEdit)),
+        this.head(this.name, this.line, ...(M.kindOf(feature) === "parcel" ? [this.tool("feature-history", "history", "What changed", () => this.act.history(id), true)] : []), this.tool("feature-copy", "content_copy", "Copy", () => this.act.copy(), canEdit), this.tool("feature-delete", "delete", "Delete", () => this.act.remove(), canEdit)),
         el("div", { class: "m-stats" }, ...Object.values(this.stats).map((one) => one.node)),
         el("div", { class: "m-form" }, ...M.fieldsOf(feature).map(make), ...(this.inputs.size % 2 || !this.inputs.size ? [make(kindField)] : [])),
+        ...(canEdit && M.canReshape(feature) ? [el("button", { type: "button", class: "h-btn m-change", "data-testid": "feature-reshape", onclick: () => this.act.reshape(id) }, icon("polyline", "m"), "Change shape…")] : []),
         this.corner,
         el("details", { class: "m-more" }, el("summary", {}, "More"), el("div", { class: "m-form" }, ...([...this.inputs.keys()].includes(kindField) ? [] : [make(kindField)]), ...more.map(make)), ...(canEdit ? [this.buildMove()] : [])),
       );
@@ -90,7 +91,7 @@
       if (Number.isFinite(lat) && Number.isFinite(lon)) this.act.setVertex([lon, lat]);
     }
 
-    fill(feature, canEdit, point, isSeveral) {
+    fill(feature, canEdit, point, isSeveral, isUnlocked) {
       const holes = M.holes(feature);
       if (document.activeElement !== this.name) this.name.value = M.nameOf(feature);
       text(this.line, [M.label(M.kindOf(feature)), M.count(M.corners(feature), feature.geometry.type === "Polygon" ? "corner" : "point"), holes ? M.count(holes, "hole") : ""].filter(Boolean).join(", "));
@@ -105,6 +106,7 @@
         this.lat.set(point[1]);
       }
       if (this.many) this.many.checked = isSeveral;
+      if (this.body) this.body.checked = isUnlocked;
     }
 
     rows(feature) {
@@ -126,7 +128,7 @@
       if (!before) return;
       const kept = field.key === "row_bearing_deg" && value !== null ? ((value % 360) + 360) % 360 : value;
       const label = field.key === "kind" ? `Kind ${M.label(M.kindOf(before)).toLowerCase()} to ${M.label(kept).toLowerCase()}` : M.changeLabel(field, before.properties[field.key], kept);
-      this.act.commit(label, [{ id: this.one, before, after: M.withProperty(before, field.key, kept) }]);
+      this.act.commit(label, [{ id: this.one, before, after: M.withValue(before, field.key, kept) }]);
     }
 
     buildSeveral(found, canEdit) {

@@ -2,17 +2,17 @@
 (() => {
   "use strict";
   const KINDS = {
-    parcel: "Parcel", farm: "Farm", obstacle: "Obstacle", "no-go": "No-go zone", slow: "Slow zone", building: "Building", road: "Road",
+    parcel: "Parcel", farm: "Farm", obstacle: "Obstacle", "no-go": "No-go zone", slow: "Slow zone", treatment: "Treatment area", building: "Building", road: "Road",
     home: "Home", gate: "Gate", rows: "Rows", tree: "Tree", hedge: "Hedge", water: "Water",
   };
   const SHAPES = {
-    Polygon: ["parcel", "farm", "obstacle", "no-go", "slow", "building", "road", "tree", "hedge", "water"],
+    Polygon: ["parcel", "farm", "obstacle", "no-go", "slow", "treatment", "building", "road", "tree", "hedge", "water"],
     LineString: ["road", "rows", "tree", "hedge", "water"],
     MultiLineString: ["rows"],
     Point: ["home", "gate", "obstacle", "tree"],
   };
   const LAYERS = [
-    ["parcels", "Parcels", ["parcel", "farm"]], ["rows", "Rows", ["rows"]], ["obstacles", "Obstacles, no-go and slow zones", ["obstacle", "no-go", "slow"]],
+    ["parcels", "Parcels", ["parcel", "farm"]], ["rows", "Rows", ["rows"]], ["obstacles", "Obstacles, zones, treatment", ["obstacle", "no-go", "slow", "treatment"]],
     ["roads", "Roads, homes, gates", ["road", "home", "gate"]], ["surroundings", "Buildings, trees, water", ["building", "tree", "hedge", "water"]],
   ];
 
@@ -22,7 +22,7 @@
   const choice = (key, label, options) => ({ key, label, type: "choice", options });
   const CROPS = ["Sugar beet", "Maize", "Winter wheat", "Potatoes", "Onions", "Carrots", "Spinach", "Rapeseed", "Soy", "Grass"];
   const WIDTH = number("width_m", "Width", "m", 0.1, 200, 1);
-  const RADIUS = number("radius_m", "Radius", "m", 0.05, 500, 2);
+  const RADIUS = number("radius_m", "Radius", "m", 0.05, 1000, 2);
   const FIELDS = {
     parcel: [
       text("crop", "Crop", CROPS), text("status", "Status", ["BBCH 10", "BBCH 12", "BBCH 14", "BBCH 16"]), { key: "seeded", label: "Seeding date", type: "date" },
@@ -33,9 +33,10 @@
     building: [text("category", "Use", ["Barn", "House", "Hall", "Silo"])],
     home: [
       choice("type", "Type", [["home", "Home"], ["garage", "Garage"], ["charging", "Charging"]]), choice("robot", "Robot", () => [["", "Any robot"], ...Object.entries(HL.port.fleet()).map(([id, robot]) => [id, robot.name])]),
-      number("heading_deg", "Heading, 0 is east", "°", -360, 360, 1),
+      { ...number("heading_deg", "Heading", "° from north", -360, 360, 1), isCompass: true },
     ],
     gate: [WIDTH],
+    treatment: [number("dose", "Dose, 0 is off", "× usual", 0, 2, 2)],
     slow: [number("speed_mps", "Speed limit", "m/s", 0.01, 10, 2)],
     rows: [choice("type", "Type", [["a-b", "Straight, A to B"], ["curve", "Curve"], ["recorded", "Recorded"]])],
     tree: { LineString: [WIDTH], Point: [RADIUS] },
@@ -54,11 +55,14 @@
   const moreOf = (feature) => MORE[kindOf(feature)] ?? [];
   const kindsFor = (feature) => SHAPES[feature.geometry?.type] ?? [kindOf(feature)];
 
+  // degrees clockwise from north of those counter-clockwise from east, and back: the way a heading is kept
+  const compass = (degrees) => (((90 - degrees) % 360) + 360) % 360;
+
   // what an input shows for a stored value, and back; undefined: not a value this field takes
   function shown(field, value) {
     if (value === null || value === undefined) return "";
     if (field.type !== "number") return String(value);
-    const scaled = value * (field.scale ?? 1);
+    const scaled = field.isCompass ? compass(value) : value * (field.scale ?? 1);
     return field.key === "row_bearing_deg" ? scaled.toFixed(1) : String(Number(scaled.toFixed(field.digits)));
   }
 
@@ -68,7 +72,7 @@
     if (field.type !== "number") return string.slice(0, 120);
     const value = Number(string.replace(",", "."));
     if (!Number.isFinite(value) || value < field.least || value > field.most) return undefined;
-    return Number((value / (field.scale ?? 1)).toFixed(6));
+    return Number((field.isCompass ? compass(value) : value / (field.scale ?? 1)).toFixed(6));
   }
 
   const bounds = (field) => `${field.label}: ${field.least} to ${field.most} ${field.unit}`;

@@ -19,7 +19,15 @@
       this.bar = new M.Bar(act, { mayEdit: this.may.edit });
       this.hint = new M.Hint(act);
       this.panel = new M.FeaturePanel(act);
-      this.checkList = new M.Checks({ fix: (one) => this.operate(one.fix.op, one.fix.features, one.fix.args, one.fix.label), show: (one) => this.show([one.feature_id, one.other_id]) });
+      this.reshape = new M.Reshape({
+        trial: (op, ids, args) => this.trial(op, ids, args),
+        operate: (op, ids, args, what) => this.operate(op, ids, args, what),
+        show: (features) => this.editor?.setTrial(features),
+        turning: (degrees) => this.editor?.setTurning(degrees),
+        unlock: (isOn) => this.unlock(isOn),
+        isUnlocked: () => Boolean(this.isUnlocked),
+      });
+      this.checkList = new M.Checks({ robot: () => this.check(), fix: (one) => this.operate(one.fix.op, one.fix.features, one.fix.args, one.fix.label), show: (one) => this.show([one.feature_id, one.other_id]) });
       this.changes = new M.Changes();
       this.dock = new M.Dock(act);
       this.chips = new M.Chips(act, this.dataset.farm);
@@ -29,9 +37,10 @@
       this.status = el("div", { class: "h-card m-status h-t13", hidden: true, "data-testid": "editor-place" });
       this.notice = el("div", { class: "m-notice" });
       this.field = el("div", { class: "m-map", "aria-label": "Map" }, this.surface.node, this.hint.node, this.walk.node, this.status, this.notice, this.file);
-      this.side = el("aside", { class: "m-side", "aria-label": "Details" }, this.panel.node, this.checkList.node, this.changes.node);
+      this.side = el("aside", { class: "m-side", "aria-label": "Details" }, this.reshape.node, this.panel.node, this.checkList.node, this.changes.node);
       this.append(this.chips.node, el("div", { class: "m-work" }, this.bar.node, this.tools.column, this.field), this.side, this.dock.node);
       this.drops();
+      this.addEventListener("headland:base-maps", () => this.baseMaps());
     }
 
     enter() {
@@ -70,6 +79,7 @@
         layers: () => this.replaced(),
         walk: () => this.walk.open(),
         pick: () => this.file.click(),
+        baseMaps: () => this.baseMaps(),
         versions: () => M.showVersions(client.published.version, { mayEdit: this.may.edit && !this.lockReason(), reason: this.lockReason() || this.dataset.noEdit, restore: (version) => this.restore(version) }),
         undoPoint: () => this.editor?.undoPoint(),
         merge: () => this.merge(),
@@ -81,7 +91,11 @@
         nudge: (x, y) => this.editor?.nudge(x, y),
         removeVertex: () => this.editor?.removeVertex(),
         setVertex: (place) => this.editor?.setVertex(place),
-        unlockBody: (isOn) => this.editor?.unlockBody(isOn),
+        unlockBody: (isOn) => this.unlock(isOn),
+        reshape: (id) => this.reshape.open(id, client.features.get(id)),
+        history: (id) => this.history(id),
+        pen: (name) => this.draw(name),
+        radius: (metres) => this.editor?.setRadius(metres) ?? false,
         several: (isOn) => this.several(isOn),
         publish: () => M.askPublish(client, { done: (version) => (HL.toast(`v${version} is published`, "check"), this.check()), checked: (found) => this.found(found) }),
         compare: () => M.showDifferences(client.baseVersion, { show: (one) => this.show([one.id]) }),
@@ -95,7 +109,8 @@
     // what the drawing surface tells
     told() {
       return {
-        onSelect: (ids) => { this.chosen = [...ids]; this.point = this.corner(); this.changed(); },
+        onSelect: (ids) => { this.lockAgain(); this.chosen = [...ids]; this.point = this.corner(); this.changed(); },
+        onTurn: (degrees) => this.reshape.turned(degrees),
         onChange: ({ label, changes }) => this.commit(label, changes, true),
         onMeasure: (words) => { this.measured = words; this.paintHint(); },
         onDrawn: (drawn) => this.drawn(drawn),
@@ -114,6 +129,7 @@
       const corner = this.corner();
       if (String(corner) === String(this.point)) return;
       this.point = corner;
+      this.reshape.corner(this.editor?.vertex?.index ?? null);
       this.changed();
     }
 
@@ -249,6 +265,7 @@
     replaced() {
       this.chosen = this.chosen.filter((id) => this.client.features.has(id));
       if (!this.client.isEditing && !M.isFree(this.tool)) this.tool = "select";
+      if (!this.client.isEditing || !this.client.features.has(this.reshape.id)) this.reshape.close();
       if (this.isConnected) this.surface.show(!this.client.isEditing);
       this.checkSoon();
     }
@@ -257,11 +274,12 @@
       const shown = changes.filter(({ before, after }) => this.bar.isShown(M.kindOf(after ?? before)));
       this.editor?.patch(shown);
       this.chosen = this.chosen.filter((id) => this.client.features.has(id));
+      if (!this.client.features.has(this.reshape.id)) this.reshape.close();
     }
 
     ready() {
       this.editor.setSnap(this.bar.isSnap);
-      if (this.tool !== "select" && this.tool !== "merge") this.editor.setTool(this.tool);
+      if (this.tool !== "select" && this.tool !== "merge") this.editor.setTool(this.pen ?? this.tool);
       if (this.chosen.length) this.editor.select(this.chosen);
       if (this.checks?.findings) this.editor.setFindings(this.checks.findings);
     }
@@ -280,7 +298,7 @@
     async check() {
       if (!this.isConnected || !this.client.isEditing) return this.found(null);
       if (this.client.queue.length) return this.checkSoon(); // the server checks what it has
-      const answer = await this.client.checks();
+      const answer = await this.client.checks(this.checkList.robot);
       if (!this.isConnected || !this.client.isEditing) return undefined;
       return this.found(answer.ok ? { findings: answer.findings ?? [], blocks: answer.blocks ?? 0, looks: answer.looks ?? 0 } : { findings: [], error: answer.text });
     }
@@ -302,7 +320,7 @@
       this.tools.paint(this.tool, reason);
       this.bar.paint({ undo: client.undoLabel, redo: client.redoLabel, reason, version: client.published.version, hasDraft: Boolean(client.draft), isEmpty: !client.features.size, isNew: !client.published.version });
       this.paintHint();
-      this.panel.paint({ features: client.features, chosen: this.chosen, canEdit: client.isEditing, point: this.point, farm: this.dataset.farm, isSeveral: Boolean(this.isSeveral), revision: client.revision });
+      this.panel.paint({ features: client.features, chosen: this.chosen, canEdit: client.isEditing, point: this.point, farm: this.dataset.farm, isSeveral: Boolean(this.isSeveral), isUnlocked: Boolean(this.isUnlocked), revision: client.revision });
       attr(this.checkList.node, "hidden", !client.isEditing);
       attr(this.changes.node, "hidden", !client.isEditing);
       this.checkList.paint(this.checks, client.isEditing, (id) => { const one = client.features.get(id); return one ? M.nameOf(one) : ""; });
@@ -316,7 +334,7 @@
     }
 
     paintHint() {
-      this.hint.paint(this.tool, this.measured, this.tool === "merge" ? this.mergeable().length : 0);
+      this.hint.paint(this.tool, this.pen, this.measured, this.tool === "merge" ? this.mergeable().length : 0);
     }
 
     key(event) {

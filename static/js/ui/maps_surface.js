@@ -47,7 +47,7 @@
         const { scripts, vendor } = this.address;
         const [{ MapEditor }] = await Promise.all([import(`${base}${scripts}/editor/map_editor.js`), loadSheet(`${base}${scripts}/map/map.css`), loadSheet(`${base}${scripts}/editor/editor.css`), loadSheet(`${base}${vendor}/maplibre-gl-core.css`)]);
         if (turn !== this.turn) return undefined;
-        const editor = new MapEditor(host, { vendorUrl: `${base}${vendor}`, readOnly: isReadOnly, ...this.on });
+        const editor = new MapEditor(host, { vendorUrl: `${base}${vendor}`, baseMapsUrl: `${HL.config.apiPath}/base-maps`, readOnly: isReadOnly, ...this.on });
         await editor.start();
         if (turn !== this.turn) return editor.destroy();
         this.editor = editor;

@@ -8,10 +8,6 @@
     ["road", "Road", "R", "edit_road"], ["home", "Home", "G", "home"], ["rows", "Rows", "D", "align_vertical_bottom"], ["split", "Split", "X", "content_cut"],
     ["merge", "Merge", "M", "merge"], ["measure", "Measure", "L", "straighten"],
   ];
-  const HINTS = {
-    parcel: "Tap the corners of the field.", hole: "Tap the corners of what is left out, inside a parcel.", obstacle: "Tap the corners of the obstacle.", road: "Tap along the middle of the road.",
-    home: "Tap the place where a robot stands at home.", rows: "Tap where the first row begins and ends.", split: "Tap a line across the parcel.", merge: "Tap the parcels to merge, then Merge.", measure: "Tap points to measure between them.",
-  };
   const FREE = new Set(["select", "measure"]); // change nothing: for everybody
   const FORMATS = [["geojson", "GeoJSON"], ["kml", "KML"], ["kmz", "KMZ"], ["shapefile", "Shapefile"], ["isoxml", "ISOXML"], ["gpx", "GPX"], ["fiware", "FIWARE"]];
   const SNAP = "headland.map.snap";
@@ -19,7 +15,7 @@
   const LEADER_MS = 1500; // "g" then a letter moves to another screen
   const isTyping = (target) => target instanceof HTMLElement && target.closest("input, textarea, select, [contenteditable]");
 
-  // act: {tool, undo, redo, snap, layers, walk, pick, versions, undoPoint, remove, nudge, unsaved}
+  // act: {tool, undo, redo, snap, layers, walk, pick, baseMaps, versions, undoPoint, remove, nudge, unsaved}
   class Tools {
     constructor(act) {
       this.act = act;
@@ -69,7 +65,7 @@
       this.isSnap = HL.keep.read(SNAP, true) !== false;
       this.snap = el("button", { type: "button", "data-testid": "editor-snap", "aria-pressed": String(this.isSnap), title: "Corners snap to edges and corners nearby", "aria-label": "Snap", onclick: () => this.toggleSnap() }, icon("grid_goldenratio", "m"), el("span", { class: "m-word" }, "Snap"));
       this.layersButton = el("button", { type: "button", "data-testid": "editor-layers", "aria-label": "Layers" }, icon("layers", "m"), el("span", { class: "m-word" }, "Layers"));
-      this.layers = dropdown(this.layersButton, () => this.layerRows());
+      this.layers = dropdown(this.layersButton, (close) => this.layerRows(close));
       this.walk = button("editor-walk", "my_location", "Walk the edge", () => act.walk());
       this.import = button("editor-import", "upload_file", "Import", () => act.pick());
       this.exportButton = button("editor-export", "download", "Export", () => {});
@@ -84,12 +80,13 @@
       attr(this.snap, "aria-pressed", String(this.isSnap));
       this.act.snap(this.isSnap);
     }
-    layerRows() {
-      return LAYERS.map(([name, word]) => {
+    layerRows(close) {
+      const base = el("button", { type: "button", class: "item", "data-testid": "editor-base-maps", onclick: () => (close(), this.act.baseMaps()) }, icon("map", "m"), "Base maps");
+      return [...LAYERS.map(([name, word]) => {
         const box = el("input", { type: "checkbox", "data-testid": `editor-layer-${name}`, onchange: () => this.toggleLayer(name, box.checked) });
         box.checked = !this.hidden.has(name);
         return el("label", { class: "h-check m-layer" }, box, word);
-      });
+      }), base];
     }
     toggleLayer(name, isOn) {
       if (isOn) this.hidden.delete(name);
@@ -101,10 +98,9 @@
       return !LAYERS.some(([name, , kinds]) => this.hidden.has(name) && kinds.includes(kind));
     }
     exportRows(close) {
-      const base = HL.config.apiPath;
       const group = (of, title) => el("div", {},
         el("div", { class: "line h-2 h-t13" }, title),
-        ...FORMATS.map(([format, word]) => el("a", { class: "item m-format", href: `${base}/map/export?format=${format}&of=${of}`, download: "", "data-testid": `editor-export-${of}-${format}`, onclick: () => setTimeout(close) }, icon("download", "m"), word)),
+        ...FORMATS.map(([format, word]) => el("a", { class: "item m-format", href: HL.maps.exportPath(format, of), download: "", "data-testid": `editor-export-${of}-${format}`, onclick: (event) => (event.preventDefault(), close(), HL.maps.exportMap([format, word], of)) }, icon("download", "m"), word)),
       );
       const { version, hasDraft } = this.of;
       return [el("div", { class: "m-exports" }, hasDraft ? group("draft", "This draft") : "", version ? group("published", `Published v${version}`) : "")];
@@ -121,23 +117,5 @@
     }
   }
 
-  // what the tool in hand waits for, over the map
-  class Hint {
-    constructor(act) {
-      this.words = el("span");
-      this.point = el("button", { type: "button", class: "h-btn", "data-testid": "editor-undo-point", onclick: () => act.undoPoint() }, icon("backspace", "m"), "Last point");
-      this.merge = el("button", { type: "button", class: "h-btn pri", "data-testid": "editor-merge", onclick: () => act.merge() }, icon("merge", "m"), "Merge");
-      this.done = el("button", { type: "button", class: "h-btn", onclick: () => act.tool("select") }, "Leave");
-      this.node = el("div", { class: "h-card m-hint", hidden: true, "data-testid": "editor-hint" }, this.words, this.point, this.merge, this.done);
-    }
-    paint(tool, measured, chosen) {
-      attr(this.node, "hidden", tool === "select");
-      text(this.words, tool === "measure" && measured ? measured : tool === "merge" && chosen ? HL.maps.count(chosen, "parcel chosen", "parcels chosen") : HINTS[tool]);
-      attr(this.point, "hidden", ["merge", "home"].includes(tool));
-      attr(this.merge, "hidden", tool !== "merge");
-      attr(this.merge, "disabled", chosen < 2);
-    }
-  }
-
-  Object.assign(HL.maps, { Tools, Bar, Hint, isTyping, isFree: (tool) => FREE.has(tool) });
+  Object.assign(HL.maps, { Tools, Bar, isTyping, isFree: (tool) => FREE.has(tool) });
 })();

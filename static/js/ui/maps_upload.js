@@ -3,14 +3,14 @@
   "use strict";
   const LIMIT_MS = 180000; // large files over a field radio
 
-  // upload(file, onProgress(share 0..1, or null while the server reads)) -> {answer: Promise, cancel}
-  function upload(file, onProgress) {
+  // upload(file, path, onProgress(share 0..1, or null while the server reads), limitMs) -> {answer: Promise, cancel}
+  function upload(file, path, onProgress, limitMs = LIMIT_MS) {
     const request = new XMLHttpRequest();
     const answer = new Promise((resolve) => {
       const lost = (text, code) => resolve({ ok: false, status: 0, code, text });
-      request.open("POST", `${HL.config.apiPath}/map/imports?name=${encodeURIComponent(file.name)}`);
+      request.open("POST", `${HL.config.apiPath}${path}${path.includes("?") ? "&" : "?"}name=${encodeURIComponent(file.name)}`);
       request.responseType = "json";
-      request.timeout = LIMIT_MS;
+      request.timeout = limitMs;
       request.setRequestHeader("X-Headland-CSRF", HL.config.csrf || "");
       request.setRequestHeader("Content-Type", "application/octet-stream");
       request.upload.onprogress = (event) => event.lengthComputable && onProgress(event.loaded / event.total);

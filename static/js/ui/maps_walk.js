@@ -1,12 +1,14 @@
-// Walking an edge: a robot is led around the field, its positions become the outline of a parcel.
+// Walking an edge: a robot is led, or this tablet carried, around the field; the positions become the outline of a parcel.
 (() => {
   "use strict";
   const { el, icon, text, attr } = HL;
   const M = HL.maps;
   const STEP_M = 0.5; // closer positions tell nothing new at walking speed
-  const STRAY_M = 0.1; // corners nearer than this to a straight edge are left out
+  const STRAY_M = 0.1; // corners nearer than this to a straight edge are left out; never finer than the receiver is
   const LEAST_M2 = 1;
-  const STALE_MS = 2000;
+  const UNKNOWN_M = 5; // a receiver that does not say how good it is, is not believed much
+  const MOST_HEARD = 100000; // positions; the server takes no more
+  const WEIGH_MS = 20000;
   const NS = "http://www.w3.org/2000/svg";
 
   const cm = (m) => (m === null || m === undefined ? "accuracy not known" : m < 1 ? `±${Math.max(1, Math.round(m * 100))} cm` : `±${m.toFixed(1)} m`);
@@ -35,14 +37,16 @@
   }
 
   class Walk {
-    // act: {finished(ring, accuracyM, robotName)}
+    // act: {finished(ring, accuracyM, name)}
     constructor(act) {
       this.act = act;
-      this.points = [];
+      this.points = []; // places apart from each other: the picture
+      this.heard = []; // every position, for weighing
       this.isOn = false;
-      this.robot = el("select", { class: "h-select", "aria-label": "Robot", "data-testid": "walk-robot" });
+      this.source = null;
+      this.robot = el("select", { class: "h-select", "aria-label": "Whose position", "data-testid": "walk-robot" });
       this.facts = el("div", { class: "h-t16 h-b", role: "status", "data-testid": "walk-facts" });
-      this.note = el("div", { class: "h-t13 h-2" });
+      this.note = el("div", { class: "h-t13 h-2", "data-testid": "walk-note" });
       this.track = document.createElementNS(NS, "polyline");
       this.picture = document.createElementNS(NS, "svg");
       this.picture.setAttribute("class", "m-track");
@@ -56,58 +60,70 @@
 
     open() {
       const robots = Object.entries(HL.port.fleet()).filter(([, one]) => one.is_online && one.lat !== null);
-      if (!robots.length) return HL.toast("No robot with a position is heard.", "signal_disconnected");
-      this.robot.replaceChildren(...robots.map(([id, one]) => el("option", { value: id }, one.name)));
+      this.names = new Map([...robots.map(([id, one]) => [id, one.name]), [M.TABLET, "This tablet"]]);
+      this.robot.replaceChildren(...[...this.names].map(([id, name]) => el("option", { value: id }, name)));
       this.points = [];
+      this.heard = [];
       this.isOn = false;
       attr(this.node, "hidden", null);
-      this.robot.onchange = () => this.follow();
-      this.follow();
-      return this.paint();
+      this.robot.onchange = () => this.listen();
+      this.listen();
     }
 
-    follow() {
-      HL.port.follow(this.robot.value);
+    get name() {
+      return this.names?.get(this.robot.value) ?? "The robot";
+    }
+
+    listen() {
+      this.source?.stop();
+      this.source = this.robot.value === M.TABLET ? new M.TabletReceiver() : new M.RobotReceiver(this.robot.value);
+      this.source.start();
       this.paint();
     }
 
     begin() {
       this.isOn = true;
       this.points = [];
+      this.heard = [];
       this.worst = 0;
+      this.look();
+    }
+
+    // called with each repaint: takes the newest position when it is fresh and new
+    look() {
+      if (this.node.hidden || !this.source) return;
+      const { pose, isFresh } = this.source;
+      if (this.isOn && isFresh && pose.at_s !== this.heard.at(-1)?.at_s) this.add(pose);
       this.paint();
     }
 
-    // called with each repaint: takes the newest position when it is fresh and far enough from the last
-    look() {
-      if (this.node.hidden) return;
-      const pose = HL.port.robot(this.robot.value).pose;
-      const isFresh = pose && HL.port.age(pose.t) < STALE_MS && HL.linkState() !== "server-lost";
-      if (this.isOn && isFresh) this.add([pose.lon, pose.lat], pose.accuracy_m);
-      this.paint(pose, isFresh);
-    }
-
-    add(point, accuracyM) {
+    add(pose) {
+      if (this.heard.length < MOST_HEARD) this.heard.push({ lon: pose.lon, lat: pose.lat, accuracy_m: pose.accuracy_m ?? UNKNOWN_M, at_s: pose.at_s });
+      this.worst = Math.max(this.worst, pose.accuracy_m ?? Infinity);
       const last = this.points.at(-1);
-      if (last) {
-        const [x, y] = M.plane(last).flat(point);
-        if (Math.hypot(x, y) < STEP_M) return;
-      }
-      this.points.push(point);
-      this.worst = Math.max(this.worst, accuracyM ?? Infinity);
+      const point = [pose.lon, pose.lat];
+      if (!last || Math.hypot(...M.plane(last).flat(point)) >= STEP_M) this.points.push(point);
     }
 
-    paint(pose = null, isFresh = false) {
-      const name = HL.port.fleet()[this.robot.value]?.name ?? "The robot";
+    paint() {
+      const { source } = this;
+      const isFresh = Boolean(source?.isFresh);
+      const problem = source?.problem ?? "";
       attr(this.robot, "disabled", this.isOn);
       attr(this.start, "hidden", this.isOn);
       attr(this.start, "disabled", !isFresh);
       attr(this.finish, "hidden", !this.isOn);
-      attr(this.finish, "disabled", this.points.length < 3);
+      attr(this.finish, "disabled", this.points.length < 3 || this.isWeighing);
       attr(this.node, "data-value", this.points.length);
-      text(this.facts, !isFresh ? `${name} gives no position now` : `${this.isOn ? `${M.count(this.points.length, "point")}, ` : ""}${cm(pose.accuracy_m)}`);
-      text(this.note, this.isOn ? (this.worst > STRAY_M ? `Worst so far ${Number.isFinite(this.worst) ? cm(this.worst) : "not known"}. Wait for RTK where it matters.` : "Lead it once around. The last point joins the first.") : "The middle of the robot is recorded. Somebody drives it around the edge.");
+      text(this.facts, !isFresh ? `${this.name} gives no position now` : `${this.isOn ? `${M.count(this.points.length, "point")}, ` : ""}${cm(source.pose.accuracy_m)}`);
+      text(this.note, problem || this.advice());
       this.draw();
+    }
+
+    advice() {
+      if (this.isOn && this.worst > STRAY_M) return `Worst so far ${Number.isFinite(this.worst) ? cm(this.worst) : "not known"}. Good positions weigh more. Wait for RTK where it matters.`;
+      if (this.isOn) return "Once around. The last point joins the first.";
+      return this.robot.value === M.TABLET ? "Carry the tablet along the edge, under open sky. Without RTK it is metres off, not centimetres." : "The middle of the robot is recorded. Somebody drives it around the edge.";
     }
 
     draw() {
@@ -123,23 +139,40 @@
       this.track.setAttribute("points", flatted.map(([x, y]) => `${x.toFixed(2)},${(-y).toFixed(2)}`).join(" "));
     }
 
-    end() {
+    async end() {
+      this.isWeighing = true;
+      this.paint();
+      const answer = await HL.port.api("POST", "/map/walks", { points: this.heard, is_closed: true, tolerance_m: STRAY_M }, WEIGH_MS);
+      this.isWeighing = false;
+      if (this.node.hidden) return undefined; // given up meanwhile
+      this.paint();
+      if (answer.ok) return this.done(answer.coordinates, answer.accuracy_m);
+      if (answer.status === 422) return HL.toast(answer.text, "block");
+      return this.endHere();
+    }
+
+    // without the server: every point weighs the same
+    endHere() {
       const { flat } = M.plane(this.points[0]);
-      const isBack = (point) => Math.hypot(...flat(point)) < STEP_M;
-      while (this.points.length > 1 && isBack(this.points.at(-1))) this.points.pop(); // who comes back to the start stands on its first corner
-      const kept = corners(this.points.map(flat), STRAY_M).map((i) => this.points[i]);
+      const points = [...this.points];
+      while (points.length > 1 && Math.hypot(...flat(points.at(-1))) < STEP_M) points.pop(); // who comes back to the start stands on its first corner
+      const kept = corners(points.map(flat), STRAY_M).map((i) => points[i]);
       const ring = [...kept, kept[0]];
       const area = M.areaM2({ geometry: { type: "Polygon", coordinates: [ring] } });
       if (kept.length < 3 || area < LEAST_M2) return HL.toast("These points enclose no field yet.", "block");
-      const accuracy = Number.isFinite(this.worst) ? this.worst : null;
-      this.act.finished(ring, accuracy, HL.port.fleet()[this.robot.value]?.name ?? this.robot.value);
+      return this.done(ring, Number.isFinite(this.worst) ? this.worst : null);
+    }
+
+    done(ring, accuracyM) {
+      this.act.finished(ring, accuracyM, this.name === "This tablet" ? "this tablet" : this.name);
       return this.close();
     }
 
     close() {
       this.isOn = false;
       attr(this.node, "hidden", true);
-      HL.port.follow(null);
+      this.source?.stop();
+      this.source = null;
     }
   }
 

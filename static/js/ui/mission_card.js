@@ -20,10 +20,12 @@
       const fact = (label, ...nodes) => el("div", {}, el("div", { class: "h-h" }, label), ...nodes);
       this.figure = el("span");
       this.area.append(this.figure, this.of);
+      this.change = el("button", { type: "button", class: "h-btn h-cardbtn", "data-testid": "mission-change", onclick: () => HL.rest?.change(HL.port.robot(HL.view.robot).mission) }, icon("edit_road", "m"), "Change the rest");
+      this.pending = el("div", { class: "h-t14 h-b", role: "status", "data-testid": "mission-pending", hidden: true }, "Update sent, not confirmed");
       this.full = el("div", {},
         el("div", { class: "h-row h-base top" }, el("span", { class: "h-t18 h-b" }, "Row"), this.row, this.rows, el("span", { class: "h-sp" }), this.share),
         this.ticks,
-        el("div", { class: "h-facts" }, fact("Area", this.area), fact("Done at", this.done), fact("Left", this.leftTime)));
+        el("div", { class: "h-facts" }, fact("Area", this.area), fact("Done at", this.done), fact("Left", this.leftTime)), this.pending, this.change);
       this.empty = el("div", { class: "h-t16 h-2", hidden: true });
       this.append(el("div", { class: "h-h" }, this.name, el("span", { class: "h-age h-end" }, icon("schedule", "s"), this.age)), this.full, this.empty);
     }
@@ -39,6 +41,8 @@
         text(this.empty, groups.mode ? "No mission on this robot. Choose one under Missions." : "Waiting for the first state.");
         return;
       }
+      attr(this.change, "hidden", !(groups.actions?.change?.ok && HL.config.rights.includes("send_mission")));
+      attr(this.pending, "hidden", !mission.is_pending);
       const ageMs = HL.port.age(mission.t);
       const period = mission.period_ms || 500;
       const isOld = ageMs > Math.max(OLD_MS, 3 * period);

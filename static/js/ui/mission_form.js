@@ -1,126 +1,272 @@
-// Planning a mission: field, robot, home, rows; a preview with its numbers; then stored, or stored and sent.
+// Planning a mission: robot, field and treatment; row orders compared on the map; then stored, or stored and sent.
 (() => {
   "use strict";
-  const { el, icon, text } = HL;
-  const PREVIEW_LIMIT_MS = 70000; // the planner gives up after 60 s and says so
-  const DRAFT = "mission-plan";
+  const { el, icon, attr, text } = HL;
+  const { Inputs, Treatment, Step, Picture, Path, Scrubber, Compare, NAMES } = HL.planner;
+  const PLAN_LIMIT_MS = 70000; // the planner gives up after 60 s and says so
 
-  const options = (rows) => rows.map(({ id, name }) => el("option", { value: id }, name));
-  const field = (label, input, hint) => el("label", { class: "h-field" }, label, input, hint ? el("small", { class: "h-t12 h-2" }, hint) : "");
-  const select = (hook, name, rows) => el("select", { class: "h-select", "data-testid": hook, name }, ...rows);
-  const number = (hook, name, props) => el("input", { class: "h-input", "data-testid": hook, name, type: "number", inputmode: "decimal", step: "any", ...props });
+  const sheets = new Map();
+  function loadSheet(href) {
+    if (!sheets.has(href)) {
+      sheets.set(href, new Promise((resolve) => {
+        const link = el("link", { rel: "stylesheet", href, onload: () => resolve(), onerror: () => (sheets.delete(href), link.remove(), resolve()) });
+        document.head.append(link);
+      }));
+    }
+    return sheets.get(href);
+  }
 
   class MissionForm {
-    // places: {fields, homes, robots}; actions: {stored(mission, isSent), close}
+    // places: {fields, homes, robots, areas?}; actions: {stored(mission, isSent), close}
     constructor(places, actions, maySend) {
       this.places = places;
       this.actions = actions;
-      this.preview = null;
-      this.inputs = {
-        field_id: select("plan-field", "field_id", options(places.fields)),
-        robot_id: select("plan-robot", "robot_id", options(places.robots)),
-        home_id: select("plan-home", "home_id", [el("option", { value: "" }, "Its own, or the nearest"), ...options(places.homes)]),
-        width_m: number("plan-width", "width_m", { min: "0.05", max: "50", required: true, value: "3" }),
-        row_bearing_deg: number("plan-bearing", "row_bearing_deg", { min: "-360", max: "360", placeholder: "as planted, or best" }),
-        headland_passes: number("plan-headland", "headland_passes", { min: "0", max: "50", step: "1", placeholder: "as many as turning needs" }),
-        name: el("input", { class: "h-input", "data-testid": "plan-name", name: "name", maxlength: "80", placeholder: "field and row distance", autocomplete: "off" }),
-        returns_home: el("input", { type: "checkbox", name: "returns_home", "data-testid": "plan-return", checked: true }),
-      };
-      this.problem = el("div", { class: "h-error", role: "alert", "data-testid": "plan-error" });
-      this.result = el("div", { class: "h-sec" });
-      this.previewButton = el("button", { class: "h-btn pri", type: "submit", "data-testid": "plan-preview" }, icon("visibility", "m"), "Preview");
-      this.storeButton = el("button", { class: "h-btn", type: "button", "data-testid": "plan-store", disabled: true, onclick: () => this.store(false) }, icon("check", "m"), "Store");
-      this.sendButton = el("button", { class: "h-btn pri", type: "button", "data-testid": "plan-send", disabled: true, onclick: () => this.store(true) });
       this.maySend = maySend;
+      this.answers = new Map();
+      this.shown = null;
+      this.planned = null;
+      this.inputs = new Inputs(places);
+      this.treatment = new Treatment(places.areas ?? []);
       this.node = this.build();
-      this.recall();
       this.follow();
+      this.outline();
+      this.paint();
+      const style = document.querySelector("hl-missions")?.dataset.planStyle;
+      if (style) {
+        this.node.hidden = true;
+        loadSheet(style).then(() => (this.node.hidden = false));
+      }
     }
 
     build() {
-      const i = this.inputs;
-      const form = el("form", { class: "h-card h-sec", novalidate: true, onsubmit: (event) => (event.preventDefault(), this.look()) },
-        el("div", { class: "h-form" }, field("Field", i.field_id), field("Robot", i.robot_id), field("Home", i.home_id), field("Row distance, m", i.width_m), field("Row direction, ° from north", i.row_bearing_deg), field("Headland laps", i.headland_passes), field("Name", i.name), el("label", { class: "h-check" }, i.returns_home, "Drive home at the end")),
-        el("div", { class: "h-row h-wrap" }, this.previewButton, this.storeButton, this.sendButton, el("span", { class: "h-t13 h-2" }, "Sending does not move the robot.")), this.problem);
-      form.addEventListener("input", () => this.changed());
-      return el("div", { class: "h-sec" }, el("div", { class: "h-row" }, el("button", { type: "button", class: "h-btn q ico", "aria-label": "Back to the missions", onclick: () => this.actions.close() }, icon("arrow_back")), el("h2", {}, "Plan a mission")), form, this.result);
+      const input = (name) => this.inputs.get(name);
+      this.problem = el("div", { class: "h-error", role: "alert", "data-testid": "plan-error" });
+      this.previewButton = el("button", { class: "h-btn op pri p-preview", type: "submit", "data-testid": "plan-preview" });
+      this.steps = {
+        robot: new Step(1, "Robot and home", "robot", ...this.inputs.where()),
+        field: new Step(2, "Field", "field", input("field_id")),
+        treatment: new Step(3, "Treatment", "treatment", this.treatment.node),
+        preview: new Step(4, "Preview", "preview", ...this.inputs.how(), this.previewButton, this.problem),
+        send: new Step(5, "Send", "send"),
+      };
+      this.steps.send.tell("Sending does not move the robot.");
+      this.form = el("form", { class: "p-steps", novalidate: true, onsubmit: (event) => (event.preventDefault(), this.isPlanning ? this.cancel() : this.look()) },
+        el("div", { class: "h-row p-title" }, el("button", { type: "button", class: "h-btn q ico", "aria-label": "Back to the missions", onclick: () => this.leave() }, icon("arrow_back")), el("h2", { class: "h-sp" }, "Plan a mission"), el("button", { type: "button", class: "h-btn", "data-testid": "plan-templates", onclick: () => HL.planner.templates.choose((one) => this.apply(one)) }, "Templates")),
+        ...Object.values(this.steps).map((step) => step.node));
+      this.picture = new Picture();
+      this.scrubber = new Scrubber((t) => this.picture.place(t));
+      this.picture.node.append(this.scrubber.node);
+      this.compare = new Compare((pattern) => this.show(pattern, true));
+      this.numbers = el("div", { class: "p-numbers" });
+      this.checks = el("hl-plan-checks", { class: "p-checks" });
+      this.checks.onLeave = () => this.end(); // whoever goes to another screen frees the planner
+      this.notes = el("div", { class: "p-notes" });
+      this.side = el("aside", { class: "p-side", "aria-label": "Numbers of the plan", hidden: true }, this.numbers, this.notes, this.compare.node, this.checks);
+      return el("div", { class: "p-plan" }, this.form, this.picture.node, this.side, this.dock());
     }
 
-    // what was typed survives an outage and a reload
-    recall() {
-      const kept = HL.draft.get(DRAFT) || {};
-      for (const [key, input] of Object.entries(this.inputs)) {
-        if (!(key in kept)) continue;
-        if (input.type === "checkbox") input.checked = kept[key] === true;
-        else if (!input.matches("select") || [...input.options].some((option) => option.value === kept[key])) input.value = kept[key];
-      }
+    dock() {
+      const button = (hook, sign, word, look, run) => el("button", { type: "button", class: `h-btn op ${look}`, "data-testid": hook, onclick: run }, sign ? icon(sign, "m") : "", word);
+      this.sendWord = el("span");
+      this.sendButton = button("plan-send", "route", this.sendWord, "pri", () => this.store("send"));
+      this.storeButton = button("plan-store", "check", "Store", "", () => this.store(""));
+      this.queueButton = HL.queue?.add ? button("plan-queue", "add", "Add to queue", "", () => this.store("queue")) : "";
+      this.templateButton = button("plan-template", "", "Save as template", "q", () => HL.planner.templates.save(this.wish(), this.inputs.get("name").value.trim() || this.inputs.fieldPlace?.name || ""));
+      this.dockHint = el("span", { class: "h-t13 h-2 p-hint", "data-testid": "plan-hint" });
+      return el("div", { class: "p-dock", role: "toolbar", "aria-label": "Plan" }, button("plan-back", "arrow_back", "Treatment", "", () => this.steps.treatment.open()), this.sendButton, this.storeButton, this.queueButton, this.templateButton, el("span", { class: "h-sp" }), this.dockHint);
     }
 
-    // the map knows how a field was planted: its row distance is the first offer
+    // what is typed is kept, and a plan that no longer fits is not sent
     follow() {
-      this.inputs.field_id.addEventListener("change", () => {
-        const spacing = this.places.fields.find((one) => one.id === this.inputs.field_id.value)?.properties?.row_spacing_m;
-        if (spacing) this.inputs.width_m.value = String(Math.max(spacing, 0.5));
-      });
-      this.inputs.robot_id.addEventListener("change", () => this.words());
-      this.words();
+      this.inputs.get("field_id").addEventListener("change", () => this.newField());
+      this.inputs.get("robot_id").addEventListener("change", () => (this.inputs.offerField() ? this.newField() : this.outline()));
+      this.inputs.offerField();
+      this.form.addEventListener("input", () => this.changed());
+      this.treatment.follow(this.inputs.fieldPlace);
+      this.steps.treatment.fold(this.treatment.summary());
     }
 
-    words() {
-      const robot = this.places.robots.find((one) => one.id === this.inputs.robot_id.value);
-      this.sendButton.replaceChildren(icon("route", "m"), `Store and send to ${robot?.name ?? "robot"}`);
-    }
-
-    changed() {
-      this.preview = null;
-      this.storeButton.disabled = this.sendButton.disabled = true;
-      HL.draft.set(DRAFT, Object.fromEntries(Object.entries(this.inputs).map(([key, input]) => [key, input.type === "checkbox" ? input.checked : input.value])));
+    newField() {
+      this.inputs.offerWidth();
+      this.treatment.follow(this.inputs.fieldPlace);
+      this.outline();
+      this.changed();
     }
 
     wish() {
-      const i = this.inputs;
-      const body = { field_id: i.field_id.value, robot_id: i.robot_id.value, width_m: Number(i.width_m.value), returns_home: i.returns_home.checked };
-      if (i.home_id.value) body.home_id = i.home_id.value;
-      if (i.name.value.trim()) body.name = i.name.value.trim();
-      if (i.row_bearing_deg.value !== "") body.row_bearing_deg = Number(i.row_bearing_deg.value);
-      if (i.headland_passes.value !== "") body.headland_passes = Math.round(Number(i.headland_passes.value));
-      return body;
+      return { ...this.inputs.wish(), ...this.treatment.wish() };
     }
 
-    async look() {
-      const wish = this.wish();
-      text(this.problem, "");
-      this.previewButton.disabled = true;
-      this.result.replaceChildren(el("div", { class: "h-card h-row" }, icon("hourglass_top"), "Planning"));
-      const answer = await HL.port.api("POST", "/missions/preview", wish, PREVIEW_LIMIT_MS);
-      this.previewButton.disabled = false;
-      if (!answer.ok) {
-        this.result.replaceChildren();
-        return this.refused(answer);
+    // everything but the row order: candidates are of one such wish
+    ground() {
+      const { pattern, name, ...rest } = this.wish();
+      return JSON.stringify(rest);
+    }
+
+    changed() {
+      this.inputs.keep();
+      this.refusal = "";
+      const pattern = this.inputs.get("pattern").value;
+      if (this.planned === this.ground() && this.answers.get(pattern)?.state !== undefined) this.show(pattern, false);
+      this.paint();
+    }
+
+    get isFresh() {
+      return this.planned !== null && this.planned === this.ground() && this.answers.get(this.shown)?.state === "planned" && this.inputs.get("pattern").value === this.shown;
+    }
+
+    look() {
+      this.cancel();
+      text(this.problem, this.treatment.problem());
+      this.refusal = "";
+      if (this.treatment.problem()) return this.steps.treatment.open();
+      this.answers = new Map();
+      this.shown = null;
+      this.planned = this.ground();
+      this.isPlanning = true;
+      this.stop = HL.planner.compare(this.wish(), {
+        line: (answer) => this.heard(answer),
+        failed: (refusal) => this.refused(refusal),
+        ended: () => ((this.isPlanning = false), this.paint()),
+      });
+      this.paint();
+    }
+
+    cancel() {
+      this.stop?.();
+      this.stop = null;
+      if (this.isPlanning) this.planned = this.answers.size ? this.planned : null;
+      this.isPlanning = false;
+      this.paint();
+    }
+
+    heard(answer) {
+      if (!answer.pattern) return;
+      this.answers.set(answer.pattern, answer);
+      const wished = this.inputs.get("pattern").value;
+      if (answer.pattern === wished && answer.state === "planned") this.show(wished, false);
+      else if (answer.pattern === wished) this.refused(answer.state === "same" ? { text: "" } : answer, answer);
+      this.paint();
+    }
+
+    // answer: given when a row order, not the wish, was refused
+    refused(refusal, answer) {
+      if (answer?.state === "same") return this.show(answer.as, true);
+      if (!answer) this.planned = this.answers.size ? this.planned : null;
+      text(this.problem, refusal.text || "Not planned: the server did not answer. Try again.");
+      this.refusal = this.problem.textContent;
+      const input = refusal.field ? this.inputs.get(refusal.field) : null;
+      const step = ["robot_id", "home", "home_id"].includes(refusal.field) ? this.steps.robot : refusal.field === "field_id" ? this.steps.field : refusal.field?.startsWith("treatment") ? this.steps.treatment : this.steps.preview;
+      step.open();
+      input?.focus?.();
+      this.paint();
+    }
+
+    // a candidate into the picture; isChosen: by hand in the comparison
+    show(pattern, isChosen) {
+      let answer = this.answers.get(pattern);
+      if (answer?.state === "same") answer = this.answers.get((pattern = answer.as));
+      if (isChosen || answer?.pattern !== this.inputs.get("pattern").value) this.inputs.get("pattern").value = pattern;
+      this.inputs.keep();
+      text(this.problem, answer?.state === "refused" ? answer.text : "");
+      if (answer?.state !== "planned") return this.paint();
+      this.refusal = "";
+      const isOther = this.shown !== pattern || this.drawn !== answer;
+      this.shown = pattern;
+      this.drawn = answer;
+      if (isOther) {
+        this.draw(answer);
+        this.foldAll();
+        if (!isChosen) this.node.scrollIntoView({ block: "start" }); // on a narrow screen the picture is above the inputs
       }
-      this.preview = JSON.stringify(wish);
-      this.storeButton.disabled = false;
-      this.sendButton.disabled = !this.maySend;
-      this.result.replaceChildren(el("div", { class: "h-mpicture" }, HL.fieldPicture(answer.geometry, answer.name)), HL.plan.cards(answer.statistics), ...(answer.statistics.notes ?? []).map((note) => el("div", { class: "h-row h-t14 h-b" }, icon("warning", "m"), note)));
+      this.paint();
     }
 
-    async store(isSending) {
-      const wish = this.wish();
-      if (JSON.stringify(wish) !== this.preview) return this.look();
-      this.storeButton.disabled = this.sendButton.disabled = true;
-      const answer = await HL.port.api("POST", "/missions/plan", wish, PREVIEW_LIMIT_MS);
-      if (!answer.ok) {
-        this.storeButton.disabled = false;
-        this.sendButton.disabled = !this.maySend;
-        return this.refused(answer);
-      }
-      HL.draft.clear(DRAFT);
-      this.actions.stored(answer.data, isSending);
+    draw({ drawing, statistics }) {
+      const path = new Path(drawing);
+      this.picture.draw(drawing, path, statistics);
+      this.scrubber.load(path.duration);
+      this.numbers.replaceChildren(HL.planner.cards(statistics), HL.planner.energy(statistics));
+      this.notes.replaceChildren(...(statistics.notes ?? []).map((note) => el("div", { class: "h-row h-t14 h-b" }, icon("warning", "m"), note)));
+      this.checks.set({ robot: this.inputs.get("robot_id").value, name: this.inputs.robot?.name ?? "The robot", statistics });
     }
 
-    refused(answer) {
-      text(this.problem, answer.text || "Not planned: the server did not answer. Try again.");
-      this.inputs[answer.field]?.focus();
+    foldAll() {
+      const { robot, home, fieldPlace } = this.inputs;
+      const s = this.drawn?.statistics;
+      this.steps.robot.fold(`${robot?.name ?? "Robot"}, ${home?.name ?? "its own home or the nearest"}`);
+      this.steps.field.fold([fieldPlace?.name ?? "Field", s ? `${s.rows} rows` : ""].filter(Boolean).join(", "));
+      this.steps.treatment.fold(this.treatment.summary());
+    }
+
+    // the field alone, as long as there is no plan
+    outline() {
+      this.words();
+      if (this.shown) return;
+      const geometry = this.inputs.fieldPlace?.geometry;
+      const rings = geometry?.type === "Polygon" ? geometry.coordinates : geometry?.coordinates?.[0];
+      if (!rings) return this.picture.draw({ legs: [], places: { parcel: [] } }, null, null);
+      const [lon0, lat0] = rings[0][0];
+      const scale = 111320 * Math.cos((lat0 * Math.PI) / 180);
+      this.picture.draw({ legs: [], places: { parcel: rings.map((ring) => ring.map(([lon, lat]) => [(lon - lon0) * scale, (lat - lat0) * 111320])) } }, null, null);
+    }
+
+    words() {
+      text(this.sendWord, `Send to ${this.inputs.robot?.name ?? "robot"}`);
+      this.inputs.offerSpacing();
+      HL.port.follow(this.inputs.get("robot_id").value || null);
+    }
+
+    paint() {
+      const isFresh = this.isFresh;
+      const isStale = this.shown !== null && !isFresh && !this.isPlanning;
+      this.previewButton.replaceChildren(icon(this.isPlanning ? "cancel" : "visibility", "m"), this.isPlanning ? "Cancel planning" : isStale ? "Preview again" : "Preview");
+      attr(this.previewButton, "data-state", this.isPlanning ? "planning" : isFresh ? "fresh" : "ready");
+      this.previewButton.classList.toggle("pri", !isFresh && !this.isPlanning);
+      this.storeButton.disabled = !isFresh || this.isStoring;
+      this.sendButton.disabled = !isFresh || !this.maySend || this.isStoring;
+      if (this.queueButton) this.queueButton.disabled = !isFresh || this.isStoring;
+      this.side.hidden = !this.answers.size && !this.isPlanning;
+      attr(this.node, "data-state", isFresh ? "fresh" : isStale ? "stale" : "none");
+      this.compare.paint(this.answers, this.shown, this.isPlanning);
+      this.picture.say(this.isPlanning && !this.shown ? `Planning ${NAMES[this.inputs.get("pattern").value].toLowerCase()}` : this.isPlanning ? "" : this.refusal ? `Not planned. ${this.refusal}` : isStale ? "Changed. Preview again." : "");
+      text(this.dockHint, !this.maySend ? "Sending needs the operator role." : isFresh ? "The person on site starts it with a slide." : this.isPlanning ? "" : "Preview first.");
+    }
+
+    // what: "", "send" or "queue"
+    async store(what) {
+      if (!this.isFresh) return this.look();
+      this.isStoring = true;
+      this.paint();
+      const answer = await HL.port.api("POST", "/missions/plan", this.wish(), PLAN_LIMIT_MS);
+      this.isStoring = false;
+      this.paint();
+      if (!answer.ok) return this.refused(answer);
+      this.inputs.forget();
+      this.end();
+      this.actions.stored(answer.data, what === "send");
+      if (what === "queue") HL.queue.add(answer.data);
+    }
+
+    apply(template) {
+      this.inputs.apply(template.wish);
+      this.treatment.apply(template.wish);
+      this.treatment.follow(this.inputs.fieldPlace);
+      this.steps.treatment.tell(this.treatment.summary());
+      this.outline();
+      this.changed();
+      HL.toast(`${template.name} is applied`, "check");
+    }
+
+    leave() {
+      this.end();
+      this.actions.close();
+    }
+
+    end() {
+      this.cancel();
+      this.scrubber.pause();
+      HL.port.follow(null);
     }
   }
 

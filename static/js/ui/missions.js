@@ -4,21 +4,27 @@
   const { el, icon, text, attr, LiveElement, define } = HL;
   const { list, when, empty } = HL.records;
   const LATE_MS = 5000; // a list that is not there by then is an error
+  const TABS = [["list", "List"], ["plan", "Plan"], ["queue", "Queue"]];
   const RELOAD_MS = 1200; // moves of a mission come close together, and are stored a moment after the robot tells
 
   const of = (id) => `/missions/${encodeURIComponent(id)}`;
   const robotName = (id) => HL.port.fleet()[id]?.name ?? id ?? "no robot";
 
   class Row {
-    constructor(mission, open) {
+    constructor(mission, open, pick) {
+      this.box = el("input", { type: "checkbox", "aria-label": `Choose ${mission.name}`, "data-testid": `mission-pick-${mission.id}`, onchange: () => pick(mission.id, this.box.checked) });
+      this.pick = el("label", { class: "h-mpick", hidden: true }, this.box);
       this.name = el("span", { class: "h-t16 h-b h-ell" });
       this.line = el("span", { class: "h-t13 h-2 h-ell" });
       this.chip = el("span", { class: "h-chip line" });
-      this.node = el("button", { type: "button", class: "h-mrow", "data-testid": `mission-row-${mission.id}`, onclick: () => open(mission.id) }, el("span", { class: "h-col" }, this.name, this.line), this.chip);
+      this.row = el("button", { type: "button", class: "h-mrow", "data-testid": `mission-row-${mission.id}`, onclick: () => open(mission.id) }, el("span", { class: "h-col" }, this.name, this.line), this.chip);
+      this.node = el("div", { class: "h-mline", role: "listitem" }, this.pick, this.row);
     }
-    paint(mission, isChosen) {
-      attr(this.node, "data-state", mission.status);
-      attr(this.node, "aria-current", isChosen ? "true" : null);
+    paint(mission, isChosen, isPicked) {
+      attr(this.row, "data-state", mission.status);
+      attr(this.row, "aria-current", isChosen ? "true" : null);
+      attr(this.pick, "hidden", isPicked === null);
+      this.box.checked = Boolean(isPicked);
       text(this.name, mission.name);
       text(this.line, `${mission.field_name} · ${robotName(mission.robot_id)} · ${when(mission.updated_utc)}`);
       text(this.chip, HL.plan.status(mission.status));
@@ -35,7 +41,14 @@
       this.said = el("div");
       this.list = el("div", { class: "h-mlist", role: "list" });
       this.detail = el("section", { class: "h-mdetail h-scroll", "aria-label": "Mission" });
-      this.append(el("aside", { class: "h-mside" }, el("div", { class: "h-row" }, this.search, this.planButton), el("p", { class: "h-t13 h-2", "data-testid": "mission-rights" }), this.said, this.list), this.detail);
+      this.group = "all";
+      this.picked = null;
+      this.filters = el("div", { class: "q-filters", role: "group", "aria-label": "Which missions" });
+      this.bulk = el("div");
+      this.selectButton = el("button", { type: "button", class: "h-btn ico", "data-testid": "mission-select", title: "Choose several", "aria-label": "Choose several missions", "aria-pressed": "false", onclick: () => this.select(this.picked === null) }, icon("lists", "m"));
+      this.tabs = el("nav", { class: "h-seg h-mtabs", "aria-label": "Missions" }, ...TABS.map(([key, name]) => el("button", { type: "button", "data-tab": key, "data-testid": `missions-tab-${key}`, onclick: () => this.tab(key) }, name)));
+      this.append(el("div", { class: "h-mtop" }, this.tabs), el("aside", { class: "h-mside" }, el("div", { class: "h-row" }, this.search, this.selectButton, this.planButton), this.filters, el("p", { class: "h-t13 h-2", "data-testid": "mission-rights" }), this.said, this.list, this.bulk), this.detail);
+      styled(this);
       this.may = { edit: this.dataset.mayEdit === "yes", send: this.dataset.maySend === "yes" };
       text(this.querySelector("[data-testid=mission-rights]"), !this.may.send && !this.may.edit ? this.dataset.noSend : this.may.edit ? "" : this.dataset.noEdit);
       if (!this.may.edit) attr(this.planButton, "disabled", true);
@@ -46,11 +59,48 @@
     enter() {
       this.unsubscribe = window.headland?.on("event", this.onEvent);
       this.load(true);
+      this.showTab(HL.keep.read("headland.missions.tab", "list") === "queue" ? "queue" : "list");
     }
 
     leave() {
+      this.queueView?.leave();
       this.unsubscribe?.();
       clearTimeout(this.timer);
+    }
+
+    tab(key) {
+      if (key === "plan") {
+        if (!this.may.edit) return HL.toast(this.dataset.noEdit, "lock");
+        this.showTab("plan");
+        return this.plan();
+      }
+      if (key === "list" && this.form) this.close();
+      return this.showTab(key);
+    }
+
+    showTab(key) {
+      attr(this, "data-tab", key);
+      for (const one of this.tabs.children) attr(one, "aria-pressed", String(one.dataset.tab === key));
+      if (key !== "plan") HL.keep.write("headland.missions.tab", key);
+      if (key !== "queue") return this.queueView?.leave();
+      if (!this.queueView) {
+        this.queueView = new HL.QueueView();
+        this.append(this.queueView.node);
+      }
+      return this.queueView.enter();
+    }
+
+    // choosing several: null means that nothing is being chosen
+    select(isOn) {
+      this.picked = isOn ? new Set() : null;
+      attr(this.selectButton, "aria-pressed", String(isOn));
+      this.draw();
+    }
+
+    pick(id, isOn) {
+      if (isOn) this.picked?.add(id);
+      else this.picked?.delete(id);
+      this.draw();
     }
 
     soon() {
@@ -75,11 +125,14 @@
 
     draw() {
       const words = this.search.value.trim().toLowerCase();
-      const found = this.missions.filter((one) => !words || `${one.name} ${one.field_name} ${robotName(one.robot_id)} ${one.status}`.toLowerCase().includes(words));
-      this.said.replaceChildren(...(this.missions.length ? (found.length ? [] : [empty("Nothing found", "No mission has these words.")]) : [el("div", { "data-testid": "missions-empty" }, empty("No missions yet", this.may.edit ? "Plan a mission" : this.dataset.noEdit))]));
+      this.filters.replaceChildren(...HL.missionsBulk.chips(this.group, this.missions, (group) => ((this.group = group), this.draw())));
+      const found = this.missions.filter((one) => HL.missionsBulk.isIn(this.group, one) && (!words || `${one.name} ${one.field_name} ${robotName(one.robot_id)} ${one.status}`.toLowerCase().includes(words)));
+      const picked = this.picked === null ? [] : this.missions.filter((one) => this.picked.has(one.id));
+      this.bulk.replaceChildren(...(this.picked === null ? [] : [HL.missionsBulk.bar(picked, this.may, () => (this.select(false), this.load(false)))]));
+      this.said.replaceChildren(...(this.missions.length ? (found.length ? [] : [empty("Nothing found", words ? "No mission has these words." : "No mission is there now.")]) : [el("div", { "data-testid": "missions-empty" }, empty("No missions yet", this.may.edit ? "Plan a mission" : this.dataset.noEdit))]));
       for (const one of found) {
-        if (!this.rows.has(one.id)) this.rows.set(one.id, new Row(one, (id) => this.open(id)));
-        this.rows.get(one.id).paint(one, one.id === this.chosen);
+        if (!this.rows.has(one.id)) this.rows.set(one.id, new Row(one, (id) => this.open(id), (id, isOn) => this.pick(id, isOn)));
+        this.rows.get(one.id).paint(one, one.id === this.chosen, this.picked === null ? null : this.picked.has(one.id));
       }
       this.list.replaceChildren(...found.map((one) => this.rows.get(one.id).node));
     }
@@ -88,6 +141,7 @@
       this.form = null;
       this.chosen = "";
       this.shown = "";
+      if (this.dataset.tab === "plan") this.showTab("list");
       attr(this, "data-open", null);
       this.detail.replaceChildren();
       this.draw();
@@ -95,6 +149,7 @@
 
     async open(id) {
       const isSame = id === this.chosen;
+      if (this.dataset.tab === "plan") this.showTab("list");
       this.chosen = id;
       this.form = null;
       attr(this, "data-open", "yes");
@@ -114,6 +169,7 @@
         el("div", { class: "h-row" }, back, el("div", { class: "h-sp" }, el("h2", { "data-testid": "mission-name" }, mission.name), el("div", { class: "h-t14 h-2" }, `${mission.field_name} · ${robotName(mission.robot_id)}`)), el("span", { class: "h-chip dark", "data-testid": "mission-status", "data-state": mission.status }, HL.plan.status(mission.status)), ...this.edits(mission)),
         el("div", { class: "h-row h-wrap" }, ...this.buttons(mission, result), el("span", { class: "h-t13 h-2" }, this.may.send ? "Sending does not move the robot." : this.dataset.noSend)),
         result,
+        ...HL.missionWays(mission, this.may.send, () => this.load(false)),
         el("div", { class: "h-mpicture" }, shape ? HL.fieldPicture(shape, `${mission.name}, ${mission.field_name}`) : el("div", { class: "h-notice" }, "The picture did not load.")),
         Object.keys(mission.statistics ?? {}).length ? HL.plan.cards(mission.statistics) : "",
         ...(mission.statistics?.notes ?? []).map((note) => el("div", { class: "h-row h-t14 h-b" }, icon("warning", "m"), note)),
@@ -131,7 +187,12 @@
       const send = el("button", { type: "button", class: isOnRobot ? "h-btn" : "h-btn pri", "data-testid": "plan-send", disabled: !this.may.send, onclick: () => this.send(mission, target.value || mission.robot_id, send, result) }, ...label());
       target.addEventListener("change", () => send.replaceChildren(...label()));
       const operate = el("a", { class: "h-btn pri", href: `/operate/${mission.robot_id}`, "data-testid": "mission-operate" }, icon("gamepad", "m"), "Operate");
-      return [isOnRobot ? operate : "", robots.length > 1 ? target : "", send];
+      if (HL.isInterrupted(mission) || ["running", "resuming", "paused"].includes(mission.status)) return [operate];
+      const isQueued = ["queued", "waiting"].includes(mission.status);
+      const queue = isQueued
+        ? el("button", { type: "button", class: "h-btn", "data-testid": "mission-show-queue", onclick: () => this.tab("queue") }, icon("schedule", "m"), "Show in queue")
+        : el("button", { type: "button", class: "h-btn", "data-testid": "mission-add-to-queue", disabled: !this.may.send || isOnRobot, onclick: () => HL.queue.add(mission).then((entry) => entry && this.load(false)) }, icon("add", "m"), "Add to queue");
+      return [isOnRobot ? operate : "", robots.length > 1 ? target : "", send, queue];
     }
 
     // signs only, beside the name: what is done with a mission every day stands in words below
@@ -185,6 +246,7 @@
     }
 
     async plan() {
+      this.showTab("plan");
       this.chosen = "";
       this.form = {};
       attr(this, "data-open", "yes");
@@ -194,7 +256,7 @@
       if (!this.isConnected || !this.form) return;
       if (!places.ok || !robots.ok) return this.detail.replaceChildren(el("div", { class: "h-card h-notice", role: "alert" }, icon("cloud_off", "l"), el("b", { class: "h-t18 h-b" }, "Fields did not load"), el("button", { type: "button", class: "h-btn", onclick: () => this.plan() }, icon("refresh", "m"), "Try again")));
       if (!places.fields.length) return this.detail.replaceChildren(empty("No fields yet", "Draw or import a field first."));
-      this.form = new HL.MissionForm({ fields: places.fields, homes: places.homes, robots: list(robots, "robots").filter((one) => one.is_registered !== false) }, { close: () => this.close(), stored: (mission, isSending) => this.stored(mission, isSending) }, this.may.send);
+      this.form = new HL.MissionForm({ fields: places.fields, homes: places.homes, areas: places.areas, robots: list(robots, "robots").filter((one) => one.is_registered !== false) }, { close: () => this.close(), stored: (mission, isSending) => this.stored(mission, isSending) }, this.may.send);
       this.detail.replaceChildren(this.form.node);
     }
 
@@ -215,5 +277,14 @@
     return `${entry.why} Row ${row} of ${rows}, ${done.text} ${done.unit}.`;
   }
 
-  define("hl-missions", Missions);
+  // its style sheet comes with the screen; drawn before it is there, everything would jump
+  function styled(node) {
+    const href = node?.dataset.style;
+    if (!href || document.querySelector(`link[href="${href}"]`)) return Promise.resolve();
+    const link = el("link", { rel: "stylesheet", href });
+    document.head.append(link);
+    return new Promise((resolve) => (link.onload = link.onerror = resolve));
+  }
+
+  styled(document.querySelector("hl-missions")).then(() => define("hl-missions", Missions));
 })();

@@ -22,6 +22,7 @@
     if (loaded.has(src)) return;
     loaded.add(src);
     const script = el("script", { src });
+    script.async = false; // the first named comes first
     script.onerror = () => (loaded.delete(src), HL.toast("This screen did not load. Open it again.", "cloud_off"));
     document.head.append(script);
   }
@@ -29,7 +30,7 @@
   class Screen extends HTMLElement {
     connectedCallback() {
       show(this);
-      if (this.dataset.code) load(this.dataset.code);
+      for (const src of (this.dataset.code || "").split(" ").filter(Boolean)) load(src);
     }
   }
 

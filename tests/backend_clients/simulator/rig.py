@@ -7,6 +7,8 @@ import uuid
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.codec import mission_hash
@@ -125,8 +127,15 @@ class Rig:
         assert ack is not None
         return ack
 
+    def proof(self, **more: Any) -> down.Proof:
+        """Return the proof of whoever has control, made now."""
+        fields = {"lease_token": self.token, "lease_seq": self.next_seq(), "challenge": self.challenge()}
+        return down.Proof(**{**fields, **more})
+
     def load(self, mission: down.Mission) -> up.Ack:
-        """Send a mission."""
+        """Send a mission; an update as whoever has control does."""
+        if mission.continues is not msgspec.UNSET:
+            mission = msgspec.structs.replace(mission, proof=self.proof())
         ack = self.robot.receive(mission)
         assert ack is not None
         return ack

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
+import msgspec
 import pytest
 
+from backend_clients.edge import messages_down as down
 from tests.backend_clients.simulator.rig import Rig, small_mission
 
 
@@ -77,6 +80,33 @@ def test_a_mission_is_driven_to_its_end_with_the_laser_on_in_rows_only() -> None
     assert rig.state.mode == "idle"
 
 
+def test_a_treated_headland_is_one_event_after_the_rows() -> None:
+    rig = Rig()
+    rows = small_mission(rows=1, length_m=6)
+    (x, y), before = rows.segments[-1].points[-1], rows.segments[-1].points[-2]
+    along = math.atan2(y - before[1], x - before[0])
+    lap = [(x, y), (x + 8 * math.cos(along), y + 8 * math.sin(along))]
+    headland = down.Segment(kind="headland", points=lap, speed_mps=0.45, tool_on=True)
+    rig.start(small_mission(segments=[*rows.segments, headland]))
+    rig.run(60)
+    treated = [(e.name, e.data["row"]) for e in rig.events if e.kind == "treatment"]
+    assert treated == [("Row 1 treated", 1), ("Headland treated", 0)]
+    assert next(e.data["length_m"] for e in rig.events if e.name == "Headland treated") == pytest.approx(8, abs=0.5)
+
+
+@pytest.mark.parametrize(("dose", "share"), [(1.0, 1.0), (0.5, 0.5), (2.0, 0.5)])
+def test_a_dose_changes_what_is_treated_in_the_same_time(dose: float, share: float) -> None:
+    def weeds(mission: down.Mission) -> float:
+        rig = Rig()
+        rig.start(mission)
+        rig.run(60)
+        return float(next(e.data["weeds"] for e in rig.events if e.kind == "treatment"))
+
+    usual = small_mission(rows=1, length_m=60)
+    dosed = [msgspec.structs.replace(s, dose=dose) if s.tool_on else s for s in usual.segments]
+    assert weeds(small_mission(segments=dosed)) == pytest.approx(share * weeds(usual), rel=0.05, abs=1)
+
+
 def test_the_speed_never_exceeds_six_kilometres_an_hour() -> None:
     rig = Rig()
     mission = small_mission(rows=1, length_m=60)
@@ -128,7 +158,7 @@ def test_resume_is_refused_with_the_way_out_after_the_robot_was_moved() -> None:
     ack = rig.do("resume")
     assert (ack.outcome, ack.code) == ("rejected", "moved_while_paused")
     assert "Drive it back" in ack.text
-    assert "start" in ack.text
+    assert "Resume later" in ack.text
     assert rig.state.hold is not None
     assert rig.state.hold.code == "moved_while_paused"
 

@@ -46,6 +46,7 @@ OPTIONAL = {
              "robot": ids},
     "gate": {"width_m": widths},
     "slow": {"speed_mps": st.floats(0.1, 5)},
+    "treatment": {"dose": st.floats(0, 2)},
     "rows": {"type": st.sampled_from(["a-b", "curve", "recorded"]), "parcel_id": ids},
     "tree": {"width_m": widths},
     "hedge": {"width_m": widths},
@@ -54,6 +55,7 @@ OPTIONAL = {
 SHAPES = {
     "farm": ["Polygon"], "parcel": ["Polygon"], "obstacle": ["Polygon", "Point"], "road": ["LineString", "Polygon"],
     "building": ["Polygon"], "home": ["Point"], "gate": ["Point"], "no-go": ["Polygon"], "slow": ["Polygon"],
+    "treatment": ["Polygon"],
     "rows": ["LineString", "MultiLineString"], "tree": ["Polygon", "LineString", "Point"],
     "hedge": ["Polygon", "LineString"], "water": ["Polygon", "LineString"],
 }  # fmt: skip

@@ -122,6 +122,22 @@ def test_overlapping_holes_are_made_one() -> None:
     assert after_fix(only(bad), bad) == []
 
 
+@pytest.mark.parametrize("hole", [box(40, 0, 60, 20), [(50, 0), (60, 10), (40, 10), (50, 0)], box(40, 0.005, 60, 20)])
+def test_a_hole_that_touches_the_edge_becomes_a_bay(hole: list[tuple[float, float]]) -> None:
+    bad = area("bad", box(0, 0, 100, 60), hole[::-1])
+    finding = only(bad)
+    level = LOOK if metres(bad).is_valid else BLOCKS
+    assert (finding.code, finding.level, finding.text) == ("hole_touches", level, "Hole 1 touches the edge.")
+    assert after_fix(finding, bad) == []
+
+
+def test_a_parcel_too_small_to_be_one_can_be_removed_with_one_tap() -> None:
+    crumb = area("crumb", box(200, 0, 203, 3))
+    finding = only(NORTH, crumb)
+    assert (finding.code, finding.text) == ("area", "Parcel has 9.0 m². That is very small.")
+    assert after_fix(finding, NORTH, crumb) == []
+
+
 def test_parcels_that_overlap_are_to_look_at() -> None:
     other = area("other", box(99.5, 10, 150, 38), name="Other")
     finding = only(NORTH, other)
@@ -136,16 +152,18 @@ def test_an_overlap_of_less_than_a_square_metre_is_nothing() -> None:
     assert found(NORTH, area("other", box(99.99, 0, 150, 60))) == []
 
 
-def test_a_parcel_drawn_twice_has_no_fix_that_would_lose_it() -> None:
-    finding = only(NORTH, area("again", box(0, 0, 100, 60)))
+def test_a_parcel_drawn_twice_becomes_one() -> None:
+    again = area("again", box(0, 0, 100, 60))
+    finding = only(NORTH, again)
     assert finding.code == "overlap"
-    assert finding.fix is None
+    assert after_fix(finding, NORTH, again) == []
 
 
 def test_a_sliver_between_parcels_is_to_look_at() -> None:
     finding = only(NORTH, area("other", box(100.2, 0, 150, 60)))
     assert (finding.code, finding.level) == ("sliver", LOOK)
     assert finding.text == "A strip of 12 m² lies between two parcels."
+    assert after_fix(finding, NORTH, area("other", box(100.2, 0, 150, 60))) == []
     assert found(NORTH, area("other", box(100.6, 0, 150, 60))) == []
     assert found(NORTH, area("other", box(100.005, 0, 150, 60))) == []
 
@@ -216,6 +234,7 @@ def test_a_shape_across_longitude_180_blocks() -> None:
     bad = parse_feature(raw("taveuni", "parcel", {"type": "Polygon", "coordinates": [ring]}))
     finding = only(bad, NORTH)
     assert (finding.code, finding.level, finding.feature_id) == ("antimeridian", BLOCKS, "taveuni")
+    assert after_fix(finding, bad, NORTH) == []
 
 
 def test_exchanged_latitude_and_longitude_block_and_are_exchanged_back_together() -> None:
@@ -261,7 +280,7 @@ def test_what_blocks_comes_first_and_findings_are_plain_json() -> None:
         "features": ["north"],
         "args": {"others": ["other"]},
     }
-    assert found(area("a", box(0, 0, 9, 1)))[0].as_json()["fix"] is None
+    assert found(area("a", box(0, 0, 3000, 3000)))[0].as_json()["fix"] is None
 
 
 calm = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])

@@ -16,7 +16,7 @@ from hmi.api.access import Access
 from hmi.api.missions import mission_routes
 from hmi.clock import FakeClock
 from hmi.commands.mission_book import MissionBook, MissionParts
-from hmi.domain.mission_plan import PlannedMission, PlanWish
+from hmi.domain.mission_plan import Candidate, PlannedMission, PlanWish
 from hmi.domain.robot import (
     LinkHealth,
     Mode,
@@ -30,7 +30,7 @@ from hmi.domain.robot import (
 )
 from hmi.domain.role import Role
 from hmi.domain.stop_token import StopToken
-from hmi.planning.mission import plan_mission
+from hmi.planning.mission import plan_candidate, plan_mission
 from hmi.planning.projection import LocalFrame
 from hmi.security.authorization import Authorizer
 from hmi.security.errors import BadToken
@@ -38,6 +38,7 @@ from hmi.security.session_info import SessionInfo
 from hmi.store.audit_chain import AuditEntry
 from hmi.store.database import Database
 from hmi.store.features import Feature, Features
+from hmi.store.maps import Maps
 from hmi.store.missions import Missions
 
 FARM, OTHER_FARM = "farm", "other-farm"
@@ -77,6 +78,10 @@ class HerePlanner:
     async def plan(self, wish: PlanWish) -> PlannedMission:
         """Return the plan."""
         return plan_mission(wish)
+
+    async def candidate(self, wish: PlanWish) -> Candidate:
+        """Return the plan to look at."""
+        return plan_candidate(wish)
 
 
 @dataclass
@@ -136,7 +141,15 @@ class Rig:
         self.authorize = Authorizer(self.fleet.robot)
         self.book = MissionBook(
             MissionParts(
-                self.missions, self.features, database, self.fleet, HerePlanner(), self.audit, self.authorize, clock
+                self.missions,
+                self.features,
+                database,
+                self.fleet,
+                HerePlanner(),
+                self.audit,
+                self.authorize,
+                clock,
+                Maps(database, clock),
             )
         )
         self.features.put(farm_map())

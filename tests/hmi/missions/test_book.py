@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from hmi.commands.mission_book import PlanOrder
+from hmi.commands.plan_wish import PlanOrder
 from hmi.commands.refusal import OrderRefused
 from hmi.domain.mission import MissionStatus, Mover
 from hmi.domain.mission_document import mission_sha256

@@ -31,6 +31,8 @@ segments = st.builds(
     tool_on=st.booleans(),
     row=st.integers(0, 500),
     pivot=st.booleans(),
+    jump=st.sampled_from([msgspec.UNSET, True]),
+    dose=st.just(msgspec.UNSET) | st.floats(0, 2),
 )
 missions = st.builds(
     down.Mission,
@@ -47,6 +49,10 @@ missions = st.builds(
     note=names,
     at_end=st.sampled_from(["stay", "return_home"]),
     home=st.none() | st.tuples(metres, metres),
+    map_version=st.just(msgspec.UNSET)
+    | st.builds(down.MapVersion, number=st.integers(0, 99), sha256=st.just("a" * 64)),
+    continues=st.just(msgspec.UNSET)
+    | st.builds(down.Continues, base_sha256=st.just("b" * 64), segments=st.integers(0, 9)),
 )
 
 
@@ -76,6 +82,12 @@ def test_the_hash_survives_storage_as_json(mission: down.Mission) -> None:
     assert mission_hash(msgspec.convert(stored, down.Mission)) == mission_hash(mission)
 
 
+def test_the_proof_of_an_update_is_no_part_of_the_hash() -> None:
+    bare = msgspec.convert(plan_mission(wish()).document, down.Mission)
+    proof = down.Proof(lease_token=7, lease_seq=3, challenge="c" * 16)
+    assert mission_hash(msgspec.structs.replace(bare, proof=proof)) == mission_hash(bare)
+
+
 def test_a_document_without_its_defaults_has_the_same_hash() -> None:
     document = plan_mission(wish()).document
     lean = {k: v for k, v in document.items() if k not in ("v", "note", "at_end", "home")}
@@ -84,9 +96,15 @@ def test_a_document_without_its_defaults_has_the_same_hash() -> None:
 
 
 def test_the_contract_has_no_field_the_document_lacks() -> None:
-    document = canonical(plan_mission(wish()).document)
-    assert set(document) == {f.encode_name for f in msgspec.structs.fields(down.Mission)}
-    assert set(document["segments"][0]) == {f.encode_name for f in msgspec.structs.fields(down.Segment)}
+    more = {"map_version": {"number": 1, "sha256": "a" * 64}, "continues": {"base_sha256": "b" * 64, "segments": 0}}
+    document = canonical({**plan_mission(wish()).document, **more})
+    # the proof belongs to the moment of sending, not to the document
+    assert set(document) == {f.encode_name for f in msgspec.structs.fields(down.Mission)} - {"proof"}
+    more_of_it = {**document["segments"][0], "jump": True, "dose": 0.5}
+    segment = canonical({**document, "segments": [more_of_it]})["segments"][0]
+    assert set(segment) == {f.encode_name for f in msgspec.structs.fields(down.Segment)}
+    left_out = {"jump", "dose"}  # where nobody gave one
+    assert set(document["segments"][0]) == set(segment) - left_out
     assert set(document["datum"]) == {f.encode_name for f in msgspec.structs.fields(Datum)}
 
 

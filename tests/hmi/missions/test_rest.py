@@ -6,9 +6,10 @@ from typing import Any
 
 import pytest
 
+from hmi.domain.mission import MissionStatus, Mover
 from hmi.domain.robot import OrderStatus
 from hmi.domain.role import Role
-from tests.hmi.missions.rig import OTHER_FARM, Rig, order
+from tests.hmi.missions.rig import FARM, OTHER_FARM, Rig, order
 from tests.hmi.missions.test_store import put
 
 PLAN = {"field_id": "field-1", "robot_id": "weeder-01", "width_m": 3.0}
@@ -133,3 +134,20 @@ async def test_another_farm_sees_none_of_it(rig: Rig) -> None:
         for path in ("/missions/m-1", "/missions/m-1/map.geojson", "/missions/m-1/document"):
             assert (await client.get(path)).status_code == 404
         assert (await client.delete("/missions/m-1")).status_code == 404
+
+
+async def test_a_mission_is_marked_unattended_and_given_to_another_robot_but_not_while_a_robot_holds_it(
+    rig: Rig,
+) -> None:
+    put(rig, "m-1")
+    async with rig.client(Role.PLANNER) as client:
+        changed = await client.patch("/missions/m-1", json={"is_supervised": False, "robot_id": "weeder-02"})
+        nothing = await client.patch("/missions/m-1", json={})
+        rig.missions.move(FARM, "m-1", MissionStatus.SENT, Mover.PERSON, "Pieter")
+        held = await client.patch("/missions/m-1", json={"is_supervised": True})
+    assert (changed.json()["is_supervised"], changed.json()["robot_id"]) == (False, "weeder-02")
+    assert rig.missions.document(FARM, "m-1")["robot"] == "weeder-02"
+    assert (nothing.status_code, nothing.json()["field"]) == (422, "name")
+    assert (held.status_code, held.json()["code"]) == (409, "in_use")
+    async with rig.client(Role.OPERATOR) as client:
+        assert (await client.patch("/missions/m-1", json={"is_supervised": False})).status_code == 403

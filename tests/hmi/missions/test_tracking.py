@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import AsyncIterator
+from dataclasses import replace
 
 import pytest
 
 from hmi.domain.mission import MissionStatus, Mover
-from hmi.domain.robot import OrderStatus
+from hmi.domain.robot import Hold, OrderStatus
 from hmi.store.mission_tracking import MissionTracking
-from hmi.store.missions import Mission
+from hmi.store.missions import Mission, Missions
 from tests.hmi.missions.rig import FARM, Rig, order, weeder
-from tests.hmi.missions.test_store import put
+from tests.hmi.missions.test_store import put, through
 
 S = MissionStatus
 
@@ -100,3 +101,45 @@ async def test_the_task_writes_moves_by_itself_and_ends(follower: Follower) -> N
     await follower.tracking.settle()
     assert follower.mission.status is S.ACCEPTED
     assert follower.rig.missions.version == changed + 1
+
+
+async def test_a_mission_resumes_until_the_robot_moves_and_a_later_pause_counts(rig: Rig) -> None:
+    put(rig)
+    through(rig, "m-1", (S.SENT, Mover.PERSON), (S.ACCEPTED, Mover.ROBOT), (S.RUNNING, Mover.ROBOT))
+    following = Follower(rig)
+    await following.report(OrderStatus.PAUSED)
+    through(rig, "m-1", (S.RESUMING, Mover.PERSON))
+    following.tracking.acted("m-1", rig.clock.mono_s())
+    await following.report(OrderStatus.PAUSED)
+    assert following.mission.status is S.RESUMING, "a report from before the order"
+    await horn(following)
+    assert following.mission.status is S.RESUMING, "the horn sounds, nothing moves"
+    await following.report(OrderStatus.RUNNING)
+    assert following.mission.status is S.RUNNING
+    through(rig, "m-1", (S.PAUSED, Mover.ROBOT), (S.RESUMING, Mover.PERSON))
+    rig.clock.advance(5.0)
+    await following.report(OrderStatus.PAUSED)
+    assert following.mission.status is S.PAUSED, "it paused again before it was seen running"
+
+
+async def horn(following: Follower) -> None:
+    """Let the robot say that it sounds its horn before it moves on."""
+    said = order("m-1", following.mission.sha256, OrderStatus.RUNNING)
+    robot = following.rig.fleet.report("weeder-01", said, following.rig.clock.mono_s())
+    assert robot.state is not None
+    held = replace(robot.state, hold=Hold("start_horn", "The horn sounds.", "", ""))
+    following.rig.fleet.robots["weeder-01"] = replace(robot, state=held)
+    following.tracking.see(following.rig.fleet.robots["weeder-01"])
+    await following.tracking.settle()
+
+
+async def test_how_far_it_is_survives_a_killed_console(rig: Rig) -> None:
+    put(rig)
+    through(rig, "m-1", (S.SENT, Mover.PERSON), (S.ACCEPTED, Mover.ROBOT), (S.RUNNING, Mover.ROBOT))
+    await Follower(rig).report(OrderStatus.RUNNING)
+    again = Missions(rig.database, rig.clock)
+    again.load()
+    known = again.known("m-1")
+    assert known is not None
+    assert known.progress is not None
+    assert (known.progress["segment"], known.progress["row"], known.progress["area_done_m2"]) == (2, 1, 20.0)

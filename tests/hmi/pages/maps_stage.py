@@ -5,15 +5,11 @@ Geometry is not computed here: operations do what the screen can show, checks fi
 
 from __future__ import annotations
 
-import asyncio
 import copy
 import math
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 from typing import Any, Protocol
-
-from fastapi import APIRouter, Request
-from fastapi.responses import JSONResponse, PlainTextResponse
 
 from hmi.security.session_info import SessionInfo
 
@@ -21,6 +17,12 @@ Features = dict[str, dict[str, Any]]
 Changes = list[dict[str, Any]]
 LON, LAT = 11.57549, 48.13742
 LOCK = timedelta(minutes=30)
+HISTORY = [
+    {"key": "crop", "label": "Crop", "before": "Maize", "after": "Sugar beet", "version": 14, "by": "Jonas Weber",
+     "published_utc": "2026-05-12T07:30:00+00:00", "note": "New season", "valid_from": "2026-04-09"},
+    {"key": "row_spacing_m", "label": "Row spacing", "before": None, "after": 0.45, "version": 13,
+     "by": "Pieter de Vries", "published_utc": "2026-03-02T09:00:00+00:00", "note": "", "valid_from": None},
+]  # fmt: skip
 FORMATS = ("geojson", "kml", "kmz", "shapefile", "isoxml", "gpx", "fiware")
 
 
@@ -284,6 +286,8 @@ class StageMap:
             after["properties"]["name"] = name.replace(" crossed", "")
         elif op == "snap_end":
             after["properties"]["joined"] = args["to"]
+        elif op in ("buffer", "simplify", "straighten_all", "turn"):
+            after["properties"]["done"] = [op, args]
         elif op == "add_hole":
             after["geometry"]["coordinates"].append(args["ring"])
         elif op == "merge":
@@ -295,8 +299,22 @@ class StageMap:
         else:
             raise Refused(422, "not_possible", "This cannot be done here.")
         labels = {"untangle": "Edge untangled", "snap_end": "Road end joined", "add_hole": "Hole added",
-                  "merge": "Parcels merged", "split": f"{name} split"}  # fmt: skip
+                  "buffer": "Shape grown", "simplify": "Shape simplified", "turn": "Shape turned",
+                  "straighten_all": "Edges straightened", "merge": "Parcels merged",
+                  "split": f"{name} split"}  # fmt: skip
         return self.change(session, body["id"], labels[op], changes)
+
+    def preview(self, body: dict[str, Any]) -> dict[str, Any]:
+        """Play what an operation would do: a shape that is the same, and numbers."""
+        after = self.held().features[body["features"][0]]
+        if body["args"].get("distance_m", 0) < -100:
+            text = "Nothing would be left. Choose less, or delete it."
+            return {"label": "", "changes": [], "effect": None, "refused": {"code": "vanishes", "text": text}}
+        effect = {"corners_before": 180, "corners_after": 42, "area_before_m2": 12_200.0, "area_after_m2": 11_400.0,
+                  "off_m": 0.08, "pieces": 1}  # fmt: skip
+        return {
+            "label": "Tried", "changes": [{"id": after["id"], "after": after}], "effect": effect, "refused": None,
+        }  # fmt: skip
 
     def publish(self, session: SessionInfo, note: str, *, is_shrinking_ok: bool) -> dict[str, Any]:
         """Make the draft the next version."""
@@ -327,6 +345,8 @@ class StageMap:
         if name.endswith(".txt"):
             raise Refused(422, "unreadable", f"{name} is no map file.", advice="Save it as GeoJSON and try again.")
         items = []
+        if name.startswith("district"):
+            return many_shapes()
         for n in range(6):
             corners = [(600 + 40 * n, 300), (630 + 40 * n, 300), (630 + 40 * n, 340), (600 + 40 * n, 340)]
             one = feature(f"new-{n}", "parcel", f"Schlag {n + 1}", "Polygon", corners)
@@ -348,6 +368,15 @@ class StageMap:
             one["properties"]["kind"] = body["kinds"][str(n)]
             changes.append({"id": one["id"], "before": None, "after": one})
         return self.change(session, body["id"], f"Imported {len(changes)} shapes", changes)
+
+
+def many_shapes() -> dict[str, Any]:
+    """Return a file of 5,000 shapes; every tenth is no parcel."""
+    items = [{
+        "n": n, "name": f"Perceel {n}", "kind": "road" if n % 10 == 0 else "parcel", "kinds": ["parcel", "road"],
+        "vertices": 60, "area_m2": 9000.0, "problems": [],
+    } for n in range(5000)]  # fmt: skip
+    return {"id": "import-2", "format": "GeoJSON", "crs": "WGS84", "items": items, "skipped": []}
 
 
 def back(change: dict[str, Any]) -> dict[str, Any]:
@@ -395,93 +424,3 @@ class MapStage:
             "published": self.map.features, "draft": draft and draft.features,
             "labels": draft and [one.label for one in draft.log if not one.is_undone],
         }  # fmt: skip
-
-
-def router(stage: MapStage, sessions: Sessions) -> APIRouter:
-    """Return the routes of the map and those with which a test moves it."""
-    routes = APIRouter()
-
-    @routes.post("/stage-map")
-    async def adjust(request: Request) -> dict[str, Any]:
-        stage.set(await request.json())
-        return {}
-
-    @routes.get("/stage-map")
-    async def heard() -> dict[str, Any]:
-        return stage.heard()
-
-    @routes.api_route("/api/v1/map", methods=["GET"])
-    @routes.api_route("/api/v1/map/{rest:path}", methods=["GET", "POST", "DELETE"])
-    async def map_request(request: Request, rest: str = "") -> Any:
-        session = sessions.of_headers(request.headers.raw)
-        if session is None:
-            return JSONResponse({"code": "not_signed_in", "text": "Sign in first."}, 401)
-        body: Any = {}
-        if request.method == "POST" and rest != "imports":
-            body = await request.json()
-        elif rest == "imports":
-            body = {"name": request.query_params["name"], "size": len(await request.body())}
-        if request.method != "GET":
-            stage.map.asked.append({"method": request.method, "path": rest, **body})
-        await asyncio.sleep(stage.map.slow_s)
-        if stage.map.is_down:
-            return JSONResponse({"code": "database_unavailable", "text": "The records cannot be used right now."}, 503)
-        try:
-            return _play(stage.map, request, rest, session, body)
-        except Refused as refusal:
-            return JSONResponse(refusal.body, refusal.status)
-
-    return routes
-
-
-def _play(played: StageMap, request: Request, rest: str, session: SessionInfo, body: Any) -> Any:
-    match request.method, rest.split("/"):
-        case "GET", [""]:
-            return played.published(session)
-        case "POST", ["draft"]:
-            return played.open(session, is_taking=body["take"])
-        case "POST", ["draft", "transactions"]:
-            return played.change(session, body["id"], body["label"], body["changes"])
-        case "POST", ["draft", "operations"]:
-            return played.operate(session, body)
-        case "POST", ["draft", "undo" | "redo" as way]:
-            return played.walk(session, is_back=way == "undo")
-        case "POST", ["draft", "publish"]:
-            return played.publish(session, body["note"], is_shrinking_ok=body["is_shrinking_ok"])
-        case "GET", ["draft", "checks"]:
-            found = findings(played.held().features)
-            blocks = sum(one["level"] == 2 for one in found)
-            return {"findings": found, "blocks": blocks, "looks": len(found) - blocks}
-        case "GET", ["draft", "diff"]:
-            return played.difference()
-        case "DELETE", ["draft"]:
-            played.draft = None
-            return JSONResponse(None, 200)
-        case "GET", ["versions"]:
-            rows = [
-                {
-                    "version": n,
-                    "published_utc": "2026-05-12T07:30:00+00:00",
-                    "by": "Jonas Weber",
-                    "note": played.note,
-                    "size": len(played.features),
-                }
-                for n in range(played.version, 11, -1)
-            ]
-            return {"versions": rows}  # fmt: skip
-        case "POST", ["versions", number, "restore"]:
-            played.open(session, is_taking=False)
-            draft = played.mine(session)
-            before = draft.features["hangacker"]
-            change = {"id": "hangacker", "before": before, "after": None}
-            played.change(session, f"restore-{number}", f"Content of v{number}", [change])
-            return {**played.state(session), "features": collection(draft.features)}
-        case "POST", ["imports"]:
-            return played.read(body["name"], body["size"])
-        case "POST", ["imports", _, "take"]:
-            return played.take(session, body)
-        case "GET", ["export"]:
-            kind = request.query_params["format"]
-            headers = {"content-disposition": f'attachment; filename="farm.{kind}"'}
-            return PlainTextResponse(f"{kind} of {request.query_params['of']}", headers=headers)
-    return JSONResponse({"code": "not_found", "text": "Nothing here."}, 404)

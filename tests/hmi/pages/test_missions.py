@@ -10,13 +10,22 @@ import pytest
 from playwright.sync_api import Page, Route, expect
 
 from hmi.domain.mission import MissionStatus
-from hmi.planning.mission import plan_mission
+from hmi.planning.mission import plan_candidate, plan_mission
 from hmi.planning.mission_map import mission_geojson
 from tests.hmi.missions.test_document import wish
 
 Look = Callable[..., Page]
 PLANNED = plan_mission(wish())
 GEOMETRY = mission_geojson(PLANNED.document)
+CANDIDATE = plan_candidate(wish())
+PATTERNS = ("shortest", "row_by_row", "skip_rows", "spiral")
+
+
+def candidate_lines() -> str:
+    """Return what the server streams for a wish: the same plan in every row order."""
+    drawn = {"state": "planned", "statistics": CANDIDATE.statistics, "drawing": CANDIDATE.drawing}
+    lines = [{"state": "planning", "patterns": PATTERNS}, *({"pattern": one, **drawn} for one in PATTERNS)]
+    return "".join(json.dumps(line) + "\n" for line in [*lines, {"state": "done"}])
 
 
 def mission(mission_id: str, status: str = "validated", **changes: Any) -> dict[str, Any]:
@@ -53,6 +62,9 @@ class Played:
         method = route.request.method
         if method != "GET":
             self.asked.append((method, path, json.loads(route.request.post_data or "{}")))
+        if path == "missions/candidates" and not self.refusal:
+            route.fulfill(status=200, content_type="application/x-ndjson", body=candidate_lines())
+            return
         status, body = self.reply(method, path)
         route.fulfill(status=status, content_type="application/json", body=json.dumps(body))
 
@@ -68,10 +80,8 @@ class Played:
             return 200, {"robots": [{"id": "weeder-07", "name": "Weeder 07"}]}
         if path.endswith("map.geojson"):
             return 200, GEOMETRY
-        if path == "missions/preview":
-            if self.refusal:
-                return 422, self.refusal
-            return 200, {"name": "Plan", "statistics": PLANNED.statistics, "geometry": GEOMETRY}
+        if path == "missions/candidates":
+            return 422, self.refusal
         if path == "missions/plan":
             self.missions = [mission("m-new", name="New one"), *self.missions]
             return 201, self.missions[0]
@@ -136,7 +146,7 @@ def test_a_mission_is_previewed_stored_and_sent(show: Callable[..., tuple[Page, 
     page.get_by_test_id("plan-send").click()
     expect(page.get_by_test_id("mission-name")).to_have_text("New one")
     paths = [path for _, path, _ in played.asked]
-    assert paths == ["missions/preview", "missions/plan", "robots/weeder-07/mission"]
+    assert paths == ["missions/candidates", "missions/plan", "robots/weeder-07/mission"]
     assert played.asked[1][2]["width_m"] == 1.5
 
 

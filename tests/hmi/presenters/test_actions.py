@@ -11,12 +11,12 @@ from hmi.presenters.actions import ACTIONS, actions, why
 from tests.hmi.presenters import robots as r
 
 ALLOWED: dict[str, set[str]] = {
-    "running": {"pause", "abort", "return_home", "drive"},
+    "running": {"pause", "change", "abort", "return_home", "drive"},
     "idle": {"return_home", "drive"},
     "loaded": {"start", "return_home", "drive"},
-    "done": {"start", "return_home", "drive"},
-    "paused": {"resume", "abort", "return_home", "drive"},
-    "moved": {"start", "abort", "return_home", "drive"},
+    "done": {"start", "fresh", "return_home", "drive"},
+    "paused": {"resume", "fresh", "change", "abort", "return_home", "drive"},
+    "moved": {"start", "later", "fresh", "abort", "return_home", "drive"},
     "going home": {"pause", "abort", "return_home", "drive"},
     "manual": {"pause", "abort", "drive"},
     "braking": {"abort"},
@@ -56,7 +56,7 @@ def test_a_refused_action_always_has_a_reason_and_an_allowed_one_none(state: str
         ("running", "reset", "No stop is active"),
         ("running", "start", "The mission is running"),
         ("paused", "start", "Resume or abort the paused mission first"),
-        ("moved", "resume", "It was moved since the pause. Start it instead"),
+        ("moved", "resume", "It was moved since the pause. Drive it back, or Resume later"),
         ("idle", "start", "Send a mission first"),
         ("manual", "resume", "End driving by hand first"),
         ("silent", "pause", "Commands are off until the link is back."),

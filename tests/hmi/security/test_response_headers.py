@@ -113,6 +113,20 @@ def test_the_policy_is_strict_and_names_the_stop_gateway(client: AsgiClient) -> 
     ]  # fmt: skip
 
 
+def test_an_online_map_opens_pictures_and_fetches_of_one_origin_and_nothing_else() -> None:
+    def parts_of(tiles: str | None) -> dict[str, str]:
+        client = AsgiClient(ResponseHeaders(Starlette(routes=ROUTES), stop_url, tiles), "http://192.168.1.5:8080")
+        return dict(part.split(" ", 1) for part in client.get("/").headers["content-security-policy"].split("; "))
+
+    closed, opened = parts_of(None), parts_of("https://tiles.example")
+    for name in ("img-src", "connect-src"):
+        assert opened.pop(name) == f"{closed.pop(name)} https://tiles.example"
+    assert {k: v for k, v in opened.items() if k != "script-src"} == {
+        k: v for k, v in closed.items() if k != "script-src"
+    }
+    assert "tiles.example" not in opened["script-src"]
+
+
 def test_behind_a_proxy_the_gateways_path_is_not_part_of_the_policy() -> None:
     policy = browser("https://farm.example").get("/").headers["content-security-policy"]
     assert "https://farm.example wss://farm.example;" in policy

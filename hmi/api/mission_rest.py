@@ -1,0 +1,130 @@
+"""Going on with a mission, and the checklist before a start."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter
+from pydantic import Field
+
+from hmi.api.access import SignedIn, Watcher
+from hmi.api.body import Body, Id, Tick
+from hmi.api.errors import not_found
+from hmi.api.missions import MissionId, row, translated
+from hmi.api.orders import RobotId, raise_if_forbidden
+from hmi.commands.checklist_desk import ChecklistDesk
+from hmi.commands.mission_rest import MissionRests, RestOrder, RestView
+from hmi.commands.mission_send import MissionSent
+from hmi.commands.rest_sources import forgotten_words
+from hmi.planning.mission_map import mission_geojson
+from hmi.store.checklists import Checklist
+from hmi.store.errors import NotFound
+
+
+class RestBody(Body):
+    """What the rest shall be: ``change`` of what is under way, ``later`` from where the robot stands."""
+
+    kind: Literal["change", "later"]
+    leave_out: Annotated[list[int], Field(max_length=20_000, description="numbers of pieces")] = Field(default=[])
+    is_reversed: bool = False
+    row_speed_mps: Annotated[float | None, Field(gt=0, le=5)] = None
+    end: Literal["as_planned", "stay", "home"] = "as_planned"
+    home_id: Id | None = None
+
+
+class SendBody(Body):
+    """A rest that was shown: its hash, and the newest tick the screen had."""
+
+    sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}\z")]
+    tick: Tick
+
+
+class FreshBody(Body):
+    """The newest tick the screen had when the person decided."""
+
+    tick: Tick
+
+
+class TickedBody(Body):
+    """The lines that were ticked."""
+
+    ticked: Annotated[list[Id], Field(max_length=50)]
+
+
+def rest_routes(rests: MissionRests, checklists: ChecklistDesk) -> APIRouter:
+    """Return the routes of going on, and of checklists."""
+    router = APIRouter(tags=["missions"])
+
+    @router.get("/missions/{mission_id}/rest", summary="How far a mission is and what is left")
+    async def rest(mission_id: MissionId, session: Watcher) -> dict[str, Any]:
+        return _view(await translated(lambda: rests.left(session, mission_id)))
+
+    @router.post("/missions/{mission_id}/rest/preview", summary="Plan the rest anew without sending it")
+    async def preview(mission_id: MissionId, body: RestBody, session: SignedIn) -> dict[str, Any]:
+        given = body.model_dump()
+        order = RestOrder(**{**given, "leave_out": tuple(body.leave_out)})
+        planned = await translated(lambda: rests.preview(session, mission_id, order))
+        shape = await asyncio.to_thread(mission_geojson, planned.document)
+        return {"sha256": planned.sha256, **planned.difference, "geometry": shape}
+
+    @router.post("/missions/{mission_id}/rest", summary="Send a rest that was shown")
+    async def send(mission_id: MissionId, body: SendBody, session: SignedIn) -> dict[str, Any]:
+        return _sent(await translated(lambda: rests.send(session, mission_id, body.sha256, body.tick)))
+
+    @router.post("/missions/{mission_id}/fresh", summary="Send the whole mission again; forgets what was done")
+    async def fresh(mission_id: MissionId, body: FreshBody, session: SignedIn) -> dict[str, Any]:
+        return _sent(await translated(lambda: rests.fresh(session, mission_id, body.tick)))
+
+    @router.get("/robots/{robot_id}/checklist", summary="What a person looks at before a start")
+    async def checklist(robot_id: RobotId, session: Watcher) -> dict[str, Any]:
+        try:
+            view = checklists.view(session, robot_id)
+        except NotFound as error:
+            raise not_found(f"There is no robot {robot_id}.") from error
+        return {
+            "items": [{"id": one.id, "text": one.text} for one in view.items],
+            "is_required": view.is_required,
+            "valid_hours": view.valid_hours,
+            "record": _record(view.record),
+        }
+
+    @router.post("/robots/{robot_id}/checklist", status_code=201, summary="Record that the list was ticked")
+    async def tick(robot_id: RobotId, body: TickedBody, session: SignedIn) -> dict[str, Any]:
+        record = await translated(lambda: checklists.tick(session, robot_id, body.ticked))
+        return {"record": _record(record)}
+
+    return router
+
+
+def _view(view: RestView) -> dict[str, Any]:
+    progress = view.progress
+    return {
+        **row(view.mission),
+        "progress": None if progress is None else progress.as_json(),
+        "is_live": view.is_live,
+        "forgets": forgotten_words(progress) if progress is not None and progress.is_begun else "",
+        "pieces": [
+            {
+                "number": one.number,
+                "name": one.name,
+                "kind": one.kind,
+                "row": one.row,
+                "length_m": round(one.length_m, 1),
+                "is_present": one.is_present,
+            }
+            for one in view.pieces
+        ],
+    }
+
+
+def _sent(sent: MissionSent) -> dict[str, Any]:
+    raise_if_forbidden(sent.code, sent.text)
+    return {"outcome": sent.outcome.value, "code": sent.code, "text": sent.text, "sha256": sent.sha256}
+
+
+def _record(record: Checklist | None) -> dict[str, Any] | None:
+    if record is None:
+        return None
+    at, until = (one.isoformat(timespec="milliseconds") for one in (record.at, record.valid_until))
+    return {"id": record.id, "by": record.user_name, "utc": at, "valid_until_utc": until}

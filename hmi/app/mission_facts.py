@@ -1,0 +1,102 @@
+"""What the start checks need of stored missions, in memory: read once for each document and map version."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from typing import Any, NamedTuple
+
+from hmi.commands.map_watch import MapWatch
+from hmi.commands.refusal import OrderRefused
+from hmi.planning.projection import LocalFrame
+from hmi.presenters.start_checks import MissionFacts, Place
+from hmi.store.database import Database
+from hmi.store.errors import NotFound, StoreError
+from hmi.store.features import Features
+from hmi.store.missions import Mission, Missions
+
+log = logging.getLogger(__name__)
+
+
+class _Around(NamedTuple):
+    """What does not stand in memory: of one document on one map."""
+
+    key: tuple[str, int]
+    start: Place
+    fence: tuple[Place, ...]
+    map_text: str | None
+
+
+class MissionFactsBook:
+    """Answers at once; what it does not know yet it reads beside, for the next time it is asked."""
+
+    def __init__(self, missions: Missions, features: Features, watch: MapWatch, database: Database) -> None:
+        self._missions, self._features, self._watch, self._database = missions, features, watch, database
+        self._around: dict[str, _Around] = {}
+        self._reading: dict[str, asyncio.Task[None]] = {}
+        self._round = 0
+
+    def of(self, mission_id: str) -> MissionFacts | None:
+        """Return what is known of a mission, ``None`` if it is not stored here."""
+        mission = self._missions.known(mission_id)
+        if mission is None:
+            return None
+        around = self._around.get(mission_id)
+        if (around is None or around.key != (mission.sha256, self._round)) and mission_id not in self._reading:
+            task = asyncio.get_running_loop().create_task(self._read(mission), name="mission facts")
+            self._reading[mission_id] = task
+        figures = mission.statistics
+        return MissionFacts(
+            mission.sha256,
+            mission.name,
+            mission.revision,
+            figures.get("battery_share"),
+            figures.get("duration_s"),
+            mission.map_version,
+            None if around is None else around.map_text,
+            None if around is None else around.start,
+            () if around is None else around.fence,
+            bool(mission.pending_sha256),
+        )
+
+    def map_published(self) -> None:
+        """Look again at every mission: the map is another one."""
+        self._round += 1
+
+    async def close(self) -> None:
+        """End what is being read."""
+        for task in self._reading.values():
+            task.cancel()
+        await asyncio.gather(*self._reading.values(), return_exceptions=True)
+
+    async def _read(self, mission: Mission) -> None:
+        key = (mission.sha256, self._round)
+        try:
+            document = await self._database.run(self._missions.document, mission.farm_id, mission.id)
+            farms = await self._database.run(self._features.all, mission.farm_id, ("farm",))
+            fence = _ring(farms[0].geometry) if farms else ()
+            self._around[mission.id] = _Around(key, _start(document), fence, await self._map_text(mission, document))
+        except (NotFound, StoreError) as error:
+            log.info("nothing is known around mission %s: %s", mission.id, error)
+        finally:
+            self._reading.pop(mission.id, None)
+
+    async def _map_text(self, mission: Mission, document: dict[str, Any]) -> str | None:
+        if mission.map_version is None:
+            return None
+        try:
+            await self._watch.check(mission.farm_id, mission.map_version, document)
+        except OrderRefused as refused:
+            return refused.text[0].upper() + refused.text[1:]
+        return ""
+
+
+def _start(document: dict[str, Any]) -> Place:
+    frame = LocalFrame(document["datum"]["lat_deg"], document["datum"]["lon_deg"])
+    lon, lat = frame.to_lon_lat([document["segments"][0]["points"][0]])[0]
+    return float(lon), float(lat)
+
+
+def _ring(geometry: dict[str, Any]) -> tuple[Place, ...]:
+    rings = geometry["coordinates"] if geometry["type"] == "Polygon" else geometry["coordinates"][0]
+    return tuple((float(p[0]), float(p[1])) for p in rings[0])

@@ -1,0 +1,116 @@
+"""Which map a mission was planned on, and what changed around it since."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import msgspec
+
+from hmi.commands.refusal import MAP_CHANGED, OrderRefused
+from hmi.domain.map_log import MapFeatures
+from hmi.mapping.coordinates import paths
+from hmi.mapping.diff import Difference, compare
+from hmi.mapping.errors import BadFeature
+from hmi.mapping.feature import MapFeature, parse_feature
+from hmi.store.database import Database
+from hmi.store.errors import NotFound
+from hmi.store.maps import Maps
+
+NEAR_DEG = 0.0006  # some 60 m: a machine's way around a field and its turns lie within
+TOLD = 3  # changes named in the sentence; the map builder shows all
+IGNORED_KINDS = ("farm",)
+Box = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class MapStamp:
+    """Number and hash of a published map; number 0 is a farm that has none."""
+
+    number: int
+    sha256: str
+
+    def as_json(self) -> dict[str, Any]:
+        """Return ``map_version`` of the edge contract."""
+        return {"number": self.number, "sha256": self.sha256}
+
+
+class MapWatch:
+    """Compares the published map with the one a mission was planned on."""
+
+    def __init__(self, maps: Maps, database: Database) -> None:
+        self._maps, self._run = maps, database.run
+        self._stamps: dict[tuple[str, int], MapStamp] = {}
+
+    async def now(self, farm_id: str) -> MapStamp:
+        """Return the published map."""
+        version = await self._run(self._maps.published, farm_id)
+        key = (farm_id, version.number)
+        if key not in self._stamps:
+            features = await self._run(self._maps.features_of, farm_id, version.number)
+            self._stamps[key] = MapStamp(version.number, await asyncio.to_thread(_digest, features))
+        return self._stamps[key]
+
+    async def check(self, farm_id: str, planned_on: int | None, document: Mapping[str, Any]) -> str:
+        """Return a note about a newer map that changes nothing around this mission, empty if there is none.
+
+        Raises:
+            OrderRefused: it changed where this mission drives.
+        """
+        if planned_on is None:
+            return ""
+        now = await self.now(farm_id)
+        if now.number == planned_on:
+            return ""
+        changed = await self.changes(farm_id, planned_on, now.number, document)
+        if not changed:
+            return f"The map is v{now.number} now; nothing changed around this field since v{planned_on}."
+        told = "; ".join(f"{one.name or one.kind}: {one.text}" for one in changed[:TOLD])
+        more = f" and {len(changed) - TOLD} more" if len(changed) > TOLD else ""
+        text = f"map is v{now.number} now, plan uses v{planned_on}. Plan again. {told}{more}."
+        raise OrderRefused(MAP_CHANGED, text)
+
+    async def changes(self, farm_id: str, old: int, new: int, document: Mapping[str, Any]) -> list[Difference]:
+        """Return what changed from one version to another near a mission's field."""
+        try:
+            before = await self._run(self._maps.features_of, farm_id, old)
+        except NotFound:
+            return []
+        after = await self._run(self._maps.features_of, farm_id, new)
+        return await asyncio.to_thread(_near, before, after, document)
+
+
+def _near(before: MapFeatures, after: MapFeatures, document: Mapping[str, Any]) -> list[Difference]:
+    box = _wide(_box((p[0], p[1]) for ring in document["parcel"] for p in ring))
+    return compare(_parsed(before, box), _parsed(after, box))
+
+
+def _parsed(features: MapFeatures, box: Box) -> Iterator[MapFeature]:
+    for raw in features.values():
+        try:
+            feature = parse_feature(raw)
+        except BadFeature:
+            continue
+        own = _box((p[0], p[1]) for path in paths(feature.geometry) for p in path)
+        if feature.kind not in IGNORED_KINDS and _meet(own, box):
+            yield feature
+
+
+def _box(points: Iterator[tuple[float, float]]) -> Box:
+    lons, lats = zip(*points, strict=True)
+    return min(lons), min(lats), max(lons), max(lats)
+
+
+def _wide(box: Box) -> Box:
+    return box[0] - NEAR_DEG, box[1] - NEAR_DEG, box[2] + NEAR_DEG, box[3] + NEAR_DEG
+
+
+def _meet(a: Box, b: Box) -> bool:
+    return a[0] <= b[2] and b[0] <= a[2] and a[1] <= b[3] and b[1] <= a[3]
+
+
+def _digest(features: MapFeatures) -> str:
+    return hashlib.sha256(msgspec.json.encode(features, order="sorted")).hexdigest()

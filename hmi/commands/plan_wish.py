@@ -1,0 +1,169 @@
+"""From what a person asks to what the planner is given: the field, its surroundings and home from the farm's map."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from hmi.domain.mission_plan import (
+    Corner,
+    Geometry,
+    Pattern,
+    PlanRefused,
+    PlanWish,
+    Surroundings,
+    TreatedArea,
+    Treatment,
+)
+from hmi.domain.robot import Factsheet
+from hmi.store.errors import NotFound
+from hmi.store.features import Feature
+
+NEAR_HOME_M = 2000.0  # a home further away belongs to another site
+FAR_M = 3000.0  # a robot this far from a field is at another site: sending must be a mistake
+EARTH_M = 6_371_000.0
+
+
+@dataclass(frozen=True, slots=True)
+class AreaOrder:
+    """Ground with a dose of its own: a feature of the map, or a GeoJSON polygon."""
+
+    dose: float
+    feature_id: str | None = None
+    geometry: Geometry | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class PlanOrder:
+    """What a person asks to be planned.
+
+    Args:
+        row_bearing_deg: clockwise from north; ``None`` follows the field's crop rows, or searches the best.
+        headland_passes: ``None`` takes as many as turning needs.
+        home_id: map feature where the robot stands; ``None`` takes its own or the nearest.
+        overlap: share of the width worked twice.
+        treatments: ground with a dose of its own; ``rest_dose`` is that of all other ground of the field.
+        lead_in_m, lead_out_m: ``None`` takes the tool's own.
+    """
+
+    field_id: str
+    robot_id: str
+    width_m: float
+    name: str = ""
+    row_bearing_deg: float | None = None
+    headland_passes: int | None = None
+    home_id: str | None = None
+    returns_home: bool = True
+    is_supervised: bool = True
+    pattern: Pattern = Pattern.SHORTEST
+    start_corner: Corner | None = None
+    overlap: float = 0.0
+    row_speed_mps: float | None = None
+    plant_spacing_m: float | None = None
+    treatments: tuple[AreaOrder, ...] = ()
+    rest_dose: float = 1.0
+    lead_in_m: float | None = None
+    lead_out_m: float | None = None
+
+
+def wish_for(
+    order: PlanOrder, mission_id: str, field: Feature, features: Sequence[Feature], sheet: Factsheet | None
+) -> PlanWish:
+    """Return the wish for a field of the map.
+
+    Raises:
+        NotFound: a treatment area is not on the map.
+        PlanRefused: a treatment area is no polygon.
+    """
+    place = _places(field.geometry)[0]
+    home = _home(features, order, place)
+    origin = (sheet.datum_lon_deg, sheet.datum_lat_deg) if sheet else home or place
+    return PlanWish(
+        mission_id=mission_id,
+        name=order.name or f"{field.title[:60]}, {order.width_m:g} m",
+        robot_id=order.robot_id,
+        field_name=field.title,
+        parcel=field.geometry,
+        width_m=order.width_m,
+        datum_lat_deg=round(origin[1], 7),
+        datum_lon_deg=round(origin[0], 7),
+        robot=sheet,
+        angle_rad=_row_angle(order, field),
+        headland_passes=order.headland_passes,
+        home=home,
+        returns_home=order.returns_home,
+        surroundings=surroundings_of(features, place, field.id),
+        pattern=order.pattern,
+        corner=order.start_corner,
+        overlap=order.overlap,
+        row_speed_mps=order.row_speed_mps,
+        plant_spacing_m=order.plant_spacing_m,
+        treatment=_treatment(order, features),
+    )
+
+
+def _treatment(order: PlanOrder, features: Sequence[Feature]) -> Treatment:
+    known = {one.id: one for one in features}
+    areas = []
+    for area in order.treatments:
+        if area.feature_id is not None and area.feature_id not in known:
+            raise NotFound(f"there is no map feature {area.feature_id!r}")
+        shape = known[area.feature_id].geometry if area.feature_id is not None else area.geometry
+        if shape is None or shape.get("type") not in ("Polygon", "MultiPolygon"):
+            raise PlanRefused("bad_treatment", "A treatment area is a polygon. Draw its outline.", "treatments")
+        areas.append(TreatedArea(shape, area.dose))
+    return Treatment(tuple(areas), order.rest_dose, order.lead_in_m, order.lead_out_m)
+
+
+def _row_angle(order: PlanOrder, field: Feature) -> float | None:
+    """Return the ENU angle of the rows: as asked, else along the crop rows of the map, else to be searched."""
+    bearing = order.row_bearing_deg if order.row_bearing_deg is not None else field.properties.get("row_bearing_deg")
+    return None if bearing is None else math.pi / 2 - math.radians(float(bearing))
+
+
+def _home(features: Sequence[Feature], order: PlanOrder, place: tuple[float, float]) -> tuple[float, float] | None:
+    homes = {one.id: one for one in features if one.kind == "home"}
+    if order.home_id is not None and order.home_id in homes:
+        return _places(homes[order.home_id].geometry)[0]
+    near = [one for one in homes.values() if metres(_places(one.geometry)[0], place) < NEAR_HOME_M]
+    own = [one for one in near if one.properties.get("robot") == order.robot_id]
+    best = min(own or near, key=lambda one: metres(_places(one.geometry)[0], place), default=None)
+    return None if best is None else _places(best.geometry)[0]
+
+
+def surroundings_of(features: Sequence[Feature], place: tuple[float, float], field_id: str | None) -> Surroundings:
+    """Return what is near a place of a field; a farm may have sites on other continents."""
+    near = [one for one in features if one.id != field_id and metres(_places(one.geometry)[0], place) < FAR_M]
+    solid = [one for one in near if one.kind in ("obstacle", "building", "no-go", "no_go", "hole")]
+    roads = [one for one in near if one.kind in ("road", "yard")]
+    return Surroundings(
+        tuple((one.geometry, _width(one)) for one in solid), tuple((one.geometry, _width(one)) for one in roads)
+    )
+
+
+def _width(feature: Feature) -> float:
+    """Return how wide a line is, or a point across."""
+    radius = feature.properties.get("radius_m")
+    return float(feature.properties.get("width_m", 4.0)) if radius is None else 2 * float(radius)
+
+
+def _places(geometry: Mapping[str, Any]) -> list[tuple[float, float]]:
+    """Return the positions of any GeoJSON geometry, longitude and latitude."""
+    found: list[tuple[float, float]] = []
+    waiting = [geometry["coordinates"]]
+    while waiting:
+        one = waiting.pop(0)
+        if one and isinstance(one[0], int | float):
+            found.append((float(one[0]), float(one[1])))
+        else:
+            waiting = [*one, *waiting]
+    return found
+
+
+def metres(a: tuple[float, float], b: tuple[float, float]) -> float:
+    """Return the distance of two places, longitude and latitude, on a round earth."""
+    lon_a, lat_a, lon_b, lat_b = map(math.radians, (*a, *b))
+    half = math.sin((lat_b - lat_a) / 2) ** 2 + math.cos(lat_a) * math.cos(lat_b) * math.sin((lon_b - lon_a) / 2) ** 2
+    return 2 * EARTH_M * math.asin(min(1.0, math.sqrt(half)))

@@ -1,0 +1,49 @@
+"""Before a mission moves: the robot has read back what is stored, and a person has ticked the list."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from hmi.commands.refusal import CHECKLIST_MISSING, NOT_READ_BACK, OrderRefused
+from hmi.domain.robot import Order, Robot
+from hmi.security.session_info import SessionInfo
+from hmi.store.checklists import Checklists
+from hmi.store.missions import Missions
+
+TAKEN_UP = "continued"
+"""The hold of a robot that waits before the way back: resuming then is as much of a start as a start."""
+
+
+class MissionStartRules:
+    """Answers from memory; a ``StartRules``.
+
+    Args:
+        needs_list: whether the farm wants the list ticked before a supervised start.
+    """
+
+    def __init__(self, missions: Missions, checklists: Checklists, needs_list: Callable[[], bool]) -> None:
+        self._missions, self._checklists, self._needs_list = missions, checklists, needs_list
+
+    def check(self, actor: SessionInfo, robot: Robot, order: Order, checklist_id: str | None) -> None:
+        """Return if this person may start or resume what the robot says it has.
+
+        Raises:
+            OrderRefused: the document is not the stored one, or the checklist is missing.
+        """
+        mission = self._missions.known(order.mission_id)
+        if mission is not None and mission.farm_id == robot.farm_id and order.sha256 != mission.sha256:
+            text = f"{robot.name} has not read back {mission.name} as it is stored here. Send it again."
+            raise OrderRefused(NOT_READ_BACK, text)
+        if not (order.is_supervised and self._needs_list() and is_a_start(robot)):
+            return
+        if not self._checklists.is_valid(actor.farm_id, robot.id, actor.user_id, checklist_id):
+            raise OrderRefused(CHECKLIST_MISSING, "Tick the list first: Before it starts.")
+
+
+def is_a_start(robot: Robot) -> bool:
+    """Say whether what comes next is a start, not going on after a pause."""
+    state = robot.state
+    if state is None or state.order is None:
+        return True
+    is_paused = state.order.status.value == "paused"
+    return not is_paused or (state.hold is not None and state.hold.code == TAKEN_UP)

@@ -1,0 +1,51 @@
+"""What weather stations tell, kept until something newer comes. Missing is missing: no forecast is made up."""
+
+from __future__ import annotations
+
+from datetime import datetime, timedelta
+
+from hmi.clock import Clock
+from hmi.commands.refusal import OrderRefused
+from hmi.domain.queue.facts import Weather
+from hmi.domain.role import Permission
+from hmi.security.authorization import Authorize
+from hmi.security.session_info import SessionInfo
+
+AHEAD = timedelta(minutes=1)  # a station's clock may be this far ahead
+
+
+class WeatherBoard:
+    """The newest report of the farm, in memory: after a restart the station has to speak again."""
+
+    def __init__(self, clock: Clock, authorize: Authorize, farm_id: str) -> None:
+        self._clock, self._authorize, self._farm_id = clock, authorize, farm_id
+        self._latest: Weather | None = None
+
+    @property
+    def latest(self) -> Weather | None:
+        """The newest report, however old."""
+        return self._latest
+
+    def report(
+        self,
+        session: SessionInfo,
+        *,
+        station: str,
+        rain_mm_h: float | None,
+        wind_mps: float | None,
+        at: datetime | None = None,
+    ) -> Weather:
+        """Take a station's report; rain in mm/h, wind in m/s, ``at`` when it was measured (now if left out).
+
+        Raises:
+            OrderRefused: measured in the future, or older than what is known.
+        """
+        self._authorize(session, Permission.SEND_MISSION)
+        now = self._clock.utc()
+        measured = at or now
+        if measured > now + AHEAD:
+            raise OrderRefused("from_the_future", "This was measured in the future. Set the station's clock.")
+        if self._latest is not None and measured < self._latest.at and self._latest.at <= now + AHEAD:
+            raise OrderRefused("older", "A newer report is known already.")
+        self._latest = Weather(measured, rain_mm_h, wind_mps, station)
+        return self._latest

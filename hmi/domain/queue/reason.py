@@ -1,0 +1,36 @@
+"""A reason to wait, as it is shown and told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from enum import StrEnum
+from zoneinfo import ZoneInfo
+
+
+class Who(StrEnum):
+    """Who can clear a reason."""
+
+    ITSELF = "itself"
+    OPERATOR = "operator"
+    PLANNER = "planner"
+    ADMIN = "admin"
+    SITE = "anybody at the machine"
+
+
+@dataclass(frozen=True, slots=True)
+class Waiting:
+    """One sentence, what clears it, who can, and when it clears by itself (UTC) if that is known."""
+
+    code: str
+    text: str
+    clears: str
+    who: Who
+    clears_at: datetime | None = None
+
+
+def clock_text(at: datetime, now: datetime, zone: ZoneInfo, *, seconds: bool = False) -> str:
+    """Return a time on the farm's clock, with the day where it is not today: ``07:42``, ``Sun 22 Nov 07:42``."""
+    local, today = at.astimezone(zone), now.astimezone(UTC).astimezone(zone).date()
+    text = local.strftime("%H:%M:%S" if seconds else "%H:%M")
+    return text if local.date() == today else f"{local.strftime('%a')} {local.day} {local.strftime('%b')} {text}"

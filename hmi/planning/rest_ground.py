@@ -1,0 +1,130 @@
+"""The ground on which the rest of a mission is driven: the field as the map shows it now, and the roads to it."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+import numpy as np
+import shapely
+from shapely.geometry import LineString, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from hmi.domain.mission_plan import Geometry, PlanRefused
+from hmi.domain.mission_rest import RestWish
+from hmi.planning.dubins import Pose
+from hmi.planning.ground import Ground, erode, polygons_of
+from hmi.planning.links import Linker
+from hmi.planning.machine import RobotProfile
+from hmi.planning.projection import Floats, LocalFrame
+
+YARD_RADIUS_M = 4.0  # ground around home where a robot can turn
+GAP_M = 0.04  # neighbouring features drawn by hand leave hairline gaps
+LEAST_PART_M = 1.0  # shorter remains of a row are not worth a turn
+LONG_WAY_M = 10.0
+INSIDE_M = 0.01  # a row is cut this far inside the turning ground, so that rounding does not put its end outside
+
+
+class RestGround:
+    """Answers what can be driven.
+
+    Args:
+        wish: its base document has the field, its surroundings what stands there now.
+        frame: the document's plane.
+        home: where home is on it, if there is one.
+    """
+
+    def __init__(
+        self, wish: RestWish, frame: LocalFrame, machine: RobotProfile, home: tuple[float, float] | None
+    ) -> None:
+        self._wish, self._frame, self._machine, self._home = wish, frame, machine, home
+        rings = [frame.to_local([(p[0], p[1]) for p in ring]) for ring in wish.base["parcel"]]
+        parcel = Polygon(rings[0], rings[1:])
+        self._parcel = parcel if parcel.is_valid else parcel.buffer(0)
+        areas = [self._area(geometry, width) for geometry, width in wish.surroundings.obstacles]
+        self.obstacles = shapely.union_all(areas) if areas else Polygon()
+        self._near = self.obstacles.buffer(machine.reach_m + machine.margin_m)
+        shapely.prepare(self._near)
+        self._field = self._parcel.difference(self.obstacles)
+
+    def link(self, start: Pose, end: Pose) -> list[Floats] | None:
+        """Return a way on the field, or ``None``."""
+        return self._linker.link(start, end)
+
+    def approach(self, start: Pose, end: Pose, *, is_free: bool) -> list[Floats] | None:
+        """Return a way over field, roads and yards, or ``None``; ``is_free``: it may turn before it sets off."""
+        linker = self._wide_linker(start)
+        if is_free and self._machine.can_pivot:
+            start = (start[0], start[1], math.atan2(end[1] - start[1], end[0] - start[0]))
+        return linker.link(start, end)
+
+    def is_clear(self, points: Floats) -> bool:
+        """Say whether nothing that stands on the map now is in the way of a path that was planned before."""
+        if not shapely.intersects(self._near, shapely.linestrings(points)):
+            return True
+        return self._open.fits(points)
+
+    def around(self, points: Floats) -> list[Floats] | None:
+        """Return the parts of a row that can still be driven, ``None`` if all of it can."""
+        if self.is_clear(points):
+            return None
+        free = LineString(points).intersection(erode(self._ground.turning, INSIDE_M))
+        parts = [np.asarray(p.coords) for p in shapely.get_parts(free) if p.geom_type == "LineString"]
+        parts = [p for p in parts if float(np.hypot(*np.diff(p, axis=0).T).sum()) >= LEAST_PART_M]
+        line = LineString(points)
+        parts.sort(key=lambda p: line.project(shapely.Point(p[0])))
+        # the pieces of an intersection may run either way; the row runs as it was planned
+        return [np.round(p if _is_along(line, p) else p[::-1], 3) + 0.0 for p in parts]
+
+    def way_speed(self, points: Floats, slow_mps: float) -> float:
+        """Return the speed of a way: long ones go at transit speed, as far as their bends allow."""
+        machine = self._machine
+        length = float(np.hypot(*np.diff(points, axis=0).T).sum())
+        if length < LONG_WAY_M:
+            return slow_mps
+        bend_mps = machine.transit_speed_mps if len(points) == 2 else machine.yaw_rate_radps * machine.turning_radius_m
+        return max(slow_mps, min(machine.transit_speed_mps, bend_mps))
+
+    @cached_property
+    def _open(self) -> Ground:
+        """Everywhere but where something stands: borders were looked at when the path was planned."""
+        return Ground(self._near.envelope.buffer(1e3).difference(self.obstacles), self._machine)
+
+    @cached_property
+    def _ground(self) -> Ground:
+        return Ground(self._field, self._machine, self._crop())
+
+    @cached_property
+    def _linker(self) -> Linker:
+        return Linker(self._ground)
+
+    def _wide_linker(self, start: Pose) -> Linker:
+        """Field, roads, the yard at home, and the spot on which the machine stands anyway."""
+        ways = [self._area(geometry, width) for geometry, width in self._wish.surroundings.ways]
+        ways.append(shapely.Point(start[:2]).buffer(self._machine.reach_m + 3 * self._machine.margin_m))
+        if self._home is not None:
+            ways.append(shapely.Point(self._home).buffer(YARD_RADIUS_M))
+        together = shapely.union_all([self._field, *ways])
+        closed = together.buffer(GAP_M, join_style="mitre").buffer(-GAP_M, join_style="mitre")
+        return Linker(Ground(closed.difference(self.obstacles), self._machine, self._crop()))
+
+    def _crop(self) -> BaseGeometry:
+        """Return the standing rows as one area, a little smaller than it is, so that row ends stay free."""
+        width = self._wish.base["width_m"]
+        rows = [LineString(s["points"]) for s in self._wish.base["segments"] if s["kind"] == "row"]
+        strips = [row.buffer(0.51 * width, cap_style="flat") for row in rows if row.length > 0]
+        area = shapely.union_all(strips, grid_size=1e-3) if strips else Polygon()
+        return shapely.union_all(polygons_of(erode(area, min(width, 1.0) * 0.6)))
+
+    def _area(self, geometry: Geometry, width_m: float) -> BaseGeometry:
+        try:
+            local = shapely.transform(shapely.geometry.shape(geometry), self._frame.to_local)
+        except (TypeError, ValueError, AttributeError, shapely.errors.ShapelyError) as error:
+            raise PlanRefused("bad_map", "The map has a feature that is not valid GeoJSON.") from error
+        if local.geom_type in ("Polygon", "MultiPolygon"):
+            return local if local.is_valid else local.buffer(0)
+        return local.buffer(max(width_m, 0.1) / 2)
+
+
+def _is_along(line: LineString, part: Floats) -> bool:
+    return bool(line.project(shapely.Point(part[0])) <= line.project(shapely.Point(part[-1])))

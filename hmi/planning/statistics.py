@@ -1,0 +1,45 @@
+"""The numbers that go with a plan: figures of the path, battery with reserve, seedlings."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from hmi.domain.mission_plan import PlanWish
+from hmi.domain.robot import Family
+from hmi.planning.job import Job
+from hmi.planning.plan import Plan
+
+LEAST_RESERVE = 0.15  # of the battery, never planned away: cold, wind and an aged cell take as much
+DETOUR = 1.4  # a way home along headlands and roads is so much longer than the straight line
+SEEDLINGS_PER_M2 = 0.25  # 2,500 a hectare, the usual density of planted forest
+
+
+def statistics(wish: PlanWish, job: Job, plan: Plan) -> dict[str, Any]:
+    """Return a plan's numbers as they are stored and shown, SI; shares are 0 to 1."""
+    figures = {k: round(v, 4) if isinstance(v, float) else v for k, v in asdict(plan.figures).items()}
+    found: dict[str, Any] = {
+        **figures,
+        "notes": list(plan.notes),
+        "pattern": wish.pattern.value,
+        "battery_j": job.machine.battery_j,
+        "reserve_share": round(_reserve_share(job, plan), 4),
+    }
+    if wish.robot is not None and wish.robot.family is Family.PLANTER:
+        spacing = wish.plant_spacing_m or 1 / (SEEDLINGS_PER_M2 * wish.width_m)
+        found["plant_spacing_m"] = round(spacing, 3)
+        found["seedlings"] = round(plan.figures.working_length_m / spacing)
+    return found
+
+
+def _reserve_share(job: Job, plan: Plan) -> float:
+    """Return the share of the battery to keep: it brings the robot home from the furthest point, or more."""
+    if job.home is None:
+        return LEAST_RESERVE
+    points = np.concatenate([leg.points for leg in plan.legs])
+    way_m = DETOUR * float(np.hypot(*(points - np.array(job.home)).T).max())
+    machine = job.machine
+    way_j = way_m * machine.drive_j_per_m + way_m / machine.transit_speed_mps * machine.idle_w
+    return max(LEAST_RESERVE, way_j / machine.battery_j)

@@ -1,0 +1,156 @@
+// The inputs of a plan, what they ask for, and the draft of them that outlives an outage and a reload.
+(() => {
+  "use strict";
+  const { el } = HL;
+  const DRAFT = "mission-plan";
+  const CORNERS = [["", "Any"], ["north_west", "North-west"], ["north_east", "North-east"], ["south_west", "South-west"], ["south_east", "South-east"]];
+  const PATTERNS = ["row_by_row", "skip_rows", "spiral", "shortest"];
+
+  const FAR_M = 3000;
+  const METRES_PER_DEGREE = 111320;
+  const firstPlace = (geometry) => (geometry?.type === "Polygon" ? geometry.coordinates[0][0] : geometry?.coordinates?.[0]?.[0]?.[0]);
+  const options = (rows) => rows.map(({ id, name }) => el("option", { value: id }, name));
+  const select = (hook, name, rows) => el("select", { class: "h-select", "data-testid": hook, name }, ...rows);
+  const number = (hook, name, props) => el("input", { class: "h-input", "data-testid": hook, name, type: "number", inputmode: "decimal", step: "any", ...props });
+  const field = (label, input) => el("label", { class: "h-field" }, label, input);
+
+  // one of a few, as buttons; reads and writes like an input
+  class Choice {
+    constructor(hook, label, rows, value) {
+      this.rows = rows;
+      this.node = el("div", { class: "h-seg p-seg", role: "group", "aria-label": label, "data-testid": hook }, ...rows.map(([key, word]) => el("button", { type: "button", "data-testid": `${hook}-${key.replace("_", "-") || "any"}`, onclick: () => this.pick(key) }, word)));
+      this.value = value;
+    }
+    get value() {
+      return this.held;
+    }
+    set value(value) {
+      this.held = this.rows.some(([key]) => key === value) ? value : this.rows[0][0];
+      [...this.node.children].forEach((button, k) => button.setAttribute("aria-pressed", this.rows[k][0] === this.held ? "true" : "false"));
+    }
+    pick(value) {
+      this.value = value;
+      this.node.dispatchEvent(new Event("input", { bubbles: true }));
+    }
+    focus() {
+      this.node.firstElementChild.focus();
+    }
+  }
+
+  class Inputs {
+    constructor(places) {
+      this.places = places;
+      this.all = {
+        field_id: select("plan-field", "field_id", options(places.fields)),
+        robot_id: select("plan-robot", "robot_id", options(places.robots)),
+        home_id: select("plan-home", "home_id", [el("option", { value: "" }, "Its own, or the nearest"), ...options(places.homes)]),
+        width_m: number("plan-width", "width_m", { min: "0.05", max: "50", required: true, value: "3" }),
+        row_speed_mps: number("plan-speed", "row_speed_mps", { min: "0.01", max: "20", placeholder: "usual" }),
+        overlap: number("plan-overlap", "overlap", { min: "0", max: "50", placeholder: "0" }),
+        headland_passes: number("plan-headland", "headland_passes", { min: "0", max: "50", step: "1", placeholder: "as needed" }),
+        row_bearing_deg: number("plan-bearing", "row_bearing_deg", { min: "-360", max: "360", placeholder: "as planted, or best" }),
+        plant_spacing_m: number("plan-spacing", "plant_spacing_m", { min: "0.05", max: "100", placeholder: "usual density" }),
+        name: el("input", { class: "h-input", "data-testid": "plan-name", name: "name", maxlength: "80", placeholder: "field and width", autocomplete: "off" }),
+        returns_home: el("input", { type: "checkbox", name: "returns_home", "data-testid": "plan-return", checked: true }),
+        pattern: new Choice("plan-pattern", "Pattern", PATTERNS.map((key) => [key, HL.planner.NAMES[key]]), "shortest"),
+        start_corner: select("plan-corner", "start_corner", CORNERS.map(([value, word]) => el("option", { value }, word))),
+      };
+      this.spacing = field("Plant spacing, m", this.all.plant_spacing_m);
+      this.recall();
+    }
+
+    where() {
+      return [el("div", { class: "p-two" }, field("Robot", this.all.robot_id), field("Home", this.all.home_id)), el("label", { class: "h-check" }, this.all.returns_home, "Drive home at the end")];
+    }
+
+    how() {
+      const i = this.all;
+      const group = (label, input) => el("div", { class: "h-field" }, label, input);
+      return [group("Pattern", i.pattern.node), el("div", { class: "p-two" }, field("Working width, m", i.width_m), field("Speed on rows, m/s", i.row_speed_mps), field("Overlap, %", i.overlap), field("Headland laps", i.headland_passes), field("Row direction, ° from north", i.row_bearing_deg), field("Start corner", i.start_corner), this.spacing), field("Name", i.name)];
+    }
+
+    get fieldPlace() {
+      return this.places.fields.find((one) => one.id === this.all.field_id.value);
+    }
+
+    get robot() {
+      return this.places.robots.find((one) => one.id === this.all.robot_id.value);
+    }
+
+    get home() {
+      return this.places.homes.find((one) => one.id === this.all.home_id.value);
+    }
+
+    // the map knows how a field was planted: its row distance is the first offer
+    offerWidth() {
+      const spacing = this.fieldPlace?.properties?.row_spacing_m;
+      if (spacing) this.all.width_m.value = String(Math.max(spacing, 0.5));
+    }
+
+    // a field of another site is of no use to a robot: the nearest one is offered
+    offerField() {
+      const robot = HL.port.fleet()[this.all.robot_id.value];
+      if (robot?.lat === null || robot?.lat === undefined) return false;
+      const away = (one) => {
+        const [lon, lat] = firstPlace(one.geometry) ?? [NaN, NaN];
+        return Math.hypot((lon - robot.lon) * Math.cos((lat * Math.PI) / 180), lat - robot.lat) * METRES_PER_DEGREE;
+      };
+      if (!this.fieldPlace || !(away(this.fieldPlace) > FAR_M)) return false;
+      const nearest = this.places.fields.filter((one) => away(one) <= FAR_M).sort((a, b) => away(a) - away(b))[0];
+      if (!nearest) return false;
+      this.all.field_id.value = nearest.id;
+      return true;
+    }
+
+    // only planters plant; HL.port knows the family as soon as the robot was heard
+    offerSpacing() {
+      this.spacing.hidden = (HL.port.fleet()[this.all.robot_id.value]?.family ?? this.robot?.family) !== "planter";
+    }
+
+    recall() {
+      this.fill(HL.draft.get(DRAFT) || {});
+    }
+
+    fill(kept) {
+      for (const [key, input] of Object.entries(this.all)) {
+        if (!(key in kept)) continue;
+        if (input.type === "checkbox") input.checked = kept[key] === true;
+        else if (!(input instanceof HTMLSelectElement) || [...input.options].some((option) => option.value === kept[key])) input.value = kept[key];
+      }
+    }
+
+    keep() {
+      HL.draft.set(DRAFT, Object.fromEntries(Object.entries(this.all).map(([key, input]) => [key, input.type === "checkbox" ? input.checked : input.value])));
+    }
+
+    forget() {
+      HL.draft.clear(DRAFT);
+    }
+
+    wish() {
+      const i = this.all;
+      const body = { field_id: i.field_id.value, robot_id: i.robot_id.value, width_m: Number(i.width_m.value), returns_home: i.returns_home.checked };
+      if (i.pattern.value !== "shortest") body.pattern = i.pattern.value;
+      for (const key of ["home_id", "start_corner"]) if (i[key].value) body[key] = i[key].value;
+      if (i.name.value.trim()) body.name = i.name.value.trim();
+      for (const key of ["row_bearing_deg", "row_speed_mps"]) if (i[key].value !== "") body[key] = Number(i[key].value);
+      if (i.headland_passes.value !== "") body.headland_passes = Math.round(Number(i.headland_passes.value));
+      if (i.overlap.value !== "" && Number(i.overlap.value)) body.overlap = Number(i.overlap.value) / 100;
+      if (!this.spacing.hidden && i.plant_spacing_m.value !== "") body.plant_spacing_m = Number(i.plant_spacing_m.value);
+      return body;
+    }
+
+    // a template's wish into the inputs; what it does not say goes back to its usual value
+    apply(wish) {
+      const usual = { row_speed_mps: "", headland_passes: "", row_bearing_deg: "", plant_spacing_m: "", name: "", start_corner: "", pattern: "shortest", returns_home: true };
+      const given = Object.fromEntries(Object.entries(wish).filter(([key]) => key in this.all).map(([key, value]) => [key, typeof value === "number" ? String(value) : value ?? ""]));
+      this.fill({ ...usual, ...given, overlap: wish.overlap ? String(Number((100 * wish.overlap).toFixed(2))) : "" });
+    }
+
+    get(name) {
+      return this.all[name];
+    }
+  }
+
+  Object.assign(HL.planner, { Inputs, CORNERS: Object.fromEntries(CORNERS) });
+})();

@@ -1,0 +1,241 @@
+// The plan on its field: path, turns, ground worked once, twice or not at all, and time; the robot travels along it.
+(() => {
+  "use strict";
+  const { el, icon, text, attr } = HL;
+  const NS = "http://www.w3.org/2000/svg";
+  const FREE = { left: 20, right: 76, top: 70, bottom: 100 }; // pixels that views, zoom and scrubber stand on
+  const TIMES = 8; // shades of the time view: more cannot be told apart
+  const MOST_ZOOM = 60;
+  const VIEWS = [["path", "Path"], ["turns", "Turns"], ["overlap", "Overlap"], ["time", "Time"]];
+
+  function svg(tag, props, ...children) {
+    const node = document.createElementNS(NS, tag);
+    for (const [key, value] of Object.entries(props)) node.setAttribute(key, value);
+    node.append(...children);
+    return node;
+  }
+
+  const line = (points) => `M${points.map(([x, y]) => `${x.toFixed(2)} ${(-y).toFixed(2)}`).join("L")}`;
+  const area = (polygons) => polygons.flatMap((rings) => rings.map((ring) => `${line(ring)}Z`)).join("");
+
+  function bounds(drawing) {
+    const points = [...(drawing.places.parcel[0] ?? []), ...drawing.legs.flatMap((leg) => leg.points ?? []), ...(drawing.places.home ? [drawing.places.home] : [])];
+    let [x0, y0, x1, y1] = [Infinity, Infinity, -Infinity, -Infinity];
+    for (const [x, y] of points) {
+      x0 = Math.min(x0, x); x1 = Math.max(x1, x);
+      y0 = Math.min(y0, -y); y1 = Math.max(y1, -y);
+    }
+    return Number.isFinite(x0) ? [x0, y0, x1, y1] : [-50, -50, 50, 50];
+  }
+
+  class Picture {
+    constructor() {
+      this.view = "path";
+      this.root = svg("svg", { class: "p-svg", role: "img", "aria-label": "Plan", "data-testid": "plan-picture" });
+      this.buttons = VIEWS.map(([key, word]) => el("button", { type: "button", "data-testid": `plan-view-${key}`, "aria-pressed": key === "path" ? "true" : "false", onclick: () => this.show(key) }, word));
+      const zoom = (label, sign, run) => el("button", { type: "button", class: "h-btn ico p-zoom", "aria-label": label, onclick: run }, sign);
+      this.legend = el("div", { class: "p-legend h-t13", hidden: true });
+      this.views = el("div", { class: "h-seg p-views", role: "group", "aria-label": "What the picture shows" }, ...this.buttons);
+      this.node = el("div", { class: "p-picture" }, this.root, this.views,
+        el("div", { class: "p-zooms" }, zoom("Zoom in", icon("add"), () => this.zoom(0.6)), zoom("Zoom out", "−", () => this.zoom(1 / 0.6)), zoom("Whole field", icon("my_location", "m"), () => this.fit())), this.legend);
+      this.pointers = new Map();
+      this.listen();
+      this.sized = new ResizeObserver(() => (this.isWhole ? this.fit() : this.apply()));
+      this.sized.observe(this.root);
+    }
+
+    // drawing: what the server answers, or only {legs: [], places: {parcel, home}}; path: null without a plan
+    draw(drawing, path, statistics) {
+      this.drawing = drawing;
+      this.path = path;
+      this.statistics = statistics;
+      const legs = path ? path.legs : [];
+      this.box = bounds({ ...drawing, legs });
+      this.root.replaceChildren(...this.ground(drawing), ...(path ? this.lines(legs) : []), ...this.marks(drawing, legs));
+      this.views.hidden = !path;
+      this.fit();
+      this.show(path ? this.view : "path");
+    }
+
+    ground({ places, ground }) {
+      const hatch = svg("pattern", { id: "p-hatch", width: 6, height: 6, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" }, svg("rect", { class: "hatch", width: 2, height: 6 }));
+      this.hatch = hatch;
+      const shown = [
+        svg("defs", {}, hatch),
+        svg("path", { class: "road", d: area(places.roads ?? []) }),
+        svg("path", { class: "parcel", d: area([places.parcel]), "fill-rule": "evenodd" }),
+        ...(places.doses ?? []).map((one) => svg("path", { class: one.dose > 0 ? "dose" : "dose off", d: area(one.rings), "fill-rule": "evenodd" })),
+        svg("path", { class: "obstacle", d: area(places.obstacles ?? []), "fill-rule": "evenodd" }),
+      ];
+      const worked = ["worked", "twice", "missed"].map((name) => svg("path", { class: `only overlap ${name}`, "data-testid": `plan-ground-${name}`, d: area(ground?.[name] ?? []), "fill-rule": "evenodd" }));
+      return [...shown, svg("g", {}, ...worked)];
+    }
+
+    lines(legs) {
+      const of = (test) => legs.filter(test).map((leg) => line(leg.points)).join("");
+      const isWork = (leg) => leg.kind === "row" || leg.kind === "headland";
+      const pivots = legs.filter((leg) => leg.pivot).map((leg) => `${line(leg.points.slice(0, 1))}h0`).join("");
+      this.driven = svg("path", { class: "driven", d: legs.map((leg) => line(leg.points)).join("").replaceAll("M", "L").replace("L", "M") });
+      const shades = Array.from({ length: TIMES }, (_, k) => svg("path", { class: `only time t${k}`, d: of((leg) => this.shade(leg) === k) }));
+      return [
+        svg("path", { class: "way", d: of((leg) => leg.kind === "approach" || leg.kind === "exit") }),
+        svg("path", { class: "turn", d: of((leg) => leg.kind === "turn") }),
+        svg("path", { class: "headland", d: of((leg) => leg.kind === "headland" && leg.on) }),
+        svg("path", { class: "row", "data-testid": "plan-rows", d: of((leg) => leg.kind === "row" && leg.on) }),
+        svg("path", { class: "idle", d: of((leg) => isWork(leg) && !leg.on) }),
+        ...shades,
+        svg("path", { class: "only turns", d: of((leg) => leg.kind === "turn") }),
+        svg("path", { class: "only turns pivot", d: pivots }),
+        this.driven,
+      ];
+    }
+
+    shade(leg) {
+      return Math.min(TIMES - 1, Math.floor((TIMES * (leg.t[0] + leg.t[1])) / 2 / Math.max(1, this.path.duration)));
+    }
+
+    // signs keep their size on the screen whatever the zoom
+    marks({ places, machine }, legs) {
+      const word = (content) => {
+        const node = svg("text", { x: 16, y: 20 });
+        node.textContent = content;
+        return node;
+      };
+      this.signs = [];
+      const sign = ([x, y], ...shapes) => {
+        const node = svg("g", { class: "sign" }, ...shapes);
+        this.signs.push({ node, x, y });
+        return node;
+      };
+      const home = places.home ? [sign(places.home, svg("path", { class: "home", d: "M-11 0L0-12L11 0V11H-11Z" }))] : [];
+      if (!legs.length) return home;
+      const work = legs.filter((leg) => leg.kind === "row" || leg.kind === "headland");
+      const start = sign(work[0].points[0], svg("circle", { class: "start", r: 9 }), word("start"));
+      const end = sign(work.at(-1).points.at(-1), svg("rect", { class: "end", x: -8, y: -8, width: 16, height: 16 }), word("end"));
+      const [front, rear, half] = [machine.base_to_front_m, machine.base_to_front_m - machine.length_m, machine.width_m / 2];
+      this.arrow = svg("g", { class: "arrow" }, svg("circle", { r: 15 }), svg("path", { d: "M9 0L-7-7L-3 0L-7 7Z" }));
+      this.robot = svg("g", { class: "robot", "data-testid": "plan-robot-outline" }, svg("path", { class: "outline", d: `${line([[rear, -half], [front, -half], [front, half], [rear, half]])}Z` }), this.arrow);
+      return [...home, start, end, this.robot];
+    }
+
+    show(view) {
+      this.view = view;
+      this.buttons.forEach((button, k) => attr(button, "aria-pressed", VIEWS[k][0] === view ? "true" : "false"));
+      attr(this.root, "data-view", view);
+      this.tell();
+    }
+
+    // what the colours of a view mean
+    tell() {
+      const s = this.statistics;
+      this.legend.hidden = !s || this.view === "path";
+      if (this.legend.hidden) return;
+      const percent = (m2) => `${((100 * m2) / Math.max(1, s.area_m2)).toFixed(1)} %`;
+      const key = (look, words) => el("span", { class: "h-row" }, el("i", { class: `p-key ${look}` }), words);
+      const parts = {
+        turns: () => [key("turns", `${s.turns} turns`), key("pivot", s.pivots ? `${s.pivots} on the spot` : "none on the spot")],
+        overlap: () => [key("worked", `Worked ${percent(s.covered_m2)}`), key("twice", `Twice ${percent(s.overlap_m2)}`), key("missed", `Missed ${percent(s.missed_m2 ?? 0)}`)],
+        time: () => ["0:00", el("span", { class: "p-ramp" }, ...Array.from({ length: TIMES }, (_, k) => el("i", { class: `t${k}` }))), HL.words.left(s.duration_s)],
+      };
+      this.legend.replaceChildren(...parts[this.view]());
+    }
+
+    // the robot after t seconds; returns the pose
+    place(t) {
+      if (!this.path?.legs.length) return null;
+      const pose = this.path.at(t);
+      this.pose = pose;
+      attr(this.robot, "transform", `translate(${pose.x.toFixed(2)} ${(-pose.y).toFixed(2)}) rotate(${((-pose.heading * 180) / Math.PI).toFixed(1)})`);
+      attr(this.robot, "data-heading-deg", ((pose.heading * 180) / Math.PI).toFixed(1));
+      attr(this.robot, "data-state", pose.isOn ? "on" : "off");
+      attr(this.driven, "stroke-dasharray", `${pose.driven.toFixed(1)} ${(this.path.length + 1).toFixed(1)}`);
+      return pose;
+    }
+
+    // zoom and shift
+
+    fit() {
+      const [x0, y0, x1, y1] = this.box ?? [-50, -50, 50, 50];
+      const { width, height } = this.root.getBoundingClientRect();
+      const [wide, high] = [Math.max(80, width - FREE.left - FREE.right), Math.max(80, height - FREE.top - FREE.bottom)];
+      const px = Math.max((x1 - x0) / wide, (y1 - y0) / high, 0.001);
+      this.window = { x: (x0 + x1) / 2 + ((FREE.right - FREE.left) / 2) * px, y: (y0 + y1) / 2 + ((FREE.bottom - FREE.top) / 2) * px, w: px * Math.max(width, 1), h: px * Math.max(height, 1) };
+      this.whole = { ...this.window };
+      this.isWhole = true;
+      this.apply();
+    }
+
+    zoom(factor, at) {
+      if (!this.window) return;
+      this.isWhole = false;
+      const wanted = Math.min(Math.max(this.window.w * factor, this.whole.w / MOST_ZOOM), this.whole.w * 2);
+      const real = wanted / this.window.w;
+      const pin = at ?? [this.window.x, this.window.y];
+      this.window.x = pin[0] + (this.window.x - pin[0]) * real;
+      this.window.y = pin[1] + (this.window.y - pin[1]) * real;
+      this.window.w *= real;
+      this.window.h *= real;
+      this.apply();
+    }
+
+    apply() {
+      if (!this.window) return;
+      const { x, y, w, h } = this.window;
+      attr(this.root, "viewBox", `${(x - w / 2).toFixed(2)} ${(y - h / 2).toFixed(2)} ${w.toFixed(2)} ${h.toFixed(2)}`);
+      const { width, height } = this.root.getBoundingClientRect();
+      if (!width || !height) return;
+      this.px = Math.max(w / width, h / height);
+      this.root.style.setProperty("--px", `${this.px}px`);
+      // rows closer than the screen can show become a tint, not a black field
+      this.root.style.setProperty("--row", Math.min(1.3, Math.max(0.15, (0.35 * (this.drawing?.machine?.tool_width_m ?? 3)) / this.px)).toFixed(2));
+      const scale = this.px.toFixed(4);
+      for (const { node, x: sx, y: sy } of this.signs ?? []) attr(node, "transform", `translate(${sx} ${-sy}) scale(${scale})`);
+      if (this.arrow) attr(this.arrow, "transform", `scale(${scale})`);
+      if (this.hatch) attr(this.hatch, "patternTransform", `rotate(45) scale(${scale})`);
+    }
+
+    // metres under a point of the screen
+    metres(event) {
+      const box = this.root.getBoundingClientRect();
+      return [this.window.x + (event.clientX - box.left - box.width / 2) * this.px, this.window.y + (event.clientY - box.top - box.height / 2) * this.px];
+    }
+
+    listen() {
+      const root = this.root;
+      root.addEventListener("wheel", (event) => {
+        event.preventDefault();
+        this.zoom(event.deltaY > 0 ? 1.2 : 1 / 1.2, this.metres(event));
+      }, { passive: false });
+      root.addEventListener("pointerdown", (event) => {
+        root.setPointerCapture(event.pointerId);
+        this.pointers.set(event.pointerId, event);
+      });
+      root.addEventListener("pointermove", (event) => this.moved(event));
+      for (const name of ["pointerup", "pointercancel"]) root.addEventListener(name, (event) => this.pointers.delete(event.pointerId));
+      root.addEventListener("dblclick", (event) => this.zoom(0.5, this.metres(event)));
+    }
+
+    moved(event) {
+      const before = this.pointers.get(event.pointerId);
+      if (!before || !this.window) return;
+      const others = [...this.pointers.values()].filter((one) => one.pointerId !== event.pointerId);
+      if (others.length) {
+        const span = (one) => Math.hypot(one.clientX - others[0].clientX, one.clientY - others[0].clientY) || 1;
+        this.zoom(span(before) / span(event), this.metres(others[0]));
+      } else {
+        this.isWhole = false;
+        this.window.x -= (event.clientX - before.clientX) * this.px;
+        this.window.y -= (event.clientY - before.clientY) * this.px;
+        this.apply();
+      }
+      this.pointers.set(event.pointerId, event);
+    }
+
+    say(words) {
+      text(this.said ??= this.node.appendChild(el("div", { class: "p-said h-card h-row", role: "status" })), words);
+      this.said.hidden = !words;
+    }
+  }
+
+  HL.planner.Picture = Picture;
+})();

@@ -1,0 +1,56 @@
+"""A mission keeps the map it was planned on; a change around it is seen before it is sent."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from hmi.commands.plan_wish import PlanOrder
+from hmi.commands.refusal import OrderRefused
+from hmi.domain.map_log import FeatureChange, Transaction
+from hmi.domain.role import Role
+from hmi.store.maps import Maps
+from tests.hmi.missions.rig import FARM, Rig, lon_lat
+
+ORDER = PlanOrder("field-1", "weeder-01", 3.0)
+
+
+def publish(rig: Rig, name: str, x_m: float, y_m: float) -> None:
+    """Draw a pylon and publish the map."""
+    maps = Maps(rig.database, rig.clock)
+    maps.open(FARM, "anna", "Anna")
+    feature: dict[str, Any] = {
+        "type": "Feature",
+        "id": name,
+        "properties": {"id": name, "kind": "obstacle", "name": name.title(), "radius_m": 1.0},
+        "geometry": {"type": "Point", "coordinates": lon_lat((x_m, y_m))[0]},
+    }
+    change = FeatureChange(name, None, feature)
+    maps.append(FARM, "anna", Transaction(f"ref-{name}", "Drawn", "Anna", rig.clock.utc(), (change,)))
+    maps.publish(FARM, "anna", "Anna", "")
+
+
+async def test_a_plan_carries_the_number_and_hash_of_its_map(rig: Rig) -> None:
+    mission = await rig.book.plan(rig.person(Role.PLANNER), ORDER)
+    document = rig.missions.document(FARM, mission.id)
+    assert mission.map_version == 1
+    assert document["map_version"]["number"] == 1
+    assert len(document["map_version"]["sha256"]) == 64
+
+
+async def test_a_change_in_the_field_keeps_the_plan_from_being_sent_and_says_what_changed(rig: Rig) -> None:
+    mission = await rig.book.plan(rig.person(Role.PLANNER), ORDER)
+    publish(rig, "well", 10, 30)
+    with pytest.raises(OrderRefused) as caught:
+        await rig.book.stored(FARM, mission.id, "weeder-01")
+    assert caught.value.code == "map_changed"
+    assert caught.value.text == "map is v2 now, plan uses v1. Plan again. Well: Added."
+
+
+async def test_a_change_elsewhere_is_only_noted(rig: Rig) -> None:
+    mission = await rig.book.plan(rig.person(Role.PLANNER), ORDER)
+    publish(rig, "well", 900, 900)
+    stored = await rig.book.stored(FARM, mission.id, "weeder-01")
+    assert stored is not None
+    assert stored.note == "The map is v2 now; nothing changed around this field since v1."

@@ -1,0 +1,118 @@
+"""The routes of the stage's map."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import asdict
+from typing import Any
+
+from fastapi import APIRouter, Request
+from fastapi.responses import JSONResponse, PlainTextResponse
+
+from hmi.mapping.walk import WalkPoint, outline
+from hmi.security.session_info import SessionInfo
+from tests.hmi.pages.maps_stage import HISTORY, MapStage, Refused, Sessions, StageMap, collection, findings
+
+
+def router(stage: MapStage, sessions: Sessions) -> APIRouter:
+    """Return the routes of the map and those with which a test moves it."""
+    routes = APIRouter()
+
+    @routes.post("/stage-map")
+    async def adjust(request: Request) -> dict[str, Any]:
+        stage.set(await request.json())
+        return {}
+
+    @routes.get("/stage-map")
+    async def heard() -> dict[str, Any]:
+        return stage.heard()
+
+    @routes.api_route("/api/v1/map", methods=["GET"])
+    @routes.api_route("/api/v1/map/{rest:path}", methods=["GET", "POST", "DELETE"])
+    async def map_request(request: Request, rest: str = "") -> Any:
+        session = sessions.of_headers(request.headers.raw)
+        if session is None:
+            return JSONResponse({"code": "not_signed_in", "text": "Sign in first."}, 401)
+        body: Any = {}
+        if request.method == "POST" and rest != "imports":
+            body = await request.json()
+        elif rest == "imports":
+            body = {"name": request.query_params["name"], "size": len(await request.body())}
+        if request.method != "GET":
+            stage.map.asked.append({"method": request.method, "path": rest, **body})
+        await asyncio.sleep(stage.map.slow_s)
+        if stage.map.is_down:
+            return JSONResponse({"code": "database_unavailable", "text": "The records cannot be used right now."}, 503)
+        try:
+            return _play(stage.map, request, rest, session, body)
+        except Refused as refusal:
+            return JSONResponse(refusal.body, refusal.status)
+
+    return routes
+
+
+def _play(played: StageMap, request: Request, rest: str, session: SessionInfo, body: Any) -> Any:
+    match request.method, rest.split("/"):
+        case "GET", [""]:
+            return played.published(session)
+        case "POST", ["draft"]:
+            return played.open(session, is_taking=body["take"])
+        case "POST", ["draft", "transactions"]:
+            return played.change(session, body["id"], body["label"], body["changes"])
+        case "POST", ["draft", "operations"]:
+            return played.operate(session, body)
+        case "POST", ["draft", "undo" | "redo" as way]:
+            return played.walk(session, is_back=way == "undo")
+        case "POST", ["draft", "publish"]:
+            return played.publish(session, body["note"], is_shrinking_ok=body["is_shrinking_ok"])
+        case "GET", ["draft", "checks"]:
+            found = findings(played.held().features)
+            blocks = sum(one["level"] == 2 for one in found)
+            return {"findings": found, "blocks": blocks, "looks": len(found) - blocks}
+        case "GET", ["draft", "diff"]:
+            return played.difference()
+        case "DELETE", ["draft"]:
+            played.draft = None
+            return JSONResponse(None, 200)
+        case "GET", ["versions"]:
+            rows = [
+                {
+                    "version": n,
+                    "published_utc": "2026-05-12T07:30:00+00:00",
+                    "by": "Jonas Weber",
+                    "note": played.note,
+                    "size": len(played.features),
+                }
+                for n in range(played.version, 11, -1)
+            ]
+            return {"versions": rows}  # fmt: skip
+        case "POST", ["versions", number, "restore"]:
+            played.open(session, is_taking=False)
+            draft = played.mine(session)
+            before = draft.features["hangacker"]
+            change = {"id": "hangacker", "before": before, "after": None}
+            played.change(session, f"restore-{number}", f"Content of v{number}", [change])
+            return {**played.state(session), "features": collection(draft.features)}
+        case "POST", ["imports"]:
+            return played.read(body["name"], body["size"])
+        case "POST", ["imports", _, "take"]:
+            return played.take(session, body)
+        case "POST", ["draft", "preview"]:
+            return played.preview(body)
+        case "POST", ["walks"]:
+            points = [WalkPoint(**one) for one in body["points"]]
+            return asdict(outline(points, body["is_closed"], body["tolerance_m"]))
+        case "GET", ["features", feature_id, "history"]:
+            return {"id": feature_id, "entries": HISTORY}
+        case "GET", ["imports", _, "progress"]:
+            return {"share": 0.4, "shapes": 2400}
+        case "DELETE", ["imports", _]:
+            return JSONResponse(None, 200)
+        case "GET", ["export", "losses"]:
+            lost = ["Home 1", "Hedge"] if request.query_params["format"] == "fiware" else []
+            return {"left_out": lost, "cut": []}
+        case "GET", ["export"]:
+            kind = request.query_params["format"]
+            headers = {"content-disposition": f'attachment; filename="farm.{kind}"'}
+            return PlainTextResponse(f"{kind} of {request.query_params['of']}", headers=headers)
+    return JSONResponse({"code": "not_found", "text": "Nothing here."}, 404)

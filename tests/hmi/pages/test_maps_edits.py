@@ -1,0 +1,237 @@
+"""What a planner does to shapes on the maps screen."""
+
+from __future__ import annotations
+
+import pytest
+from playwright.sync_api import expect
+
+from tests.hmi.pages.conftest import Theatre
+from tests.hmi.pages.maps_screen import Show, choose, editing, saved, set_field
+from tests.hmi.pages.maps_screen import show as show
+
+pytestmark = pytest.mark.browser
+
+
+def test_the_chosen_parcel_shows_its_measures_and_attributes(show: Show) -> None:
+    page = editing(show())
+    choose(page, "nordfeld")
+    expect(page.get_by_test_id("feature-name")).to_have_value("Nordfeld 12")
+    area = float(page.get_by_test_id("editor-area").get_attribute("data-value") or 0)
+    assert area == pytest.approx(11_960, rel=0.01)
+    expect(page.get_by_test_id("editor-area")).to_contain_text("1.20ha")
+    expect(page.get_by_test_id("feature-row-spacing-m")).to_have_value("45")
+    expect(page.get_by_test_id("feature-row-bearing-deg")).to_have_value("11.5")
+
+
+def test_an_attribute_is_saved_as_a_change_that_can_be_undone_and_redone(show: Show, theatre: Theatre) -> None:
+    page = editing(show())
+    choose(page, "nordfeld")
+    set_field(page, "feature-row-bearing-deg", "9")
+    heard = saved(page, theatre, "Row direction 11.5 to 9.0")
+    assert heard["draft"]["nordfeld"]["properties"]["row_bearing_deg"] == 9.0
+    assert heard["published"]["nordfeld"]["properties"]["row_bearing_deg"] == 11.5
+    expect(page.get_by_test_id("editor-saved")).to_contain_text("Draft, saved ")
+    page.get_by_test_id("editor-undo").click()
+    expect(page.get_by_test_id("feature-row-bearing-deg")).to_have_value("11.5")
+    expect(page.get_by_test_id("editor-undo")).to_be_disabled()
+    page.get_by_test_id("editor-redo").click()
+    expect(page.get_by_test_id("feature-row-bearing-deg")).to_have_value("9.0")
+
+
+@pytest.mark.long
+def test_row_spacing_is_entered_in_centimetres_and_kept_in_metres(show: Show, theatre: Theatre) -> None:
+    page = editing(show())
+    choose(page, "nordfeld")
+    set_field(page, "feature-row-spacing-m", "50")
+    heard = saved(page, theatre, "Row spacing 45 to 50 cm")
+    assert heard["draft"]["nordfeld"]["properties"]["row_spacing_m"] == 0.5
+
+
+@pytest.mark.long
+def test_a_value_out_of_bounds_is_refused_with_the_bounds(show: Show, theatre: Theatre) -> None:
+    page = editing(show())
+    choose(page, "nordfeld")
+    set_field(page, "feature-row-spacing-m", "4500")
+    expect(page.get_by_test_id("toast")).to_contain_text("Row spacing: 1 to 1000 cm")
+    expect(page.get_by_test_id("feature-row-spacing-m")).to_have_value("45")
+    assert theatre.heard_map()["labels"] == []
+
+
+def test_what_is_drawn_is_saved_copied_and_deleted(show: Show, theatre: Theatre) -> None:
+    page = editing(show())
+    page.keyboard.press("p")
+    expect(page.get_by_test_id("map-editor")).to_have_attribute("data-tool", "parcel")
+    page.evaluate(
+        """() => {
+          const properties = { id: 'new-1', kind: 'parcel' };
+          const after = { ...surface.features.get('westschlag'), id: 'new-1', properties };
+          surface.draw('Parcel drawn', [{ id: 'new-1', before: null, after }]);
+          surface.tap('new-1');
+          surface.options.onDrawn(after);
+        }"""
+    )
+    expect(page.get_by_test_id("editor-tool-select")).to_have_attribute("aria-pressed", "true")
+    set_field(page, "feature-name", "Westschlag 4")
+    page.get_by_test_id("feature-copy").click()
+    expect(page.get_by_test_id("feature-name")).to_have_value("Westschlag 4 copy")
+    page.get_by_test_id("feature-delete").click()
+    labels = ("Parcel drawn", "Parcel renamed Westschlag 4", "Westschlag 4 copied", "Westschlag 4 copy deleted")
+    heard = saved(page, theatre, *labels)
+    assert len(heard["draft"]) == 9
+
+
+def test_a_hole_and_a_cut_are_made_by_the_server(show: Show, theatre: Theatre) -> None:
+    page = editing(show())
+    page.get_by_test_id("editor-tool-split").click()
+    expect(page.get_by_test_id("editor-hint")).to_contain_text("Tap a line across the parcel.")
+    line = [[11.57, 48.137], [11.58, 48.138]]
+    page.evaluate("(coordinates) => surface.options.onDrawn({tool: 'split', coordinates, target: 'hangacker'})", line)
+    saved(page, theatre, "Hangacker 5 split")
+    expect(page.get_by_test_id("map-editor")).to_have_attribute("data-features", "9")
+    expect(page.get_by_test_id("editor-tool-select")).to_have_attribute("aria-pressed", "true")
+    [asked] = [one for one in theatre.heard_map()["asked"] if one["path"] == "draft/operations"]
+    assert (asked["op"], asked["features"], asked["args"]) == ("split", ["hangacker"], {"line": line})
+
+
+@pytest.mark.long
+def test_parcels_are_chosen_and_merged(show: Show, theatre: Theatre) -> None:
+    page = editing(show())
+    page.get_by_test_id("editor-tool-merge").click()
+    expect(page.get_by_test_id("editor-merge")).to_be_disabled()
+    choose(page, "nordfeld", "westschlag")
+    expect(page.get_by_test_id("editor-hint")).to_contain_text("2 parcels chosen")
+    page.get_by_test_id("editor-merge").click()
+    saved(page, theatre, "Parcels merged")
+    expect(page.get_by_test_id("map-editor")).to_have_attribute("data-features", "7")
+
+
+@pytest.mark.long
+def test_the_chosen_corner_is_moved_by_steps_and_by_numbers(show: Show) -> None:
+    page = editing(show())
+    choose(page, "nordfeld")
+    expect(page.get_by_test_id("feature-corner")).not_to_be_visible()
+    page.evaluate("surface.choose([11.5754, 48.1374])")
+    expect(page.get_by_test_id("corner-lat")).to_have_value("48.1374")
+    page.get_by_test_id("corner-up").click()
+    set_field(page, "corner-lon", "11.5755")
+    page.get_by_test_id("corner-remove").click()
+    calls = page.evaluate("surface.calls.filter(([name]) => name !== 'snap')")
+    assert calls == [["nudge", 0, 0.1], ["vertex", 11.5755, 48.1374], ["remove"]]
+
+
+def test_checks_block_publishing_until_their_fix_is_tapped(show: Show, theatre: Theatre) -> None:
+    page = editing(show(rename={"hangacker": "Hangacker crossed"}))
+    checks = page.get_by_test_id("editor-checks")
+    expect(checks).to_contain_text("1 blocks publishing")
+    expect(checks).to_contain_text("2 to look at")
+    expect(page.get_by_test_id("map-editor")).to_have_attribute("data-findings", "3")
+    expect(page.get_by_test_id("editor-publish")).to_be_disabled()
+    expect(page.get_by_test_id("editor-reason")).to_have_text("Fix 1 blocking check first.")
+    page.get_by_test_id("finding-near").get_by_test_id("finding-show").click()
+    expect(page.get_by_test_id("map-editor")).to_have_attribute("data-fit", "nordfeld")
+    page.get_by_test_id("finding-crosses").get_by_test_id("finding-fix").click()
+    expect(checks).not_to_contain_text("publishing")
+    saved(page, theatre, "Edge untangled")
+    expect(page.get_by_test_id("editor-publish")).to_be_enabled()
+
+
+def test_a_change_of_shape_is_looked_at_before_it_is_done(show: Show, theatre: Theatre) -> None:
+    page = editing(show())
+    choose(page, "nordfeld")
+    page.get_by_test_id("feature-reshape").click()
+    effect, apply = page.get_by_test_id("reshape-effect"), page.get_by_test_id("reshape-apply")
+    expect(effect).to_have_text("1.22 ha to 1.14 ha")
+    expect(page.get_by_test_id("map-editor")).to_have_attribute("data-trial", "1")
+    page.get_by_test_id("reshape-simplify").click()
+    expect(effect).to_have_text("42 of 180 corners stay, at most 0.08 m off")
+    page.get_by_test_id("reshape-inset").click()
+    page.get_by_test_id("reshape-value").fill("900")
+    expect(effect).to_have_text("Nothing would be left. Choose less, or delete it.")
+    expect(apply).to_be_disabled()
+    expect(page.get_by_test_id("map-editor")).to_have_attribute("data-trial", "0")
+    page.get_by_test_id("reshape-value").fill("2,5")
+    apply.click()
+    heard = saved(page, theatre, "Shape grown")
+    assert heard["draft"]["nordfeld"]["properties"]["done"] == ["buffer", {"distance_m": -2.5}]
+    expect(page.get_by_test_id("reshape")).to_be_hidden()
+
+
+@pytest.mark.long
+def test_a_shape_is_turned_only_when_it_is_unlocked(show: Show, theatre: Theatre) -> None:
+    page = editing(show())
+    choose(page, "nordfeld")
+    page.get_by_test_id("feature-reshape").click()
+    page.get_by_test_id("reshape-turn").click()
+    expect(page.get_by_test_id("reshape-apply")).to_be_disabled()
+    page.get_by_test_id("reshape-unlock").click()
+    page.evaluate("surface.options.onTurn(12.5)")
+    expect(page.get_by_test_id("reshape-value")).to_have_value("12.5")
+    page.get_by_test_id("reshape-apply").click()
+    assert saved(page, theatre, "Shape turned")["draft"]["nordfeld"]["properties"]["done"] == [
+        "turn",
+        {"angle_deg": 12.5},
+    ]
+    choose(page, "hangacker")
+    page.locator(".m-more summary").click()
+    expect(page.get_by_test_id("feature-unlock")).not_to_be_checked()
+
+
+@pytest.mark.long
+def test_one_edge_is_straightened_between_two_tapped_corners(show: Show) -> None:
+    page = editing(show())
+    choose(page, "nordfeld")
+    page.get_by_test_id("feature-reshape").click()
+    page.get_by_test_id("reshape-straighten").click()
+    for index in (1, 3):
+        page.evaluate(
+            "(n) => { surface.vertex = { index: n, position: [11.5 + n / 1e4, 48.1] };"
+            " surface.options.onPoint(surface.vertex.position); }",
+            index,
+        )
+    expect(page.get_by_test_id("reshape-from")).to_have_value("2")
+    expect(page.get_by_test_id("reshape-to")).to_have_value("4")
+    expect(page.get_by_test_id("reshape-one-edge")).to_be_checked()
+
+
+@pytest.mark.long
+def test_each_tool_offers_what_else_it_draws(show: Show) -> None:
+    page = editing(show())
+    pens = {
+        "obstacle": ["circle", "no-go", "slow", "building", "water"],
+        "road": ["yard", "hedge"],
+        "home": ["garage", "charging", "gate"],
+        "rows": ["curve", "recorded"],
+    }
+    for tool, offered in pens.items():
+        page.get_by_test_id(f"editor-tool-{tool}").click()
+        expect(page.get_by_test_id("map-editor")).to_have_attribute("data-tool", tool)
+        for pen in offered:
+            page.get_by_test_id(f"editor-pen-{pen}").click()
+            expect(page.get_by_test_id("map-editor")).to_have_attribute("data-tool", pen)
+    page.get_by_test_id("editor-tool-obstacle").click()
+    expect(page.get_by_test_id("editor-radius")).to_be_hidden()
+    page.get_by_test_id("editor-pen-circle").click()
+    page.get_by_test_id("editor-radius").fill("2,5")
+    page.get_by_test_id("editor-radius-set").click()
+    assert page.evaluate("surface.calls.at(-1)") == ["radius", 2.5]
+
+
+@pytest.mark.long
+def test_history_tells_what_changed_and_takes_the_day_a_value_holds_from(show: Show, theatre: Theatre) -> None:
+    page = editing(show())
+    choose(page, "nordfeld")
+    page.get_by_test_id("feature-history").click()
+    sheet = page.get_by_test_id("history")
+    expect(sheet.get_by_test_id("history-crop-14")).to_contain_text("Crop: Maize to Sugar beet")
+    expect(sheet.get_by_test_id("history-crop-14")).to_contain_text("valid from 2026-04-09")
+    expect(sheet.get_by_test_id("history-row_spacing_m-13")).to_contain_text("Row spacing: – to 45 cm")
+    sheet.get_by_test_id("history-choice").select_option("crop")
+    expect(sheet.get_by_test_id("history-row_spacing_m-13")).to_have_count(0)
+    sheet.get_by_test_id("valid-from-crop").fill("2026-04-01")
+    sheet.get_by_test_id("valid-from-crop").press("Enter")
+    page.keyboard.press("Escape")
+    heard = saved(page, theatre, "Crop valid from 2026-04-01")
+    assert heard["draft"]["nordfeld"]["properties"]["valid_from"] == {"crop": "2026-04-01"}
+    set_field(page, "feature-crop", "Leek")
+    heard = saved(page, theatre, "Crop valid from 2026-04-01", "Crop Sugar beet to Leek")
+    assert "valid_from" not in heard["draft"]["nordfeld"]["properties"], "a day of the old crop"

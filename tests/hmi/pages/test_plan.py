@@ -1,0 +1,175 @@
+"""The Plan screen in a browser; REST is played by the test."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, Route, expect
+
+from hmi.domain.mission_plan import Pattern
+from hmi.planning.mission import plan_candidate
+from tests.hmi.missions.test_document import wish
+from tests.hmi.pages.test_missions import Played, mission
+
+Look = Callable[..., Page]
+AREA = {
+    "id": "wet-1",
+    "name": "Wet corner",
+    "kind": "treatment",
+    "properties": {"dose": 0.5},
+    "geometry": {"type": "Polygon", "coordinates": wish().parcel["coordinates"]},
+}
+
+
+class PlayedPlans(Played):
+    """REST with candidates that differ, one of them refused, and templates."""
+
+    def __init__(self, page: Page) -> None:
+        super().__init__(page, [mission("m-1")])
+        self.templates: list[dict[str, Any]] = []
+        self.candidates = self.lines()
+        page.route("**/api/v1/plan-templates**", self.template)
+        page.route("**/api/v1/missions/candidates", self.compare)
+
+    @staticmethod
+    def lines() -> list[dict[str, Any]]:
+        """Return what the server streams."""
+        found: list[dict[str, Any]] = [{"state": "planning", "patterns": [one.value for one in Pattern]}]
+        for pattern in (Pattern.SHORTEST, Pattern.ROW_BY_ROW, Pattern.SKIP_ROWS):
+            made = plan_candidate(wish(pattern=pattern))
+            line = {"pattern": pattern.value, "statistics": made.statistics, "drawing": made.drawing}
+            found.append({**line, "state": "planned"})
+        refusal = {"state": "refused", "code": "turn_does_not_fit", "text": "The turn does not fit.", "field": None}
+        return [*found, {"pattern": "spiral", **refusal}, {"state": "done"}]
+
+    def compare(self, route: Route) -> None:
+        """Stream the candidates."""
+        self.asked.append(("POST", "missions/candidates", json.loads(route.request.post_data or "{}")))
+        body = "".join(json.dumps(line) + "\n" for line in self.candidates)
+        route.fulfill(status=200, content_type="application/x-ndjson", body=body)
+
+    def template(self, route: Route) -> None:
+        """Keep templates."""
+        if route.request.method == "POST":
+            body = json.loads(route.request.post_data or "{}")
+            self.templates.append({"id": f"t-{len(self.templates)}", **body})
+        route.fulfill(status=200, content_type="application/json", body=json.dumps({"templates": self.templates}))
+
+    def reply(self, method: str, path: str) -> tuple[int, Any]:
+        """Answer as usual, the field with its outline."""
+        if path == "fields" and self.status == 200:
+            field = {"id": "field-1", "name": "Nordfeld 12", "properties": {}, "geometry": wish().parcel}
+            return 200, {"fields": [field], "homes": [], "areas": [AREA]}
+        return super().reply(method, path)
+
+
+@pytest.fixture
+def plan(look: Look) -> Callable[..., tuple[Page, PlayedPlans]]:
+    """Open the Plan screen."""
+
+    def open_screen(size: str = "landscape") -> tuple[Page, PlayedPlans]:
+        page = look("/fleet", role="supervisor", size=size)
+        played = PlayedPlans(page)
+        page.get_by_test_id("nav-missions").click()
+        page.get_by_test_id("mission-plan").click()
+        expect(page.get_by_test_id("plan-width")).to_be_visible()
+        return page, played
+
+    return open_screen
+
+
+def value(page: Page, hook: str) -> float:
+    """Return the machine-readable value of a hook."""
+    return float(page.get_by_test_id(hook).get_attribute("data-value") or "nan")
+
+
+def test_row_orders_are_compared_and_the_tapped_one_is_stored_and_sent(
+    plan: Callable[..., tuple[Page, PlayedPlans]],
+) -> None:
+    page, played = plan()
+    page.get_by_test_id("plan-preview").click()
+    expect(page.get_by_test_id("plan-compare-skip_rows")).to_have_attribute("data-state", "planned")
+    expect(page.get_by_test_id("plan-compare-spiral")).to_contain_text("The turn does not fit.")
+    shortest = value(page, "plan-stat-length")
+    page.get_by_test_id("plan-compare-skip_rows").get_by_role("button").click()
+    expect(page.get_by_test_id("plan-compare-skip_rows")).to_have_attribute("aria-current", "true")
+    assert value(page, "plan-stat-length") != shortest
+    page.get_by_test_id("plan-send").click()
+    expect(page.get_by_test_id("toast")).to_contain_text("It does not move yet.")
+    assert [(path, body.get("pattern")) for _, path, body in played.asked if path.startswith("missions")] == [
+        ("missions/candidates", None),
+        ("missions/plan", "skip_rows"),
+    ]
+
+
+def test_the_robot_travels_along_the_plan_by_keys_and_looks_along_its_row(
+    plan: Callable[..., tuple[Page, PlayedPlans]],
+) -> None:
+    page, played = plan()
+    page.get_by_test_id("plan-preview").click()
+    page.get_by_test_id("plan-scrubber").focus()
+    page.keyboard.press("End")
+    duration = next(one for one in played.candidates if one.get("pattern") == "shortest")["statistics"]["duration_s"]
+    assert float(page.locator(".p-scrub").get_attribute("data-value") or 0) == pytest.approx(duration, abs=2)
+    page.keyboard.press("Home")
+    expect(page.get_by_test_id("plan-when")).to_have_text(re.compile(r"^Preview 0:00 of \d+:\d\d (h|min), row 1$"))
+    page.keyboard.press("ArrowRight")
+    legs = next(one for one in played.candidates if one.get("pattern") == "shortest")["drawing"]["legs"]
+    (ax, ay, bx, by), outline = legs[0]["xy"][:4], page.get_by_test_id("plan-robot-outline")
+    heading = page.evaluate("([x, y]) => Math.atan2(y, x) * 180 / Math.PI", [bx - ax, by - ay])
+    assert float(outline.get_attribute("data-heading-deg") or "nan") == pytest.approx(heading, abs=1)
+    page.get_by_test_id("plan-play").click()
+    expect(page.locator(".p-scrub")).to_have_attribute("data-state", "playing")
+
+
+@pytest.mark.long
+def test_battery_link_and_position_are_looked_at_before_sending(
+    plan: Callable[..., tuple[Page, PlayedPlans]],
+) -> None:
+    page, _ = plan()
+    page.get_by_test_id("plan-preview").click()
+    expect(page.get_by_test_id("plan-check-link")).to_have_attribute("data-state", "good")
+    expect(page.get_by_test_id("plan-check-battery")).to_have_text(re.compile("Battery is enough: 68 % now$"))
+    expect(page.get_by_test_id("plan-check-people")).to_have_attribute("data-state", "unknown")
+
+
+@pytest.mark.long
+def test_the_dose_of_a_map_area_is_planned_with_and_can_be_switched_off(
+    plan: Callable[..., tuple[Page, PlayedPlans]],
+) -> None:
+    page, played = plan()
+    page.get_by_test_id("plan-change-treatment").click()
+    expect(page.get_by_test_id("plan-dose-wet-1")).to_have_value("0.5")
+    page.get_by_test_id("plan-dose-wet-1").select_option("0")
+    page.get_by_test_id("plan-preview").click()
+    expect(page.get_by_test_id("plan-stat-turns")).to_be_visible()
+    assert played.asked[-1][2]["treatments"] == [{"feature_id": "wet-1", "dose": 0}]
+
+
+@pytest.mark.long
+def test_a_template_brings_its_choices_back(plan: Callable[..., tuple[Page, PlayedPlans]]) -> None:
+    page, _ = plan()
+    page.get_by_test_id("plan-width").fill("1.35")
+    page.get_by_test_id("plan-template").click()
+    page.get_by_test_id("template-name").fill("Beet")
+    page.get_by_test_id("dialog").get_by_text("Save", exact=True).click()
+    expect(page.get_by_test_id("toast")).to_contain_text("Template Beet is saved")
+    page.get_by_test_id("plan-width").fill("3")
+    page.get_by_test_id("plan-templates").click()
+    page.get_by_test_id("template-t-0").get_by_text("Beet", exact=True).click()
+    expect(page.get_by_test_id("plan-width")).to_have_value("1.35")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("size", ["portrait", "desk"])
+def test_every_view_shows_on_every_screen(plan: Callable[..., tuple[Page, PlayedPlans]], size: str) -> None:
+    page, _ = plan(size)
+    page.get_by_test_id("plan-preview").click()
+    for view in ("turns", "overlap", "time", "path"):
+        page.get_by_test_id(f"plan-view-{view}").click()
+        expect(page.get_by_test_id("plan-picture")).to_have_attribute("data-view", view)
+    expect(page.get_by_test_id("plan-send")).to_be_enabled()
