@@ -247,6 +247,7 @@ class BaseMapBook:
         if made.sha256 in there:
             raise BadBaseMap("already_there", f"The farm has this base map already: {there[made.sha256]}.")
         await asyncio.to_thread(parts.files.keep, work.made, work.farm_id, made.sha256)
+        await asyncio.to_thread(parts.files.end, work.id)  # before anybody is told that it is ready
         try:
             await self._run(parts.records.add, stored)
         except AlreadyExists as error:  # the same file came twice at once: its archive is the other's now
