@@ -64,6 +64,7 @@ def test_the_robot_is_drawn_where_it_says_it_is_and_the_map_follows(the_map: Map
     assert the_map.problems == []
 
 
+@pytest.mark.long
 def test_farm_and_robot_layers_agree_on_where_the_ground_is(the_map: MapPage) -> None:
     the_map.open()
     corner = map_field.farm()["features"][0]["geometry"]["coordinates"][0][5]
@@ -235,6 +236,7 @@ def test_without_webgl_the_same_map_comes_from_a_canvas_and_says_so(
         browser.close()
 
 
+@pytest.mark.long
 def test_graphics_that_fail_while_running_are_replaced_by_the_canvas(the_map: MapPage) -> None:
     the_map.open()
     lon, lat = the_map.on_row()

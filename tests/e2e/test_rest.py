@@ -35,6 +35,7 @@ def treated_rows(caller: Caller, since: int) -> dict[int, float]:
     return found
 
 
+@pytest.mark.long
 @pytest.mark.timeout(400)
 def test_pause_replan_continue_reboot_resume_later_and_every_row_is_treated_once(
     person: Come, calm: Installation

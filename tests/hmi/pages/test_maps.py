@@ -113,6 +113,7 @@ def test_everything_is_in_reach_and_nothing_scrolls_sideways(show: Show, size: s
     assert map_box["width"] * map_box["height"] > 280_000
 
 
+@pytest.mark.long
 def test_a_corner_is_dragged_on_the_real_surface(browser: Browser, theatre: Theatre) -> None:
     """With WebGL: the surface that draws, in the screen that saves."""
     theatre.play("running")

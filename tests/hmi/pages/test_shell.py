@@ -65,7 +65,7 @@ OPENERS: dict[str, Callable[[Page], object]] = {
 }
 
 
-@pytest.mark.parametrize("size", ["landscape", "portrait"])
+@pytest.mark.parametrize("size", ["landscape", pytest.param("portrait", marks=pytest.mark.long)])
 def test_stop_is_on_top_of_everything_that_opens(look: Look, theatre: Theatre, size: str) -> None:
     theatre.play("paused", owner="supervisor")
     page = look(role="admin", size=size)
