@@ -100,6 +100,7 @@ def test_done_rows_are_dark_the_current_one_heavy_the_next_dashed_and_the_rest_t
     assert the_map.share_of(pixels, bed, between) > 0.9
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_silent_robot_becomes_a_hollow_ghost_that_stays_where_it_was_seen(the_map: MapPage, engine: str) -> None:
     the_map.open(engine=engine)
@@ -140,6 +141,7 @@ def test_a_robot_is_never_drawn_ahead_of_its_newest_pose(the_map: MapPage) -> No
     assert places[2]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("engine", ENGINES)
 def test_an_unconfirmed_stop_shows_the_keep_out_ring_and_how_far_the_robot_can_be(
     the_map: MapPage, engine: str

@@ -28,7 +28,7 @@ def send_mission(someone: Person, mission: str = MISSION) -> None:
     else:  # it was interrupted before: the whole mission again is held, not tapped
         fresh.click()
         someone.hold("mission-fresh")
-        someone.sees("mission-fresh", "confirmed")
+        someone.sees(f"mission-row-{mission}", "sent|accepted", within_s=20)
         someone.let_go()
     someone.sees(f"mission-row-{mission}", "sent|accepted", within_s=20)
 
