@@ -195,7 +195,7 @@ class QueueArming:
     def _admit_robot(self, session: SessionInfo, robot: Robot, revision: int) -> None:
         entry, store = self._parts.robots.get(robot.id), self._parts.store
         if entry is None or not entry.is_unattended_allowed:
-            text = f"{robot.name} may not run without a person. An admin can allow it under Admin, Robots."
+            text = f"{robot.name} may not run without a person. An admin can allow it with `headland robot unattended`."
             raise OrderRefused("robot_attended", text)
         if store.revision(robot.id) != revision:
             raise OrderRefused("queue_changed", f"The queue of {robot.name} was changed. Look again, then arm it.")

@@ -11,7 +11,7 @@
   function refusal(queue) {
     if (!HL.config.rights.includes("start")) return "Arming needs the operator role.";
     if (queue.frozen) return "The queue is frozen. Release it first.";
-    if (!queue.robots.some((one) => one.is_unattended_allowed)) return "No robot may run without a person. An admin can allow it under Admin, Robots.";
+    if (!queue.robots.some((one) => one.is_unattended_allowed)) return "No robot may run without a person. An admin can allow it with headland robot unattended.";
     return armable(queue).length ? "" : "Nothing in the queue starts by itself. Open a mission and mark it.";
   }
 
