@@ -39,14 +39,12 @@ lint: $(DEV_STAMP)
 types: $(DEV_STAMP)
 	$(BIN)/mypy
 
-# Three runs: the browser's driver keeps an event loop of its own in the main thread, where asyncio tests run theirs;
-# the stories of tests/e2e share one running demo, and they and STOP have the machine to themselves.
-ALONE := tests/e2e tests/components/test_stop_slab.py
+# Two runs: the browser's driver keeps an event loop of its own in the main thread, where asyncio tests run theirs.
+# A file stays in one process, so that the stories of one file share one running demo.
 MANY := -n auto --maxprocesses 4 --dist loadfile
 test: tools lint types
 	$(BIN)/pytest $(MANY) -m "not long and not browser"
-	$(BIN)/pytest $(MANY) -m "not long and browser" $(addprefix --ignore ,$(ALONE))
-	$(BIN)/pytest -m "not long and browser" $(ALONE)
+	$(BIN)/pytest $(MANY) -m "not long and browser"
 
 # The inner loop: no browser, no broker.
 test-fast: $(DEV_STAMP)
