@@ -103,22 +103,22 @@ class _Pace:
 def truth(robot: SimRobot, now_s: float) -> dict[str, Any]:
     """Return what is really so; ``*_age_s`` count from now, ``None`` means never or not now."""
     base, boot = robot.machine.base, robot.boot
-    drive = boot.weeder.last_drive if boot is not None else None
+    drive = boot.brain.last_drive if boot is not None else None
     is_driven = drive is not None and math.isfinite(drive.heard_s)
     return {
         "is_on": boot is not None,
-        "boot": boot.weeder.boot if boot is not None else None,
-        "mode": boot.weeder.mode if boot is not None else None,
+        "boot": boot.brain.boot if boot is not None else None,
+        "mode": boot.brain.mode if boot is not None else None,
         "x_m": base.x_m,
         "y_m": base.y_m,
         "theta_rad": base.theta_rad,
         "speed_mps": base.speed_mps,
         "yaw_rate_radps": base.yaw_rate_radps,
         "distance_m": base.distance_m,
-        "laser_on": robot.machine.laser_on,
+        "laser_on": robot.machine.tool_on,
         "soc": robot.machine.soc,
         "standstill": robot.machine.is_standing,
-        "latched": boot.weeder.latch.is_set if boot is not None else None,
+        "latched": boot.brain.latch.is_set if boot is not None else None,
         "stopped_age_s": None if robot.stopped_at_s is None else now_s - robot.stopped_at_s,
         "drive_age_s": now_s - drive.heard_s if drive is not None and is_driven else None,
         "drive_v_mps": drive.v_mps if drive is not None and is_driven else None,

@@ -13,7 +13,7 @@ import shapely
 from sqlalchemy import func, select
 
 from backend_clients.edge.messages_down import Mission as Wire
-from backend_clients.simulator.config import WeederConfig
+from backend_clients.simulator.config import RobotConfig
 from backend_clients.simulator.history import simulate_mission
 from hmi.clock import FakeClock
 from hmi.demo.catalogue import CATALOGUE, plan
@@ -75,8 +75,8 @@ def test_the_fleet_file_starts_a_simulator_and_keeps_its_tokens_private(tmp_path
     assert [row["token"] for row in first] == [row["token"] for row in second]
     assert second[0]["http_url"] == "http://127.0.0.1:9001/weeder-01"
     assert stat.S_IMODE(path.stat().st_mode) == 0o600
-    known = WeederConfig.__dataclass_fields__
-    configs = [WeederConfig(**{k: v for k, v in row.items() if k in known}) for row in second]
+    known = RobotConfig.__dataclass_fields__
+    configs = [RobotConfig(**{k: v for k, v in row.items() if k in known}) for row in second]
     assert [config.id for config in configs] == ["weeder-01", "weeder-02", "weeder-03"]
 
 
