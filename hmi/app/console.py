@@ -8,6 +8,7 @@ from typing import Any
 
 from hmi.api.health import KeeperReport
 from hmi.api.metrics import ConsoleMetrics
+from hmi.app.alarms import AlarmRoom
 from hmi.app.base_maps import BaseMapDesk
 from hmi.app.chores import Chores
 from hmi.app.edge import Edge
@@ -41,7 +42,10 @@ class Console:
         self.missions = MissionDesk(settings, clock, records, edge.fleet, self.authorize, self._lane_event)
         self.maps = MapDesk(settings, clock, records, edge.fleet, self.authorize, self._lane_event)
         self.base_maps = BaseMapDesk(settings, records, clock, self.authorize, self._lane_event)
-        self.hub = LiveHub(edge.fleet, edge.ticks, clock, self.missions.title_of, self.missions.facts.of)
+        self.alarms = AlarmRoom(
+            settings, clock, records, edge.fleet, self.authorize, self.missions.facts.of, self._lane_event
+        )
+        self.hub = LiveHub(edge.fleet, edge.ticks, clock, self.missions.title_of, self.missions.facts.of, self.alarms)
         self.keeper = KeeperReport(settings.data)
         self.metrics = ConsoleMetrics()
         self.desk = CommandDesk(
@@ -81,7 +85,7 @@ class Console:
             on_stop_all=self.queue.freeze.stop_all,
         )
         self.chores = Chores(records, self.hub, self.keeper, clock)
-        see = [records.recorder.see, self.missions.tracking.see]
+        see = [records.recorder.see, self.missions.tracking.see, self.alarms.see]
         self._witness = FleetWitness(edge.fleet, clock, self.stops.service.on_return, see)
         self._undo: list[Callable[[], None]] = []
         self._refusals: dict[tuple[str, str], float] = {}
@@ -116,9 +120,11 @@ class Console:
         self.missions.start()
         self.queue.start()
         self.chores.start()
+        self.alarms.start()
 
     async def stop(self) -> None:
         """End everything in the opposite order; what is queued is written."""
+        await self.alarms.stop()
         await self.chores.stop()
         for undo in self._undo:
             undo()
@@ -156,7 +162,7 @@ class Console:
         hear = self.edge.coordinator.listeners
         hear.on_ack += [self._acknowledged, self.stops.service.on_ack]
         hear.on_safety += [self._safety, self.stops.service.on_safety]
-        hear.on_event += [self.records.recorder.see_event, self._robot_event]
+        hear.on_event += [self.records.recorder.see_event, self.alarms.see_event, self._robot_event]
         self.desk.ledger.when_settled(self.metrics.observe)
         self.desk.ledger.when_settled(self.missions.acts.settled)
         self._undo = [

@@ -40,6 +40,9 @@ class Permission(StrEnum):
     MANAGE_USERS = "manage_users"
     READ_AUDIT = "read_audit"
     READ_DIAGNOSTICS = "read_diagnostics"
+    ACKNOWLEDGE_ALARM = "acknowledge_alarm"
+    SHELVE_ALARM = "shelve_alarm"
+    MANAGE_ALARMS = "manage_alarms"
 
 
 _WATCH = frozenset({Permission.WATCH, Permission.STOP, Permission.READ_DIAGNOSTICS})
@@ -54,6 +57,7 @@ _OPERATE = _WATCH | {
     Permission.RESET,
     Permission.SEND_MISSION,
     Permission.ENROL_DEVICE,
+    Permission.ACKNOWLEDGE_ALARM,
 }
 _SUPERVISE = _OPERATE | {
     Permission.TAKE_LEASE,
@@ -62,6 +66,7 @@ _SUPERVISE = _OPERATE | {
     Permission.EDIT_MAP,
     Permission.DISPATCH,
     Permission.READ_AUDIT,
+    Permission.SHELVE_ALARM,
 }
 
 PERMISSIONS: dict[Role, frozenset[Permission]] = {

@@ -13,6 +13,7 @@ MAX_CLIENT_BYTES = 8192  # an honest frame has under 300 bytes, a subscription o
 MAX_TOPICS = 64
 FLEET = "fleet"
 POSES = "poses"
+ALARMS = "alarms"
 ROBOT = "robot/"
 
 RobotId = Annotated[str, msgspec.Meta(pattern=ID_PATTERN + r"(?!\n)")]
@@ -70,7 +71,7 @@ def decode_client(text: str | bytes) -> ClientFrame:
 
 def is_topic(topic: str) -> bool:
     """Say whether a browser may ask for this topic."""
-    return topic in (FLEET, POSES) or (topic.startswith(ROBOT) and is_id(topic.removeprefix(ROBOT)))
+    return topic in (FLEET, POSES, ALARMS) or (topic.startswith(ROBOT) and is_id(topic.removeprefix(ROBOT)))
 
 
 def encode(frame: Mapping[str, Any]) -> str:
