@@ -19,17 +19,22 @@ STATIC = Path(__file__).resolve().parents[2] / "static"
 STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 """Cascade order of what every page carries: tokens first, screens last."""
 
-SCREEN_STYLES = ("maps", "plan", "queue")
+SCREEN_STYLES = ("maps", "plan", "queue", "alarms")
 """Styles that a screen fetches with its scripts."""
 
 SCRIPTS = {
     "headland": (
         "core", "glyphs", "words", "preferences", "units", "port", "stops", "sheet",
-        "banner", "top_bar", "menus", "telemetry_tile", "mission_card", "state_path", "why",
+        "banner", "top_bar", "alarm_counts", "menus", "telemetry_tile", "mission_card", "state_path", "why",
         "slide_to_confirm", "lease", "hold_to_drive", "stop_card", "action_dock",
         "sign_in", "fleet_list", "records", "screen", "keys", "stay_awake",
     ),
-    "admin": ("admin_forms",),
+    "admin": ("alarm_notifications", "admin_forms"),
+    "bell": ("alarm_order", "alarm_acts", "alarm_tones", "alarm_bell", "alarm_strip"),
+    "alarms": (
+        "alarm_words", "alarm_rows", "alarm_kpis", "alarm_shelve", "alarm_diagnose", "alarm_detail", "alarm_journal",
+        "alarm_statistics", "alarm_filter", "alarm_notes", "alarm_screen",
+    ),
     "maps": (
         "maps_kinds", "maps_measure", "maps_queue", "maps_client", "maps_menu", "maps_tools", "maps_hint",
         "maps_fields", "maps_history", "maps_reshape", "maps_export", "maps_import_list", "maps_receiver",
@@ -45,7 +50,7 @@ SCRIPTS = {
     "run": ("field_picture", "start_checks", "rest_sheet"),
 }  # fmt: skip
 """Scripts by file, in load order: each uses only names of those before it.
-What few people open loads with its screen.
+What few people open loads with its screen; ``bell`` loads on every page, after STOP is ready.
 """
 
 _CSS_COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)

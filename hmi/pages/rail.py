@@ -27,6 +27,7 @@ DESTINATIONS = (
     Destination("fleet", "Fleet", "lists", "/fleet", Permission.WATCH),
     Destination("maps", "Maps", "polyline", "/maps", Permission.WATCH),
     Destination("missions", "Missions", "route", "/missions", Permission.WATCH),
+    Destination("alarms", "Alarms", "notifications", "/alarms", Permission.WATCH),
     Destination("admin", "Admin", "tune", "/admin", Permission.MANAGE_USERS),
 )
 

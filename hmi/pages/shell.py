@@ -13,7 +13,7 @@ from nicegui import ui
 from components import stop_slab
 from components.live_element import LiveElement
 from hmi.domain.role import PERMISSIONS
-from hmi.pages import admin, bundle, fleet, login, maps, missions, operate, rail, top_bar
+from hmi.pages import admin, alarms, bundle, fleet, login, maps, missions, operate, rail, top_bar
 from hmi.pages.services import PageServices
 from hmi.security.session_info import SessionInfo
 
@@ -33,8 +33,12 @@ def shell(services: PageServices) -> Callable[[], None]:
                 rail.build(session)
             with ui.element("main").classes("h-main"):
                 LiveElement("hl-link-banner", hook="link-banner", data_state="ok", role="alert")
+                if session is not None:
+                    LiveElement("hl-alarm-strip", hook="alarm-strip", data_right="acknowledge_alarm", hidden="")
                 _screens(services, session)
             ui.element("footer").classes("h-dock")
+        if session is not None:
+            LiveElement("hl-alarm-voice", classes="h-vh")
         LiveElement("hl-toasts", classes="h-toasts", hook="toast", role="status", aria_live="polite")
 
     return root
@@ -52,6 +56,7 @@ def _screens(services: PageServices, session: SessionInfo | None) -> None:
             "/fleet": lambda: fleet.build(services, session),
             "/maps": lambda: _maps(services, session),
             "/missions": lambda: _missions(services, session),
+            "/alarms": lambda: alarms.build(services, session),
             "/admin": lambda: admin.build(services, session),
             "/login": lambda: operate.pick(services, session),
         }

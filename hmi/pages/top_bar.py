@@ -1,4 +1,4 @@
-"""Top bar: logo, robot, mode, state, mission; link delay, faults, theme, clock, person."""
+"""Top bar: logo, robot, mode, state, mission; sound, link delay, alarms, theme, clock, person."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from nicegui import ui
 
 from components.live_element import LiveElement
 from components.mode_chip import ModeChip
+from hmi.pages import bundle
 from hmi.pages.services import PageServices
 from hmi.security.session_info import SessionInfo
 
@@ -29,8 +30,9 @@ def build(services: PageServices, session: SessionInfo | None) -> None:
             title.props("data-fixed=Headland")
         ui.element("span").classes("h-sp")
         if session is not None:
+            LiveElement("hl-alarm-sound", hook="alarm-sound")
             LiveElement("hl-link")
-            LiveElement("hl-alarms", hook="alarm-counts")
+            LiveElement("hl-alarms", hook="alarm-counts", data_code=bundle.script_url("bell"))
         LiveElement("hl-theme")
         LiveElement("hl-clock")
         if session is not None:

@@ -284,6 +284,7 @@
       paint();
     },
     silence: (forMs = 120000) => sound?.silence(performance.now(), forMs),
+    sounding: () => sound?.sounding(performance.now()) ?? null,
   };
   if (document.readyState === "loading") document.addEventListener("DOMContentLoaded", start);
   else start();

@@ -17,6 +17,7 @@
       this.state = "";
       this.nextAt = Infinity;
       this.silentUntil = 0;
+      this.endsAt = 0;
       const unlock = () => this.unlock();
       for (const kind of ["pointerdown", "keydown"]) window.addEventListener(kind, unlock, { capture: true, passive: true });
     }
@@ -42,7 +43,14 @@
       this.nextAt = everyMs ? now + everyMs : Infinity;
       if (now < this.silentUntil) return;
       this.play(tones);
+      this.endsAt = now + Math.max(...tones.map(([start, , length]) => (start + length) * 1000));
       if (shake && navigator.vibrate) navigator.vibrate(shake);
+    }
+
+    // what other sounds of the page give way to: the state that makes tones now or will again, and in how many ms
+    sounding(now) {
+      if (now < this.endsAt) return { state: this.state, inMs: 0 };
+      return this.nextAt < Infinity && now >= this.silentUntil ? { state: this.state, inMs: this.nextAt - now } : null;
     }
 
     silence(now, forMs) {

@@ -26,11 +26,18 @@
     4: "M12-2a14 14 0 1 0 0 28 14 14 0 0 0 0-28z",
   };
 
-  function alarm(level, size = 26, isUnseen = false) {
-    const sign = svg("svg", { class: "h-ag", width: size, height: size, viewBox: "-5 -5 34 34", role: "img", "aria-label": `priority ${level}` });
-    sign.append(svg("path", { d: SHAPES[level], fill: `var(--hl-p${level})` }));
-    if (isUnseen) sign.append(svg("path", { class: "ring", d: RINGS[level] }));
-    const number = svg("text", { x: 12, y: level === 2 ? 20 : 16.8, fill: `var(--hl-on-p${level})` });
+  // state is the ISA state: a ring means that nobody has seen it, hollow that its condition is gone, dashes that it is put aside
+  const RINGED = ["unacknowledged", "returned"];
+  const ASIDE = ["shelved", "suppressed", "out_of_service"];
+
+  function alarm(level, size = 26, state = "acknowledged") {
+    const isAside = ASIDE.includes(state);
+    const isHollow = isAside || state === "returned" || state === "latched";
+    const colour = `var(--hl-p${level})`;
+    const sign = svg("svg", { class: "h-ag", width: size, height: size, viewBox: "-5 -5 34 34", role: "img", "data-state": state, "aria-label": `priority ${level}, ${state.replaceAll("_", " ")}` });
+    sign.append(svg("path", { class: isAside ? "aside" : "", d: SHAPES[level], fill: isHollow ? "none" : colour, stroke: isAside ? "currentColor" : colour, "stroke-width": isHollow ? 2.5 : 1 }));
+    if (RINGED.includes(state)) sign.append(svg("path", { class: "ring", d: RINGS[level] }));
+    const number = svg("text", { x: 12, y: level === 2 ? 20 : 16.8, fill: isHollow ? "currentColor" : `var(--hl-on-p${level})` });
     number.textContent = level;
     sign.append(number);
     return sign;

@@ -55,7 +55,7 @@
 
   function watch() {
     if (!config.user) return;
-    const wanted = ["fleet", ...new Set([HL.view?.robot, followed, ...held].filter(Boolean).map((id) => `robot/${id}`))];
+    const wanted = ["fleet", "alarms", ...new Set([HL.view?.robot, followed, ...held].filter(Boolean).map((id) => `robot/${id}`))];
     if (wanted.join() === topics) return;
     topics = wanted.join();
     lane.sub(wanted);

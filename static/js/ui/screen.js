@@ -97,5 +97,5 @@
   define("hl-pick-robot", PickRobot);
   define("hl-connecting", Connecting);
   define("hl-dock-hint", DockHint);
-  Object.assign(HL, { go, startScreens: () => define("hl-screen", Screen) });
+  Object.assign(HL, { go, load, startScreens: () => define("hl-screen", Screen) });
 })();

@@ -1,7 +1,7 @@
 // Top bar: what this is about, and how well it is heard.
 (() => {
   "use strict";
-  const { el, icon, alarm, text, attr, LiveElement, define, words } = HL;
+  const { el, icon, text, attr, LiveElement, define, words } = HL;
 
   const MODES = {
     auto: ["dark", "autoplay", "AUTO"],
@@ -89,23 +89,6 @@
     }
   }
 
-  const LEVELS = { critical: 1, high: 2, medium: 3, low: 4 };
-  const levelOf = (fault) => (typeof fault.level === "number" ? fault.level : LEVELS[fault.level] ?? 4);
-
-  class AlarmCounts extends LiveElement {
-    paint() {
-      const counts = [0, 0, 0, 0, 0];
-      const faults = HL.view.robot ? HL.port.robot(HL.view.robot).faults || [] : [];
-      for (const fault of faults) counts[levelOf(fault)] += 1;
-      const key = counts.join();
-      if (key === this.shown) return;
-      this.shown = key;
-      attr(this, "data-value", counts.slice(1).join());
-      attr(this, "aria-label", faults.length ? `Active faults: ${faults.map((fault) => fault.text).join("; ")}` : "No active faults");
-      this.replaceChildren(...[1, 2, 3, 4].filter((level) => counts[level]).map((level) => el("span", {}, alarm(level), el("b", {}, counts[level]))));
-    }
-  }
-
   class Clock extends LiveElement {
     build() {
       this.main = el("span");
@@ -123,7 +106,6 @@
   define("hl-mission-name", MissionName);
   define("hl-title", Title);
   define("hl-link", LinkDelay);
-  define("hl-alarms", AlarmCounts);
   define("hl-clock", Clock);
-  Object.assign(HL, { modeOf, MODES, levelOf });
+  Object.assign(HL, { modeOf, MODES });
 })();

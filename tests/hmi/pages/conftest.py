@@ -40,6 +40,10 @@ class Theatre:
         """Set the farm map; ``anew=True`` begins with the published one."""
         self._post("/stage-map", wish)
 
+    def alarms(self, **wish: Any) -> None:
+        """Set alarms: ``put={id: changes}``, ``drop=[ids]``, ``tell=[events]``; see ``AlarmStage``."""
+        self._post("/stage-alarms", wish)
+
     def heard_map(self) -> dict[str, Any]:
         """Return what reached the farm map, and what it is now."""
         with urllib.request.urlopen(f"{self.url}/stage-map") as reply:

@@ -35,7 +35,7 @@ from hmi.security.session_info import SessionInfo
 from hmi.settings import Settings
 from hmi.store.fleet import FleetStore
 from tests.components import map_field
-from tests.hmi.pages import maps_stage, maps_stage_routes
+from tests.hmi.pages import alarm_stage, maps_stage, maps_stage_routes
 
 SHA = "ab" * 32
 NAMES = {Role.OPERATOR: "Martha Keller", Role.SUPERVISOR: "Anna Ostermeier", Role.ADMIN: "Jonas Weber"}
@@ -131,7 +131,14 @@ class Stage:
         self.clock = SystemClock()
         self.fleet = FleetStore(self.clock.mono_s)
         self.ticks = TickRing("stage", self.clock.mono_s)
-        self.hub = LiveHub(self.fleet, self.ticks, self.clock, lambda _id: MissionTitle("M-0412", "Nordfeld 12"))
+        self.alarms = alarm_stage.AlarmStage(self.clock.mono_s, lambda event: self.hub.event(event))
+        self.hub = LiveHub(
+            self.fleet,
+            self.ticks,
+            self.clock,
+            lambda _id: MissionTitle("M-0412", "Nordfeld 12"),
+            alarms=self.alarms,
+        )
         self.sessions = StageSessions()
         self.scene = Scene(owner="operator")
         self.frames: list[Any] = []
@@ -150,6 +157,7 @@ class Stage:
         self.since_s = self.clock.mono_s()
         self.orders.clear()
         self.frames.clear()
+        self.alarms.clear()
         self.tell_lease()
 
     def tell_lease(self) -> None:
@@ -264,6 +272,7 @@ def build(stage: Stage) -> FastAPI:
     async def mission(robot: str) -> dict[str, Any]:
         return stage.mission
 
+    app.include_router(alarm_stage.router(stage.alarms, stage.orders.append))
     app.include_router(maps_stage_routes.router(maps_stage.MapStage(), stage.sessions))
 
     @app.post("/stage/{scene}")
