@@ -6,7 +6,7 @@ import asyncio
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from hmi.api.access import SignedIn, Watcher
 from hmi.api.body import Body, Id, Tick
@@ -16,10 +16,28 @@ from hmi.api.orders import RobotId, raise_if_forbidden
 from hmi.commands.checklist_desk import ChecklistDesk
 from hmi.commands.mission_rest import MissionRests, RestOrder, RestView
 from hmi.commands.mission_send import MissionSent
-from hmi.commands.rest_sources import forgotten_words
+from hmi.commands.rest_sources import drawn_on, forgotten_words
+from hmi.domain.mission_rest import OBSTACLE, DrawnArea
 from hmi.planning.mission_map import mission_geojson
 from hmi.store.checklists import Checklist
 from hmi.store.errors import NotFound
+
+
+def _on_earth(place: list[float]) -> list[float]:
+    if not (-180 <= place[0] <= 180 and -90 <= place[1] <= 90):
+        raise ValueError("longitude and latitude, in degrees")
+    return place
+
+
+LonLat = Annotated[list[float], Field(min_length=2, max_length=2), AfterValidator(_on_earth)]
+
+
+class DrawnBody(Body):
+    """Ground drawn on the map: corners of its outline, longitude and latitude."""
+
+    kind: Literal["leave_out", "obstacle"]
+    outline: Annotated[list[LonLat], Field(min_length=3, max_length=500)]
+    clearance_m: Annotated[float, Field(ge=0, le=20, description="kept around an obstacle")] = 0.0
 
 
 class RestBody(Body):
@@ -27,6 +45,7 @@ class RestBody(Body):
 
     kind: Literal["change", "later"]
     leave_out: Annotated[list[int], Field(max_length=20_000, description="numbers of pieces")] = Field(default=[])
+    areas: Annotated[list[DrawnBody] | None, Field(max_length=20, description="null keeps those drawn before")] = None
     is_reversed: bool = False
     row_speed_mps: Annotated[float | None, Field(gt=0, le=5)] = None
     end: Literal["as_planned", "stay", "home"] = "as_planned"
@@ -62,10 +81,10 @@ def rest_routes(rests: MissionRests, checklists: ChecklistDesk) -> APIRouter:
 
     @router.post("/missions/{mission_id}/rest/preview", summary="Plan the rest anew without sending it")
     async def preview(mission_id: MissionId, body: RestBody, session: SignedIn) -> dict[str, Any]:
-        given = body.model_dump()
-        order = RestOrder(**{**given, "leave_out": tuple(body.leave_out)})
-        planned = await translated(lambda: rests.preview(session, mission_id, order))
-        shape = await asyncio.to_thread(mission_geojson, planned.document)
+        planned = await translated(lambda: rests.preview(session, mission_id, _order(body)))
+        shape = await asyncio.to_thread(
+            mission_geojson, planned.document, {"treatment": planned.statistics.get("treatment")}
+        )
         return {"sha256": planned.sha256, **planned.difference, "geometry": shape}
 
     @router.post("/missions/{mission_id}/rest", summary="Send a rest that was shown")
@@ -97,13 +116,27 @@ def rest_routes(rests: MissionRests, checklists: ChecklistDesk) -> APIRouter:
     return router
 
 
+def _order(body: RestBody) -> RestOrder:
+    given = body.model_dump(exclude={"leave_out", "areas"})
+    areas = None if body.areas is None else tuple(_drawn(one) for one in body.areas)
+    return RestOrder(**given, leave_out=tuple(body.leave_out), areas=areas)
+
+
+def _drawn(body: DrawnBody) -> DrawnArea:
+    outline = body.outline[:-1] if body.outline[0] == body.outline[-1] else body.outline
+    return DrawnArea(
+        body.kind, tuple((lon, lat) for lon, lat in outline), body.clearance_m if body.kind == OBSTACLE else 0.0
+    )
+
+
 def _view(view: RestView) -> dict[str, Any]:
     progress = view.progress
     return {
         **row(view.mission),
         "progress": None if progress is None else progress.as_json(),
         "is_live": view.is_live,
-        "forgets": forgotten_words(progress) if progress is not None and progress.is_begun else "",
+        "forgets": forgotten_words(view.mission, progress),
+        "areas": [one.as_json() for one in drawn_on(view.mission)],
         "pieces": [
             {
                 "number": one.number,

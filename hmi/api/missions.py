@@ -6,7 +6,7 @@ import asyncio
 import hashlib
 import math
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any
 
 import msgspec
@@ -31,6 +31,7 @@ from hmi.store.missions import Mission, MissionLogEntry
 GEOJSON = "application/geo+json"
 KEPT = 16  # encoded geometries: a map asks again at each reload, a plan of half a metre takes 50 ms to make
 AREA_KINDS = ("treatment", "slow")  # ground that may get a dose of its own
+AREAS = ("treatment", "drawn_areas")  # shapes among a mission's figures: they go out with its geometry
 MissionId = Annotated[str, Path(max_length=64)]
 
 
@@ -49,18 +50,18 @@ class CopyBody(Body):
 
 
 class _Encoded:
-    """Geometries as they go out, the newest few, by the hash of their mission."""
+    """Geometries as they go out, the newest few, by their tag."""
 
     def __init__(self) -> None:
         self._kept: OrderedDict[str, bytes] = OrderedDict()
 
-    async def of(self, sha256: str, document: Document) -> bytes:
-        if sha256 not in self._kept:
-            self._kept[sha256] = await asyncio.to_thread(_encode, document, sha256)
+    async def of(self, tag: str, sha256: str, document: Document, statistics: Mapping[str, Any]) -> bytes:
+        if tag not in self._kept:
+            self._kept[tag] = await asyncio.to_thread(_encode, document, sha256, statistics)
             while len(self._kept) > KEPT:
                 self._kept.popitem(last=False)
-        self._kept.move_to_end(sha256)
-        return self._kept[sha256]
+        self._kept.move_to_end(tag)
+        return self._kept[tag]
 
 
 def mission_routes(book: MissionBook, fleet: FleetReader) -> APIRouter:
@@ -93,10 +94,11 @@ def _add_reading(router: APIRouter, book: MissionBook, encoded: _Encoded) -> Non
     @router.get("/missions/{mission_id}/map.geojson", summary="Geometry of one mission", response_class=Response)
     async def geometry(mission_id: MissionId, request: Request, session: Watcher) -> Response:
         found = _one(book, session, mission_id)
-        if _is_known(request, found.sha256):
+        tag = _tag(found.sha256, found)
+        if _is_known(request, tag):
             return Response(status_code=304)
-        body = await encoded.of(found.sha256, await book.document(session, mission_id))
-        return _geojson(body, found.sha256)
+        body = await encoded.of(tag, found.sha256, await book.document(session, mission_id), found.statistics)
+        return _geojson(body, tag)
 
 
 def _add_planning(router: APIRouter, book: MissionBook) -> None:
@@ -171,14 +173,15 @@ def _add_maps(router: APIRouter, book: MissionBook, fleet: FleetReader, encoded:
         mission = known.get(order.mission_id) if order is not None else None
         if order is None or mission is None:
             raise not_found(f"{robot.name} has no mission of this farm.")
-        if _is_known(request, order.sha256):
+        tag = _tag(order.sha256, mission)
+        if _is_known(request, tag):
             return Response(status_code=304)
         document = {**await book.document(session, mission.id), "robot": robot_id}
         if mission_sha256(document) != order.sha256:
             document = await book.document_read_back(session, mission.id, order.sha256) or document
         if mission_sha256(document) != order.sha256:
             raise not_found(f"{robot.name} has another version of {mission.name} than is stored here.")
-        return _geojson(await encoded.of(order.sha256, document), order.sha256)
+        return _geojson(await encoded.of(tag, order.sha256, document, mission.statistics), tag)
 
 
 async def translated(work: Callable[[], Any]) -> Any:
@@ -218,7 +221,7 @@ def row(mission: Mission) -> dict[str, Any]:
         "progress": mission.progress,
         "is_pending": bool(mission.pending_sha256),
         "sha256": mission.sha256,
-        "statistics": mission.statistics,
+        "statistics": {key: value for key, value in mission.statistics.items() if key not in AREAS},
         "row_bearing_deg": bearing,
         "created_by": mission.created_by,
         "created_utc": mission.created_at.isoformat(timespec="milliseconds"),
@@ -235,8 +238,16 @@ def _field(feature: Feature) -> dict[str, Any]:
     return {"id": feature.id, "name": feature.title, "properties": feature.properties, "geometry": feature.geometry}
 
 
-def _encode(document: Document, sha256: str) -> bytes:
-    return msgspec.json.encode({**mission_geojson(document), "sha256": sha256})
+def _encode(document: Document, sha256: str, statistics: Mapping[str, Any]) -> bytes:
+    return msgspec.json.encode({**mission_geojson(document, statistics), "sha256": sha256})
+
+
+def _tag(sha256: str, mission: Mission) -> str:
+    """Return what tells one picture of a mission from the next: its path and the areas on it."""
+    areas = {key: mission.statistics[key] for key in AREAS if mission.statistics.get(key)}
+    if not areas:
+        return sha256
+    return hashlib.sha256(sha256.encode() + msgspec.json.encode(areas, order="sorted")).hexdigest()
 
 
 def _geojson(body: bytes, tag: str) -> Response:

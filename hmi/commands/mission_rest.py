@@ -15,13 +15,13 @@ from hmi.commands.map_watch import MapWatch
 from hmi.commands.mission_send import MissionSent
 from hmi.commands.plan_wish import surroundings_of
 from hmi.commands.refusal import HELD_BY_OTHER, UNKNOWN_ROBOT, OrderRefused
-from hmi.commands.rest_sources import FreshSource, RestParts, RestSource
+from hmi.commands.rest_sources import FreshSource, RestParts, RestSource, drawn_on
 from hmi.commands.service import TTL_MS, CommandRequest
 from hmi.domain.command import Action, Outcome
 from hmi.domain.ids import new_id
 from hmi.domain.mission import ENDED, MissionStatus
 from hmi.domain.mission_plan import MissionRefused
-from hmi.domain.mission_rest import Piece, PlannedRest, Progress, RestWish, pieces_of
+from hmi.domain.mission_rest import DrawnArea, Piece, PlannedRest, Progress, RestWish, pieces_of
 from hmi.domain.robot import Mode, Order, OrderStatus, Robot
 from hmi.domain.role import Permission
 from hmi.security.session_info import SessionInfo
@@ -36,10 +36,14 @@ CHANGE = "change"
 
 @dataclass(frozen=True, slots=True)
 class RestOrder:
-    """What a person wants of the rest; see ``RestWish``. ``home_id`` is a map feature."""
+    """What a person wants of the rest; see ``RestWish``.
+
+    ``home_id`` is a map feature; ``areas`` are all that count from now on, ``None`` keeps those drawn before.
+    """
 
     kind: str
     leave_out: tuple[int, ...] = ()
+    areas: tuple[DrawnArea, ...] | None = None
     is_reversed: bool = False
     row_speed_mps: float | None = None
     end: str = "as_planned"
@@ -113,7 +117,8 @@ class MissionRests:
         except OrderRefused as refused:
             return MissionSent(Outcome.REJECTED, refused.code, refused.text)
         self._refuse_in_doubt(mission, robot)
-        source = RestSource(self._parts, mission, session, order.kind, planned)
+        areas = _areas(mission, order)
+        source = RestSource(self._parts, mission, session, order.kind, planned, areas)
         proof = None
         if self._is_driven(mission, robot):
             self._parts.authorize(session, Permission.START, robot.id)
@@ -232,6 +237,7 @@ class MissionRests:
             is_running=is_running,
             stand=stand,
             leave_out=order.leave_out,
+            areas=_areas(mission, order),
             is_reversed=order.is_reversed,
             row_speed_mps=order.row_speed_mps,
             end=order.end,
@@ -280,6 +286,11 @@ class MissionRests:
         if sent.outcome is Outcome.REJECTED and mission is not None and mission.pending_sha256:
             why = f"Not changed: {sent.text}"
             await self._run(self._parts.revisions.drop, session.farm_id, mission_id, session.user_name, why)
+
+
+def _areas(mission: Mission, order: RestOrder) -> tuple[DrawnArea, ...]:
+    """Return what was drawn: an obstacle stands there also for whoever takes the mission up again."""
+    return drawn_on(mission) if order.areas is None or order.kind != CHANGE else order.areas
 
 
 def _was_moved(robot: Robot) -> bool:

@@ -14,11 +14,11 @@ from hmi.commands.map_watch import MapWatch
 from hmi.commands.mission_book import FRESH
 from hmi.commands.mission_send import MissionSender
 from hmi.commands.ports import FleetReader, StoredMission
-from hmi.commands.rest_words import rest_words
+from hmi.commands.rest_words import drawn_words, rest_words
 from hmi.commands.service import CommandService
 from hmi.domain.mission import ENDED, BadMove, MissionStatus, Mover
 from hmi.domain.mission_document import for_robot, mission_sha256
-from hmi.domain.mission_rest import PlannedRest, Progress, RestPlanner
+from hmi.domain.mission_rest import DrawnArea, PlannedRest, Progress, RestPlanner
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
 from hmi.store.database import Database
@@ -28,6 +28,7 @@ from hmi.store.mission_revisions import MissionRevisions
 from hmi.store.missions import Mission, Missions
 
 LATER = "later"
+DRAWN = "drawn_areas"  # among a mission's figures: they live and end with the document that was planned around them
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,16 +54,23 @@ class RestSource:
     """The document of a rest on its way to the robot."""
 
     def __init__(
-        self, parts: RestParts, mission: Mission, session: SessionInfo, kind: str, planned: PlannedRest
+        self,
+        parts: RestParts,
+        mission: Mission,
+        session: SessionInfo,
+        kind: str,
+        planned: PlannedRest,
+        areas: tuple[DrawnArea, ...] = (),
     ) -> None:
         self._parts, self._mission, self._session, self._kind = parts, mission, session, kind
-        self._planned = planned
-        self._why = rest_words(kind, planned.difference)
+        self._planned, self._areas = planned, areas
+        self._why = rest_words(kind, planned.difference, areas)
 
     async def stored(self, farm_id: str, mission_id: str, robot_id: str) -> StoredMission | None:
         """Keep the document as sent, not confirmed."""
         planned, mission = self._planned, self._mission
         statistics = _merged(mission.statistics, planned.statistics)
+        statistics[DRAWN] = [one.as_json() for one in self._areas]
         await self._parts.database.run(
             self._parts.revisions.propose,
             farm_id,
@@ -99,6 +107,9 @@ class FreshSource:
         document = for_robot(document, robot_id)
         stamp = document.get("map_version")
         note = await self._map.check(farm_id, stamp["number"] if stamp else self._mission.map_version, document)
+        areas = drawn_on(self._mission)
+        if areas:  # nothing moves yet: whoever starts it can still look
+            note = " ".join(filter(None, (note, f"It knows nothing of what was drawn: {drawn_words(areas)}.")))
         self._sha256 = mission_sha256(document)
         await run(self._parts.revisions.propose, farm_id, mission_id, document, statistics, by, self._why())
         return StoredMission(mission_id, self._mission.name, document, self._sha256, note)
@@ -113,10 +124,8 @@ class FreshSource:
                 await run(missions.move, farm_id, mission_id, MissionStatus.SENT, Mover.PERSON, by, self._why())
 
     def _why(self) -> str:
-        progress = Progress.from_json(self._mission.progress)
-        if progress is None or not progress.is_begun:
-            return FRESH
-        return f"{FRESH} Forgotten: {forgotten_words(progress)}."
+        forgotten = forgotten_words(self._mission, Progress.from_json(self._mission.progress))
+        return f"{FRESH} Forgotten: {forgotten}." if forgotten else FRESH
 
 
 def _merged(before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:
@@ -125,6 +134,17 @@ def _merged(before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Any]
     return {**before, **{key: value for key, value in now.items() if key != "covered_share"}, **covered}
 
 
-def forgotten_words(progress: Progress) -> str:
-    """Say what starting fresh forgets."""
-    return f"row {progress.row} of {progress.rows}, {progress.area_done_m2 / 10_000:.2f} ha done"
+def forgotten_words(mission: Mission, progress: Progress | None) -> str:
+    """Say what starting fresh forgets; empty if nothing."""
+    found = []
+    if progress is not None and progress.is_begun:
+        found.append(f"row {progress.row} of {progress.rows}, {progress.area_done_m2 / 10_000:.2f} ha done")
+    areas = drawn_on(mission)
+    if areas:
+        found.append(drawn_words(areas))
+    return "; ".join(found)
+
+
+def drawn_on(mission: Mission) -> tuple[DrawnArea, ...]:
+    """Return the ground somebody drew on a mission while it ran."""
+    return tuple(DrawnArea.from_json(one) for one in mission.statistics.get(DRAWN, ()))

@@ -2,18 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
+
+from hmi.domain.mission_rest import OBSTACLE, DrawnArea
 
 NAMED = 6
 
 
-def rest_words(kind: str, difference: Mapping[str, Any]) -> str:
+def rest_words(kind: str, difference: Mapping[str, Any], areas: Sequence[DrawnArea] = ()) -> str:
     """Return one or two sentences about a planned rest."""
     if kind == "later":
         return f"Taken up again: {difference['way_m']:.0f} m way back, then on from where it stopped."
     left_out = difference["left_out"]
-    if not left_out:
-        return "The rest was changed."
     named = ", ".join(left_out[:NAMED]) + (f" and {len(left_out) - NAMED} more" if len(left_out) > NAMED else "")
-    return f"The rest was changed: {named} left out."
+    changes = [f"{named} left out"] if left_out else []
+    if areas:
+        changes.append(f"drawn: {drawn_words(areas)}")
+    return f"The rest was changed: {'; '.join(changes)}." if changes else "The rest was changed."
+
+
+def drawn_words(areas: Sequence[DrawnArea]) -> str:
+    """Count what was drawn."""
+    obstacles = sum(one.kind == OBSTACLE for one in areas)
+    counts = ((obstacles, "obstacle"), (len(areas) - obstacles, "area to leave out"))
+    plural = {"obstacle": "obstacles", "area to leave out": "areas to leave out"}
+    return ", ".join(f"{count} {name if count == 1 else plural[name]}" for count, name in counts if count)

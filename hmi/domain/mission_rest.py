@@ -9,12 +9,13 @@ from itertools import pairwise
 from typing import Any, Protocol
 
 from hmi.domain.mission_document import Document
-from hmi.domain.mission_plan import PlanRefused, Surroundings
+from hmi.domain.mission_plan import Geometry, PlanRefused, Surroundings
 from hmi.domain.robot import Factsheet, Order
 
 SAME_M = 0.005  # nearer to a segment's end than this the cut lies between two segments
 DIGITS = 3  # of coordinates: millimetres, as planned
 WORK_KINDS = ("row", "headland")
+LEAVE_OUT, OBSTACLE = "leave_out", "obstacle"
 Segment = Mapping[str, Any]
 
 
@@ -75,6 +76,36 @@ class Piece:
 
 
 @dataclass(frozen=True, slots=True)
+class DrawnArea:
+    """Ground somebody drew on one mission.
+
+    Args:
+        kind: ``leave_out`` is driven through with the tool off, ``obstacle`` is never entered.
+        outline: corners, longitude and latitude; the last one is joined to the first.
+        clearance_m: kept around an obstacle, on top of the machine's own margin.
+    """
+
+    kind: str
+    outline: tuple[tuple[float, float], ...]
+    clearance_m: float = 0.0
+
+    @property
+    def geometry(self) -> Geometry:
+        """The outline as GeoJSON."""
+        return {"type": "Polygon", "coordinates": [[list(p) for p in (*self.outline, self.outline[0])]]}
+
+    def as_json(self) -> dict[str, Any]:
+        """Return what is stored."""
+        outline = [list(p) for p in self.outline]
+        return {"kind": self.kind, "outline": outline, "clearance_m": self.clearance_m}
+
+    @classmethod
+    def from_json(cls, raw: Mapping[str, Any]) -> DrawnArea:
+        """Return what was stored."""
+        return cls(raw["kind"], tuple((lon, lat) for lon, lat in raw["outline"]), raw["clearance_m"])
+
+
+@dataclass(frozen=True, slots=True)
 class RestWish:
     """How the rest of a mission is wished for. Positions are longitude and latitude, angles ENU radians.
 
@@ -85,6 +116,7 @@ class RestWish:
         is_running: the robot drives on while this is planned.
         stand: longitude, latitude and heading, to take it up again from there; ``None``: it stands on its path.
         leave_out: pieces that are not done, by number.
+        areas: ground drawn on this mission.
         is_reversed: the last piece first, each the other way round.
         row_speed_mps: another working speed; ``None`` keeps it.
         end: ``as_planned``, ``stay`` or ``home``.
@@ -99,6 +131,7 @@ class RestWish:
     is_running: bool = False
     stand: tuple[float, float, float] | None = None
     leave_out: tuple[int, ...] = ()
+    areas: tuple[DrawnArea, ...] = ()
     is_reversed: bool = False
     row_speed_mps: float | None = None
     end: str = "as_planned"

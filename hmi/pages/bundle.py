@@ -47,7 +47,7 @@ SCRIPTS = {
         "queue_entry", "queue_arm", "queue_blackouts", "queue_timeline", "queue_list", "queue_view", "missions_bulk",
         "mission_form", "mission_ways", "missions",
     ),
-    "run": ("field_picture", "start_checks", "rest_sheet"),
+    "run": ("svg_view", "area_shape", "area_pen", "field_picture", "start_checks", "rest_map", "rest_sheet"),
 }  # fmt: skip
 """Scripts by file, in load order: each uses only names of those before it.
 What few people open loads with its screen; ``bell`` loads on every page, after STOP is ready.

@@ -12,11 +12,15 @@ from hmi.planning.projection import LocalFrame
 DIGITS = 7  # of longitude and latitude: a centimetre
 
 
-def mission_geojson(document: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a FeatureCollection: the parcel, then every segment in driving order, then home.
+def mission_geojson(document: Mapping[str, Any], statistics: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """Return a FeatureCollection: the parcel, then every segment in driving order, then home, then areas.
 
-    A segment has ``kind``, ``row`` (0 off the rows), ``segment`` (its number from 0), ``pivot`` and ``tool_on``;
-    the collection carries ``mission_id``, ``sha256`` is the caller's to add.
+    A segment has ``kind``, ``row`` (0 off the rows), ``segment`` (its number from 0), ``pivot``, ``tool_on`` and, if
+    it is not the usual one, ``dose``; areas are of ``kind`` dose, obstacle or leave_out.
+    The collection carries ``mission_id``, ``sha256`` is the caller's to add.
+
+    Args:
+        statistics: the mission's figures; they know its treatment areas and what was drawn on it.
     """
     frame = LocalFrame(document["datum"]["lat_deg"], document["datum"]["lon_deg"])
     parcel = {
@@ -34,12 +38,32 @@ def mission_geojson(document: Mapping[str, Any]) -> dict[str, Any]:
             "segment": number,
             "tool_on": segment.get("tool_on", False),
             "pivot": segment.get("pivot", False),
+            **({"dose": segment["dose"]} if "dose" in segment else {}),
         }
         features.append(_feature("LineString", line, properties))
     if document.get("home"):
         place = _rounded(frame.to_lon_lat([document["home"]]))[0]
         features.append(_feature("Point", place, {"kind": "home", "name": "Home"}))
+    features += areas_of(statistics or {})
     return {"type": "FeatureCollection", "mission_id": document["mission_id"], "features": features}
+
+
+def areas_of(statistics: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return the treatment areas a mission was planned with and the ground drawn on it since."""
+    treatment = statistics.get("treatment") or {}
+    doses = [
+        _feature(one["geometry"]["type"], one["geometry"]["coordinates"], {"kind": "dose", "dose": one["dose"]})
+        for one in treatment.get("areas", ())
+    ]
+    drawn = [
+        _feature(
+            "Polygon",
+            [[*one["outline"], one["outline"][0]]],
+            {"kind": one["kind"], "clearance_m": one["clearance_m"]},
+        )
+        for one in statistics.get("drawn_areas", ())
+    ]
+    return [*doses, *drawn]
 
 
 def _lines(segments: Any, frame: LocalFrame) -> list[list[list[float]]]:

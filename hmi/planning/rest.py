@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,28 +18,13 @@ from hmi.domain.mission_rest import PlannedRest, RestWish, cut, is_work, length_
 from hmi.planning.dubins import Pose
 from hmi.planning.estimate import effort
 from hmi.planning.machine import RobotProfile
-from hmi.planning.plan import GENTLE_RAD, Leg, LegKind, headings, turn_between
+from hmi.planning.plan import GENTLE_RAD, LegKind, headings, turn_between
 from hmi.planning.projection import Floats, LocalFrame
 from hmi.planning.rest_ground import RestGround
+from hmi.planning.rest_work import Work, driven_through, is_one_line, leg_of, legs_of, off, rounded_points, turned
 
 AHEAD_M = 10.0  # a running robot drives on while a person looks at the new rest: the new path begins beyond this
 MAX_SEGMENTS = 20_000
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Work:
-    """A piece of work: the segment, and where it stood in the base document; ``None``: it is not driven as it stood."""
-
-    segment: Document
-    number: int | None
-
-    @property
-    def points(self) -> Floats:
-        return np.asarray(self.segment["points"], dtype=float)
-
-    @property
-    def name(self) -> str:
-        return f"row {self.segment['row']}" if self.segment["row"] else "a headland lap"
 
 
 def plan_rest(wish: RestWish) -> PlannedRest:
@@ -80,9 +64,9 @@ class _Rest:
 
     # what stays
 
-    def _stitched(self) -> tuple[list[Document], int, list[_Work]]:
+    def _stitched(self) -> tuple[list[Document], int, list[Work]]:
         """Return the path that stays, the number of the base's first segment after it, and the work after it."""
-        works = [_Work(one, number) for number, one in enumerate(self.left, self.first) if is_work(one)]
+        works = [Work.of(one, number) for number, one in enumerate(self.left, self.first) if is_work(one)]
         if not self.wish.is_running:
             return self.done, self.first, works
         ahead_m = 0.0
@@ -90,45 +74,83 @@ class _Rest:
             ahead_m += length_m(one)
             if is_work(one) and ahead_m >= AHEAD_M:
                 head = [dict(s) for s in self.base["segments"][: number + 1]]
-                for work in works:
-                    if work.number in self.wish.leave_out and (work.number or 0) <= number:
-                        self.notes.append(f"It is too near {work.name} to leave it out. Pause it first.")
-                return head, number + 1, [w for w in works if w.number is not None and w.number > number]
+                self._check_ahead(self.left[: number + 1 - self.first], [w for w in works if (w.begins or 0) <= number])
+                return head, number + 1, [w for w in works if w.begins is not None and w.begins > number]
         raise PlanRefused("nothing_left", "It is in its last row. There is nothing left to change.")
 
-    def _is_left_out(self, work: _Work) -> bool:
-        return work.number in self.wish.leave_out
+    def _check_ahead(self, ahead: Sequence[Document], works: Sequence[Work]) -> None:
+        """Say what can no longer be changed; raise if the robot would meet a drawn obstacle before the new path."""
+        if any(self.ground.is_new_in_the_way(np.asarray(one["points"], dtype=float)) for one in ahead):
+            text = "The obstacle is on the path before the new one begins. Pause the robot, then change the rest."
+            raise PlanRefused("obstacle_ahead", text, "areas")
+        for work in works:
+            if self._is_left_out(work):
+                self.notes.append(f"It is too near {work.name} to leave it out. Pause it first.")
+            elif len(self._by_dose(work)) > 1:
+                self.notes.append(f"It is too near {work.name} to leave the area out. Pause it first.")
 
-    def _chosen(self, works: Sequence[_Work]) -> list[_Work]:
+    def _is_left_out(self, work: Work) -> bool:
+        return work.begins in self.wish.leave_out
+
+    def _chosen(self, works: Sequence[Work]) -> list[Work]:
         """Return what is done, in the order wished for, cut where something stands in the way."""
         chosen = [w for w in works if not self._is_left_out(w)]
         if self.wish.is_reversed and chosen:
-            is_inside = not self.wish.is_running and len(self.done) > self.first and chosen[0].number == self.first
-            kept, turned = (chosen[:1], chosen[1:]) if is_inside else ([], chosen)
-            chosen = [*kept, *(_Work({**w.segment, "points": w.segment["points"][::-1]}, None) for w in turned[::-1])]
-        return [part for work in chosen for part in self._around(work)]
+            is_inside = not self.wish.is_running and len(self.done) > self.first and chosen[0].begins == self.first
+            kept, others = (chosen[:1], chosen[1:]) if is_inside else ([], chosen)
+            chosen = [*kept, *(turned(work) for work in others[::-1])]
+        return self._without_areas([part for work in chosen for part in self._around(work)])
 
-    def _around(self, work: _Work) -> list[_Work]:
+    def _around(self, work: Work) -> list[Work]:
         parts = self.ground.around(work.points)
         if parts is None:
             return [work]
         lost = length_m(work.segment) - sum(float(np.hypot(*np.diff(p, axis=0).T).sum()) for p in parts)
         self.notes.append(f"{work.name.capitalize()}: {lost:.0f} m left out, something stands there.")
-        return [_Work({**work.segment, "points": p.tolist()}, None) for p in parts]
+        return work.parts([{**work.segment, "points": p.tolist()} for p in parts], is_joined=False) if parts else []
+
+    def _without_areas(self, works: Sequence[Work]) -> list[Work]:
+        """Turn the tool off inside areas to leave out; a piece that lies in them whole is not driven."""
+        found: list[Work] = []
+        lost_m, rows = 0.0, set()
+        for work in works:
+            pieces = self._by_dose(work)
+            idle = [one for one in pieces if not one["tool_on"]]
+            if idle:
+                lost_m += sum(map(length_m, idle))
+                rows.add(work.name)
+            if len(idle) < len(pieces):
+                found += work.parts(pieces, is_joined=True)
+        if rows:
+            self.notes.append(f"{lost_m:.0f} m in {len(rows)} rows or laps are left out in the area drawn.")
+        elif not self.ground.doses.is_plain:
+            self.notes.append("Nothing that is left lies in the area to leave out.")
+        return found
+
+    def _by_dose(self, work: Work) -> list[Document]:
+        legs = self.ground.doses.cut([leg_of(work.segment)])
+        if len(legs) == 1 and legs[0].tool_on:
+            return [work.segment]
+        return [
+            {**(work.segment if leg.tool_on else off(work.segment)), "points": rounded_points(leg.points)}
+            for leg in legs
+        ]
 
     # ways
 
-    def _joined(self, chosen: Sequence[_Work], start: int, head: Sequence[Document]) -> list[Document]:
+    def _joined(self, chosen: Sequence[Work], start: int, head: Sequence[Document]) -> list[Document]:
         rest: list[Document] = []
-        before: int | None = start - 1 if self.wish.stand is None else None
+        before: Work | None = None
+        if self.wish.stand is None:  # its path goes on: what lay before its place is known
+            before = Work({}, ends=start - 1)
         pose = self._beginning(head)
         is_inside = self.wish.stand is None and not self.wish.is_running and len(head) > start
         for work in chosen:
-            is_there = is_inside and not rest and work.number == start
-            if not is_there:
+            is_there = is_inside and not rest and work.begins == start
+            if not is_there and not work.is_joined:
                 rest += self._way(pose, before, work, is_first=not rest)
             rest.append(self._at_speed(work.segment))
-            pose, before = _end_pose(work.points), work.number
+            pose, before = _end_pose(work.points), work
         rest += self._exit(pose, before, is_first=not rest)
         if self.wish.stand is not None and rest:
             rest[0] = {**rest[0], "jump": True}
@@ -145,8 +167,10 @@ class _Rest:
         points = np.asarray(self.left[0]["points"], dtype=float)
         return float(points[0][0]), float(points[0][1]), float(headings(points)[0])
 
-    def _way(self, pose: Pose, before: int | None, work: _Work, *, is_first: bool) -> list[Document]:
-        known = self._known_way(before, work.number)
+    def _way(self, pose: Pose, before: Work | None, work: Work, *, is_first: bool) -> list[Document]:
+        known = self._known_way(before, work.begins)
+        if known is None and before is not None:
+            known = self._known_way_back(before.turned, work.turned)
         if known is not None:
             return known
         points = work.points
@@ -163,18 +187,37 @@ class _Rest:
         slow_mps = 0.6 if is_back else self.machine.turn_speed_mps
         return [_document(kind, p, self.ground.way_speed(p, slow_mps)) for p in pieces]
 
-    def _known_way(self, before: int | None, number: int | None) -> list[Document] | None:
+    def _known_way(self, before: Work | None, number: int | None) -> list[Document] | None:
         """Return the base's own segments between two pieces if nothing was in between and nothing stands there now."""
-        if before is None or number is None or number <= before:
+        if before is None or before.ends is None or number is None or number <= before.ends:
             return None
-        between = [
-            dict(self.left[k - self.first] if k - self.first >= 0 else self.base["segments"][k])
-            for k in range(before + 1, number)
-        ]
-        is_clear = all(self.ground.is_clear(np.asarray(s["points"], dtype=float)) for s in between)
-        return between if is_clear and not any(is_work(s) for s in between) else None
+        segments = self.base["segments"]
+        first = segments[before.ends] if before.ends >= 0 else None
+        if before.ends == self.first - 1 and len(self.done) > self.first:
+            first = self.done[-1]  # it stands inside this piece
+        last = segments[number] if number < len(segments) else None
+        between = driven_through(first, self._between(before.ends, number), last)
+        return None if between is None else self._clear(between)
 
-    def _exit(self, pose: Pose, before: int | None, *, is_first: bool) -> list[Document]:
+    def _known_way_back(self, later: int | None, number: int | None) -> list[Document] | None:
+        """Return what lies between two pieces of one row or lap that are driven the other way round."""
+        if later is None or number is None or number >= later:
+            return None
+        between = self._between(number, later)
+        if not is_one_line([self.base["segments"][number], *between, self.base["segments"][later]]):
+            return None
+        return self._clear([{**off(one), "points": one["points"][::-1], "pivot": False} for one in between[::-1]])
+
+    def _between(self, first: int, last: int) -> list[Document]:
+        """Return the segments after ``first`` and before ``last``, without what of them is done."""
+        whole = self.base["segments"]
+        return [dict(self.left[k - self.first] if k >= self.first else whole[k]) for k in range(first + 1, last)]
+
+    def _clear(self, between: list[Document]) -> list[Document] | None:
+        is_clear = all(self.ground.is_clear(np.asarray(s["points"], dtype=float)) for s in between)
+        return between if is_clear else None
+
+    def _exit(self, pose: Pose, before: Work | None, *, is_first: bool) -> list[Document]:
         if self.wish.end == "stay" or self.home is None:
             return []
         if self.wish.end == "as_planned":
@@ -202,16 +245,17 @@ class _Rest:
         if wanted is None:
             return segment
         top = self.wish.robot.max_speed_mps if self.wish.robot is not None else wanted
-        return {**segment, "speed_mps": round(min(wanted, top), 3)}
+        # more than the usual dose takes more time on each metre, as it was planned
+        return {**segment, "speed_mps": round(min(wanted, top) / max(1.0, segment.get("dose", 1.0)), 3)}
 
     # the answer
 
     def _pivoted(self, head: Sequence[Document], rest: Sequence[Document]) -> list[Document]:
         """Declare the corners of the new path."""
         result: list[Document] = []
-        before = _leg(head[-1]) if head else None
+        before = leg_of(head[-1]) if head else None
         for one in rest:
-            leg = _leg(one)
+            leg = leg_of(one)
             angle = 0.0 if before is None or one.get("jump") else abs(turn_between(before, leg))
             if angle > GENTLE_RAD and not self.machine.can_pivot:
                 raise PlanRefused("turn_does_not_fit", "The robot's turning circle does not fit there.")
@@ -219,7 +263,7 @@ class _Rest:
             before = leg
         return result
 
-    def _planned(self, head: list[Document], rest: list[Document], left_out: list[_Work]) -> PlannedRest:
+    def _planned(self, head: list[Document], rest: list[Document], left_out: list[Work]) -> PlannedRest:
         is_home = rest[-1]["kind"] == "exit"
         tool_before, tool_after = _tool_m(self.base["segments"]), _tool_m([*head, *rest])
         whole: Document = {
@@ -258,7 +302,7 @@ class _Rest:
         return f"The new path begins after {name}."
 
     def _effort(self, segments: Sequence[Document]) -> dict[str, Any]:
-        work = effort([_leg(s) for s in segments], self.machine)
+        work = effort(legs_of(segments), self.machine)
         return {
             "duration_s": round(work.duration_s, 1),
             "energy_j": round(work.energy_j),
@@ -270,7 +314,7 @@ class _Rest:
 
     def _statistics(self, segments: Sequence[Document], share: float) -> dict[str, Any]:
         """Return the figures of the whole mission that changed; ``share`` of its area is left."""
-        work = effort([_leg(s) for s in segments], self.machine)
+        work = effort(legs_of(segments), self.machine)
         return {
             "length_m": round(work.length_m, 4),
             "working_length_m": round(work.working_length_m, 4),
@@ -284,18 +328,6 @@ class _Rest:
             "covered_share": round(share, 4),
             "notes": list(self.notes),
         }
-
-
-def _leg(segment: Document) -> Leg:
-    points = np.asarray(segment["points"], dtype=float)
-    return Leg(
-        LegKind(segment["kind"]),
-        points,
-        segment["speed_mps"],
-        bool(segment.get("tool_on")),
-        int(segment.get("row", 0)),
-        bool(segment.get("pivot")) and not segment.get("jump"),
-    )
 
 
 def _document(kind: LegKind, points: Floats, speed_mps: float) -> Document:

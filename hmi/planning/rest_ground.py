@@ -11,17 +11,20 @@ from shapely.geometry import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from hmi.domain.mission_plan import Geometry, PlanRefused
-from hmi.domain.mission_rest import RestWish
+from hmi.domain.mission_rest import LEAVE_OUT, OBSTACLE, DrawnArea, RestWish
 from hmi.planning.dubins import Pose
 from hmi.planning.ground import Ground, erode, polygons_of
 from hmi.planning.links import Linker
 from hmi.planning.machine import RobotProfile
 from hmi.planning.projection import Floats, LocalFrame
+from hmi.planning.treatment import DoseMap
 
 YARD_RADIUS_M = 4.0  # ground around home where a robot can turn
 GAP_M = 0.04  # neighbouring features drawn by hand leave hairline gaps
 LEAST_PART_M = 1.0  # shorter remains of a row are not worth a turn
 LONG_WAY_M = 10.0
+LEAST_DRAWN_M2 = 0.01
+WIDER_THAN_A_FIELD_M = 3e4
 INSIDE_M = 0.01  # a row is cut this far inside the turning ground, so that rounding does not put its end outside
 
 
@@ -41,9 +44,16 @@ class RestGround:
         rings = [frame.to_local([(p[0], p[1]) for p in ring]) for ring in wish.base["parcel"]]
         parcel = Polygon(rings[0], rings[1:])
         self._parcel = parcel if parcel.is_valid else parcel.buffer(0)
+        drawn = [self._drawn(area) for area in wish.areas if area.kind == OBSTACLE]
+        left_out = [self._drawn(area) for area in wish.areas if area.kind == LEAVE_OUT]
         areas = [self._area(geometry, width) for geometry, width in wish.surroundings.obstacles]
-        self.obstacles = shapely.union_all(areas) if areas else Polygon()
-        self._near = self.obstacles.buffer(machine.reach_m + machine.margin_m)
+        self.obstacles = shapely.union_all([*areas, *drawn]) if areas or drawn else Polygon()
+        # left out is left out: no lead, unlike a border of treatment
+        self.doses = DoseMap(tuple((area, 0.0) for area in left_out))
+        self._new = shapely.union_all(drawn) if drawn else None
+        reach_m = machine.reach_m + machine.margin_m
+        self._near = self.obstacles.buffer(reach_m)
+        self._near_new = Polygon() if self._new is None else self._new.buffer(reach_m)
         shapely.prepare(self._near)
         self._field = self._parcel.difference(self.obstacles)
 
@@ -63,6 +73,12 @@ class RestGround:
         if not shapely.intersects(self._near, shapely.linestrings(points)):
             return True
         return self._open.fits(points)
+
+    def is_new_in_the_way(self, points: Floats) -> bool:
+        """Say whether a drawn obstacle stands on a path."""
+        if self._new is None or not shapely.intersects(self._near_new, shapely.linestrings(points)):
+            return False
+        return not Ground(_all_but(self._new), self._machine).fits(points)
 
     def around(self, points: Floats) -> list[Floats] | None:
         """Return the parts of a row that can still be driven, ``None`` if all of it can."""
@@ -88,7 +104,7 @@ class RestGround:
     @cached_property
     def _open(self) -> Ground:
         """Everywhere but where something stands: borders were looked at when the path was planned."""
-        return Ground(self._near.envelope.buffer(1e3).difference(self.obstacles), self._machine)
+        return Ground(_all_but(self.obstacles), self._machine)
 
     @cached_property
     def _ground(self) -> Ground:
@@ -116,6 +132,13 @@ class RestGround:
         area = shapely.union_all(strips, grid_size=1e-3) if strips else Polygon()
         return shapely.union_all(polygons_of(erode(area, min(width, 1.0) * 0.6)))
 
+    def _drawn(self, area: DrawnArea) -> BaseGeometry:
+        """Return drawn ground; mending a crossed outline would lose a part of it, so it is refused."""
+        local = shapely.transform(shapely.geometry.shape(area.geometry), self._frame.to_local)
+        if not local.is_valid or local.area < LEAST_DRAWN_M2:
+            raise PlanRefused("bad_area", "The outline of an area crosses itself or is tiny. Draw it again.", "areas")
+        return local.buffer(area.clearance_m) if area.kind == OBSTACLE else local
+
     def _area(self, geometry: Geometry, width_m: float) -> BaseGeometry:
         try:
             local = shapely.transform(shapely.geometry.shape(geometry), self._frame.to_local)
@@ -124,6 +147,10 @@ class RestGround:
         if local.geom_type in ("Polygon", "MultiPolygon"):
             return local if local.is_valid else local.buffer(0)
         return local.buffer(max(width_m, 0.1) / 2)
+
+
+def _all_but(area: BaseGeometry) -> BaseGeometry:
+    return area.envelope.buffer(WIDER_THAN_A_FIELD_M).difference(area)
 
 
 def _is_along(line: LineString, part: Floats) -> bool:

@@ -27,6 +27,11 @@ def statistics(wish: PlanWish, job: Job, plan: Plan) -> dict[str, Any]:
         "battery_j": job.machine.battery_j,
         "reserve_share": round(_reserve_share(job, plan), 4),
     }
+    if not job.doses.is_plain:
+        found["treatment"] = {
+            "rest_dose": wish.treatment.rest_dose,
+            "areas": [{"dose": one.dose, "geometry": dict(one.geometry)} for one in wish.treatment.areas],
+        }
     if wish.robot is not None and wish.robot.family is Family.PLANTER:
         spacing = wish.plant_spacing_m or 1 / (SEEDLINGS_PER_M2 * wish.width_m)
         found["plant_spacing_m"] = round(spacing, 3)

@@ -18,7 +18,7 @@
     const parcel = features.find((one) => one.properties.kind === "parcel");
     const [lon0, lat0] = parcel ? parcel.geometry.coordinates[0][0] : [0, 0];
     const scale = Math.cos((lat0 * Math.PI) / 180) * METRES_PER_DEGREE;
-    return ([lon, lat]) => [(lon - lon0) * scale, (lat0 - lat) * METRES_PER_DEGREE];
+    return { flat: ([lon, lat]) => [(lon - lon0) * scale, (lat0 - lat) * METRES_PER_DEGREE], unflat: ([x, y]) => [lon0 + x / scale, lat0 - y / METRES_PER_DEGREE] };
   }
 
   const path = (points, isClosed) => `M${points.map(([x, y]) => `${x.toFixed(2)} ${y.toFixed(2)}`).join("L")}${isClosed ? "Z" : ""}`;
@@ -31,10 +31,13 @@
     return [least(xs), least(ys), most(xs), most(ys)];
   }
 
-  // fieldPicture(GeoJSON of a mission) -> <svg>
+  // a dose in words of one line
+  const doseWords = (dose) => (dose === 0 ? "Off" : dose === 0.5 ? "Half dose" : dose === 1 ? "Usual dose" : dose === 2 ? "Double dose" : `${dose} × dose`);
+
+  // fieldPicture(GeoJSON of a mission) -> <svg>; its `frame` has flat, unflat and the box of everything
   function fieldPicture(collection, title) {
     const { features } = collection;
-    const flat = projection(features);
+    const { flat, unflat } = projection(features);
     const lines = features.filter((one) => one.geometry.type === "LineString").map((one) => ({ kind: one.properties.kind, points: one.geometry.coordinates.map(flat) }));
     const parcels = features.filter((one) => one.properties.kind === "parcel").map((one) => one.geometry.coordinates.map((ring) => ring.map(flat)));
     const homes = features.filter((one) => one.properties.kind === "home").map((one) => flat(one.geometry.coordinates));
@@ -44,6 +47,12 @@
     const mark = size * 0.016;
     const root = svg("svg", { class: "h-picture", viewBox: `${x0 - pad} ${y0 - pad} ${x1 - x0 + 2 * pad} ${y1 - y0 + 2 * pad}`, role: "img", "aria-label": title, preserveAspectRatio: "xMidYMid meet" });
     for (const rings of parcels) root.append(svg("path", { class: "parcel", d: rings.map((ring) => path(ring, true)).join(""), "fill-rule": "evenodd" }));
+    for (const { geometry, properties } of features.filter((one) => one.properties.kind === "dose")) {
+      const polygons = geometry.type === "Polygon" ? [geometry.coordinates] : geometry.coordinates;
+      const shape = svg("path", { class: properties.dose > 0 ? "dose" : "dose off", d: polygons.flat().map((ring) => path(ring.map(flat), true)).join(""), "fill-rule": "evenodd" });
+      shape.append(svg("title", {}, doseWords(properties.dose)));
+      root.append(shape);
+    }
     for (const [kind, look] of LAYERS) {
       const d = lines.filter((one) => one.kind === kind).map((one) => path(one.points, false)).join("");
       if (d) root.append(svg("path", { class: look, d }));
@@ -55,8 +64,13 @@
       root.append(svg("circle", { class: "start", cx: sx, cy: sy, r: mark }), svg("rect", { class: "end", x: ex - mark, y: ey - mark, width: 2 * mark, height: 2 * mark }));
     }
     for (const [x, y] of homes) root.append(svg("path", { class: "home", d: `M${x - mark * 1.4} ${y}L${x} ${y - mark * 1.6}L${x + mark * 1.4} ${y}V${y + mark * 1.4}H${x - mark * 1.4}Z` }));
+    root.frame = { flat, unflat, box: [x0 - pad, y0 - pad, x1 + pad, y1 + pad] };
+    root.append(...(HL.areaShapes?.(drawnIn(features, flat)) ?? []));
     return root;
   }
 
-  HL.fieldPicture = fieldPicture;
+  // ground drawn on the mission, as areaShapes wants it
+  const drawnIn = (features, flat) => features.filter((one) => ["obstacle", "leave_out"].includes(one.properties.kind)).map((one) => ({ look: one.properties.kind, clearance_m: one.properties.clearance_m, ring: one.geometry.coordinates[0].map(flat) }));
+
+  Object.assign(HL, { fieldPicture, doseWords });
 })();

@@ -1,11 +1,10 @@
 // The plan on its field: path, turns, ground worked once, twice or not at all, and time; the robot travels along it.
 (() => {
   "use strict";
-  const { el, icon, text, attr } = HL;
+  const { el, text, attr } = HL;
   const NS = "http://www.w3.org/2000/svg";
   const FREE = { left: 20, right: 76, top: 70, bottom: 100 }; // pixels that views, zoom and scrubber stand on
   const TIMES = 8; // shades of the time view: more cannot be told apart
-  const MOST_ZOOM = 60;
   const VIEWS = [["path", "Path"], ["turns", "Turns"], ["overlap", "Overlap"], ["time", "Time"]];
 
   function svg(tag, props, ...children) {
@@ -33,15 +32,10 @@
       this.view = "path";
       this.root = svg("svg", { class: "p-svg", role: "img", "aria-label": "Plan", "data-testid": "plan-picture" });
       this.buttons = VIEWS.map(([key, word]) => el("button", { type: "button", "data-testid": `plan-view-${key}`, "aria-pressed": key === "path" ? "true" : "false", onclick: () => this.show(key) }, word));
-      const zoom = (label, sign, run) => el("button", { type: "button", class: "h-btn ico p-zoom", "aria-label": label, onclick: run }, sign);
+      this.sight = new HL.SvgView(this.root, { free: FREE, changed: (px) => this.scaled(px) });
       this.legend = el("div", { class: "p-legend h-t13", hidden: true });
       this.views = el("div", { class: "h-seg p-views", role: "group", "aria-label": "What the picture shows" }, ...this.buttons);
-      this.node = el("div", { class: "p-picture" }, this.root, this.views,
-        el("div", { class: "p-zooms" }, zoom("Zoom in", icon("add"), () => this.zoom(0.6)), zoom("Zoom out", "−", () => this.zoom(1 / 0.6)), zoom("Whole field", icon("my_location", "m"), () => this.fit())), this.legend);
-      this.pointers = new Map();
-      this.listen();
-      this.sized = new ResizeObserver(() => (this.isWhole ? this.fit() : this.apply()));
-      this.sized.observe(this.root);
+      this.node = el("div", { class: "p-picture" }, this.root, this.views, this.sight.buttons(), this.legend);
     }
 
     // drawing: what the server answers, or only {legs: [], places: {parcel, home}}; path: null without a plan
@@ -50,10 +44,9 @@
       this.path = path;
       this.statistics = statistics;
       const legs = path ? path.legs : [];
-      this.box = bounds({ ...drawing, legs });
       this.root.replaceChildren(...this.ground(drawing), ...(path ? this.lines(legs) : []), ...this.marks(drawing, legs));
       this.views.hidden = !path;
-      this.fit();
+      this.sight.fit(bounds({ ...drawing, legs }));
       this.show(path ? this.view : "path");
     }
 
@@ -152,83 +145,15 @@
       return pose;
     }
 
-    // zoom and shift
-
-    fit() {
-      const [x0, y0, x1, y1] = this.box ?? [-50, -50, 50, 50];
-      const { width, height } = this.root.getBoundingClientRect();
-      const [wide, high] = [Math.max(80, width - FREE.left - FREE.right), Math.max(80, height - FREE.top - FREE.bottom)];
-      const px = Math.max((x1 - x0) / wide, (y1 - y0) / high, 0.001);
-      this.window = { x: (x0 + x1) / 2 + ((FREE.right - FREE.left) / 2) * px, y: (y0 + y1) / 2 + ((FREE.bottom - FREE.top) / 2) * px, w: px * Math.max(width, 1), h: px * Math.max(height, 1) };
-      this.whole = { ...this.window };
-      this.isWhole = true;
-      this.apply();
-    }
-
-    zoom(factor, at) {
-      if (!this.window) return;
-      this.isWhole = false;
-      const wanted = Math.min(Math.max(this.window.w * factor, this.whole.w / MOST_ZOOM), this.whole.w * 2);
-      const real = wanted / this.window.w;
-      const pin = at ?? [this.window.x, this.window.y];
-      this.window.x = pin[0] + (this.window.x - pin[0]) * real;
-      this.window.y = pin[1] + (this.window.y - pin[1]) * real;
-      this.window.w *= real;
-      this.window.h *= real;
-      this.apply();
-    }
-
-    apply() {
-      if (!this.window) return;
-      const { x, y, w, h } = this.window;
-      attr(this.root, "viewBox", `${(x - w / 2).toFixed(2)} ${(y - h / 2).toFixed(2)} ${w.toFixed(2)} ${h.toFixed(2)}`);
-      const { width, height } = this.root.getBoundingClientRect();
-      if (!width || !height) return;
-      this.px = Math.max(w / width, h / height);
-      this.root.style.setProperty("--px", `${this.px}px`);
+    // what keeps its size on the screen whatever the zoom
+    scaled(px) {
+      this.root.style.setProperty("--px", `${px}px`);
       // rows closer than the screen can show become a tint, not a black field
-      this.root.style.setProperty("--row", Math.min(1.3, Math.max(0.15, (0.35 * (this.drawing?.machine?.tool_width_m ?? 3)) / this.px)).toFixed(2));
-      const scale = this.px.toFixed(4);
-      for (const { node, x: sx, y: sy } of this.signs ?? []) attr(node, "transform", `translate(${sx} ${-sy}) scale(${scale})`);
+      this.root.style.setProperty("--row", Math.min(1.3, Math.max(0.15, (0.35 * (this.drawing?.machine?.tool_width_m ?? 3)) / px)).toFixed(2));
+      const scale = px.toFixed(4);
+      for (const { node, x, y } of this.signs ?? []) attr(node, "transform", `translate(${x} ${-y}) scale(${scale})`);
       if (this.arrow) attr(this.arrow, "transform", `scale(${scale})`);
       if (this.hatch) attr(this.hatch, "patternTransform", `rotate(45) scale(${scale})`);
-    }
-
-    // metres under a point of the screen
-    metres(event) {
-      const box = this.root.getBoundingClientRect();
-      return [this.window.x + (event.clientX - box.left - box.width / 2) * this.px, this.window.y + (event.clientY - box.top - box.height / 2) * this.px];
-    }
-
-    listen() {
-      const root = this.root;
-      root.addEventListener("wheel", (event) => {
-        event.preventDefault();
-        this.zoom(event.deltaY > 0 ? 1.2 : 1 / 1.2, this.metres(event));
-      }, { passive: false });
-      root.addEventListener("pointerdown", (event) => {
-        root.setPointerCapture(event.pointerId);
-        this.pointers.set(event.pointerId, event);
-      });
-      root.addEventListener("pointermove", (event) => this.moved(event));
-      for (const name of ["pointerup", "pointercancel"]) root.addEventListener(name, (event) => this.pointers.delete(event.pointerId));
-      root.addEventListener("dblclick", (event) => this.zoom(0.5, this.metres(event)));
-    }
-
-    moved(event) {
-      const before = this.pointers.get(event.pointerId);
-      if (!before || !this.window) return;
-      const others = [...this.pointers.values()].filter((one) => one.pointerId !== event.pointerId);
-      if (others.length) {
-        const span = (one) => Math.hypot(one.clientX - others[0].clientX, one.clientY - others[0].clientY) || 1;
-        this.zoom(span(before) / span(event), this.metres(others[0]));
-      } else {
-        this.isWhole = false;
-        this.window.x -= (event.clientX - before.clientX) * this.px;
-        this.window.y -= (event.clientY - before.clientY) * this.px;
-        this.apply();
-      }
-      this.pointers.set(event.pointerId, event);
     }
 
     say(words) {

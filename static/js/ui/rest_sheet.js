@@ -26,19 +26,23 @@
       this.said = el("div", { class: "h-t16 h-b", role: "status", "data-testid": "rest-said" }, "Looking at how far it is");
       this.options = el("div", { class: "h-col" });
       this.shown = el("div", { class: "h-col" });
-      this.close = HL.sheet({ title: kind === "change" ? `Change the rest: ${mission.name}` : `Resume later: ${mission.name}`, hook: "rest-sheet", body: [this.options, this.said, this.shown], buttons: [["Keep it as it is", (close) => close()], [kind === "change" ? "Send update" : "Send the way back", () => this.send(), true]] });
+      this.map = new HL.RestMap(`New path of ${mission.name}`, () => this.soon());
+      this.close = HL.sheet({ title: kind === "change" ? `Change the rest: ${mission.name}` : `Resume later: ${mission.name}`, hook: "rest-sheet", body: [this.options, this.said, this.shown, this.map.node], buttons: [["Keep it as it is", (close) => close()], [kind === "change" ? "Send update" : "Send the way back", () => this.send(), true]] });
       this.button = document.querySelector("[data-testid=rest-sheet] .foot .pri");
       attr(this.button, "data-testid", "rest-send");
       this.button.disabled = true;
       this.load();
     }
     async load() {
-      const [rest, places] = await Promise.all([HL.port.api("GET", `${of(this.mission.id)}/rest`), HL.port.api("GET", "/fields")]);
+      const [rest, places, shape] = await Promise.all([HL.port.api("GET", `${of(this.mission.id)}/rest`), HL.port.api("GET", "/fields"), HL.port.api("GET", `${of(this.mission.id)}/map.geojson`)]);
       if (!rest.ok) return this.say(`Not loaded: ${rest.text || "no answer"}`, "error");
       this.rest = rest.data;
       if (!this.rest.progress) return this.say("How far it came is not known. Start it fresh.", "error");
       if (this.kind === "change") this.options.replaceChildren(...this.choices(places.ok ? places.data.homes : []));
       else this.options.replaceChildren(el("p", { class: "h-t16" }, `It goes on exactly where it stopped${this.place()}: nothing twice, nothing left out. First it drives there with the tool off.`));
+      this.map.areas = this.rest.areas ?? [];
+      this.map.tools.hidden = this.map.note.hidden = this.kind !== "change";
+      if (shape.ok) this.map.show((this.base = shape.data));
       this.plan();
     }
     place() {
@@ -70,7 +74,7 @@
     wish() {
       if (this.kind !== "change") return { kind: "later" };
       const [end, home] = this.end.value.split(":");
-      return { kind: "change", leave_out: [...this.out], is_reversed: this.order.value === "turned", row_speed_mps: this.speed.value ? Number(this.speed.value) : null, end, home_id: home ?? null };
+      return { kind: "change", leave_out: [...this.out], areas: this.map.areas, is_reversed: this.order.value === "turned", row_speed_mps: this.speed.value ? Number(this.speed.value) : null, end, home_id: home ?? null };
     }
     soon() {
       clearTimeout(this.timer);
@@ -90,8 +94,14 @@
       const { left_out: out, notes, kept_until: kept, way_m: way } = this.planned;
       this.say(this.kind === "change" ? kept : `Way back ${Math.round(way)} m.`, "ready");
       const lines = [...(out.length ? [`Left out: ${out.join(", ")}.`] : []), ...notes];
-      this.shown.append(this.kind === "change" ? table(this.planned) : "", ...lines.map((line) => el("div", { class: "h-row h-t14 h-b" }, icon("info", "m"), line)), el("div", { class: "h-mpicture" }, HL.fieldPicture(this.planned.geometry, `New path of ${this.mission.name}`)));
+      this.shown.append(this.kind === "change" ? table(this.planned) : "", ...lines.map((line) => el("div", { class: "h-row h-t14 h-b" }, icon("info", "m"), line)));
+      this.map.show(this.pictured(this.planned.geometry));
       this.button.disabled = false;
+    }
+    // areas with a dose of their own stay as they were planned
+    pictured(geometry) {
+      const doses = (this.base?.features ?? []).filter((one) => one.properties.kind === "dose");
+      return { ...geometry, features: [...geometry.features, ...doses] };
     }
     async send() {
       if (this.button.disabled) return;
@@ -119,6 +129,7 @@
     const tick = window.headland.tick();
     if (tick === null) return { outcome: "refused", text: "The link to the server is lost." };
     const answer = await HL.port.api("POST", `${of(id)}/fresh`, { tick }, SEND_MS);
+    if (answer.data?.text?.includes("drawn")) HL.toast(answer.data.text, "warning");
     return { outcome: answer.data?.outcome ?? answer.outcome ?? "refused", text: answer.data?.text || answer.text || "No answer. Look at the robot." };
   }
 

@@ -18,7 +18,7 @@ from hmi.domain.checklist import CHECKLISTS
 from hmi.domain.robot import Family, Mode, OrderStatus
 from hmi.domain.role import Role
 from hmi.store.checklists import Checklists
-from tests.hmi.missions.rig import OTHER_FARM, Door, NoTokens, Rig
+from tests.hmi.missions.rig import OTHER_FARM, Door, NoTokens, Rig, lon_lat
 from tests.hmi.missions.test_rest_book import Desk
 
 Visitor = Callable[..., httpx.AsyncClient]
@@ -71,6 +71,48 @@ async def test_the_rest_is_read_previewed_and_sent(come_as: Visitor, desk: Desk)
         assert shown["geometry"]["features"]
         sent = (await client.post("/missions/m-1/rest", json={"sha256": shown["sha256"], "tick": "t"})).json()
         assert (sent["outcome"], sent["sha256"]) == ("accepted", shown["sha256"])
+
+
+OBSTACLE = {"kind": "obstacle", "outline": lon_lat((21, 30), (22, 30), (22, 31), (21, 31)), "clearance_m": 0.5}
+
+
+async def test_ground_drawn_on_the_rest_stays_with_the_mission_until_it_starts_fresh(
+    come_as: Visitor, desk: Desk, rig: Rig
+) -> None:
+    desk.reports(OrderStatus.PAUSED, Mode.PAUSED)
+    async with come_as(Role.SUPERVISOR) as client:
+        shown = (await client.post("/missions/m-1/rest/preview", json={"kind": "change", "areas": [OBSTACLE]})).json()
+        assert any("something stands there" in note for note in shown["notes"])
+        sent = (await client.post("/missions/m-1/rest", json={"sha256": shown["sha256"], "tick": "t"})).json()
+        assert sent["outcome"] == "accepted"
+        left = (await client.get("/missions/m-1/rest")).json()
+        assert left["areas"] == [OBSTACLE]
+        assert left["forgets"].endswith("1 obstacle")
+        desk.reports(OrderStatus.ABORTED, Mode.IDLE)
+        later = (await client.post("/missions/m-1/rest/preview", json={"kind": "later"})).json()
+        assert later["sha256"]
+        assert any("drawn: 1 obstacle" in why for _, why in desk.log())
+        fresh = (await client.post("/missions/m-1/fresh", json={"tick": "t"})).json()
+        assert fresh["outcome"] == "accepted"
+        assert fresh["text"].endswith("It knows nothing of what was drawn: 1 obstacle.")
+        assert (await client.get("/missions/m-1/rest")).json()["areas"] == []
+    assert "Forgotten: 1 obstacle." in desk.log()[-1][1]
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        {"outline": [[4.26, 51.78], [4.27, 51.78]]},
+        {"outline": [[4.26, 51.78], [4.27, 51.78], [4.27]]},
+        {"outline": [[4.26, 51.78], [4.27, 51.78], [4.27, 91.0]]},
+        {"clearance_m": -1},
+        {"kind": "wall"},
+    ],
+)
+async def test_ground_that_is_none_is_refused(come_as: Visitor, bad: dict[str, Any]) -> None:
+    async with come_as(Role.SUPERVISOR) as client:
+        wish = {"kind": "change", "areas": [{**OBSTACLE, **bad}]}
+        assert (await client.post("/missions/m-1/rest/preview", json=wish)).status_code == 422
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,137 @@
+"""The pieces a rest is made of: rows and laps, whole or cut, and which of them are one line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from hmi.domain.mission_document import Document
+from hmi.domain.mission_rest import WORK_KINDS, is_work
+from hmi.planning.plan import GENTLE_RAD, Leg, LegKind, turn_between
+from hmi.planning.projection import Floats
+
+TOUCH_M = 0.005  # points are rounded to millimetres
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Work:
+    """A piece to drive.
+
+    Args:
+        begins, ends: the base segment whose beginning and end these still are; ``None``: moved or turned around.
+        turned: the base segment that is driven the other way round.
+        is_joined: it goes on where the piece before it ended.
+    """
+
+    segment: Document
+    begins: int | None = None
+    ends: int | None = None
+    turned: int | None = None
+    is_joined: bool = False
+
+    @classmethod
+    def of(cls, segment: Document, number: int) -> Work:
+        """Return a piece as it stands in the base."""
+        return cls(segment, number, number)
+
+    def parts(self, segments: Sequence[Document], *, is_joined: bool) -> list[Work]:
+        """Return it cut; ``is_joined``: the parts follow one another without a way."""
+        last = len(segments) - 1
+        has_start, has_end = _is_same(segments[0], self.segment, 0), _is_same(segments[-1], self.segment, -1)
+        return [
+            Work(
+                one,
+                self.begins if k == 0 and has_start else None,
+                self.ends if k == last and has_end else None,
+                self.turned if (k == 0 and has_start) or (k == last and has_end) else None,
+                is_joined=(is_joined and k > 0) or (self.is_joined and k == 0 and has_start),
+            )
+            for k, one in enumerate(segments)
+        ]
+
+    @property
+    def points(self) -> Floats:
+        """Where it runs, (N, 2) metres."""
+        return np.asarray(self.segment["points"], dtype=float)
+
+    @property
+    def name(self) -> str:
+        """What people call it."""
+        return f"row {self.segment['row']}" if self.segment["row"] else "a headland lap"
+
+
+def leg_of(segment: Document) -> Leg:
+    """Return a segment as the planner sees it."""
+    points = np.asarray(segment["points"], dtype=float)
+    return Leg(
+        LegKind(segment["kind"]),
+        points,
+        segment["speed_mps"],
+        bool(segment.get("tool_on")),
+        int(segment.get("row", 0)),
+        bool(segment.get("pivot")) and not segment.get("jump"),
+        segment.get("dose", 1.0),
+    )
+
+
+def legs_of(segments: Sequence[Document]) -> list[Leg]:
+    """Return a path; pieces of one row or lap count as one."""
+    legs = [leg_of(one) for one in segments]
+    return [
+        replace(leg, is_continued=k > 0 and leg.kind.value in WORK_KINDS and is_one_line(segments[k - 1 : k + 1]))
+        for k, leg in enumerate(legs)
+    ]
+
+
+def is_one_line(segments: Sequence[Document]) -> bool:
+    """Say whether segments are pieces of one row or lap: each begins where and as the one before it ended."""
+    return all(
+        a["kind"] == b["kind"]
+        and a.get("row", 0) == b.get("row", 0)
+        and math.dist(a["points"][-1], b["points"][0]) < TOUCH_M
+        and abs(turn_between(leg_of(a), leg_of(b))) <= GENTLE_RAD
+        for a, b in pairwise(segments)
+    )
+
+
+def turned(work: Work) -> Work:
+    """Return a piece driven the other way round."""
+    return Work({**work.segment, "points": work.segment["points"][::-1]}, turned=work.begins)
+
+
+def _is_same(part: Document, whole: Document, end: int) -> bool:
+    return math.dist(part["points"][end], whole["points"][end]) < TOUCH_M
+
+
+def rounded_points(points: Floats) -> list[list[float]]:
+    """Return points as they stand in a document."""
+    rounded: list[list[float]] = (np.round(points, 3) + 0.0).tolist()
+    return rounded
+
+
+def driven_through(
+    before: Document | None, between: Sequence[Document], after: Document | None
+) -> list[Document] | None:
+    """Return the segments between two pieces with the tool off, ``None`` if a row or lap of its own lies between.
+
+    Work may be driven through only in the line of the piece before or after it; ``None`` for one that is not known.
+    """
+    lead = 0
+    while lead < len(between) and before is not None and is_one_line([before, between[lead]]):
+        before, lead = between[lead], lead + 1
+    tail = len(between)
+    while tail > lead and after is not None and is_one_line([between[tail - 1], after]):
+        after, tail = between[tail - 1], tail - 1
+    if any(is_work(one) for one in between[lead:tail]):
+        return None
+    return [off(one) if is_work(one) else one for one in between]
+
+
+def off(segment: Document) -> Document:
+    """Return a segment driven with the tool off."""
+    kept = {key: value for key, value in segment.items() if key != "dose"}
+    return {**kept, "tool_on": False}

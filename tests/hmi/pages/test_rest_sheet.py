@@ -1,0 +1,126 @@
+"""The rest sheet in a browser: ground drawn with a finger is planned around, and sent only after it was shown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+import shapely
+from playwright.sync_api import Locator, Page, expect
+
+from hmi.domain.mission_rest import Progress, RestWish, pieces_of
+from hmi.planning.rest import plan_rest
+from tests.hmi.missions.rig import FRAME
+from tests.hmi.pages.test_missions import GEOMETRY, PLANNED, Played, mission
+
+Look = Callable[..., Page]
+AT = Progress(PLANNED.sha256, 3, 1.0, 1, 6, 100.0, 20.0)
+
+
+class PlayedRest(Played):
+    """REST of one running mission; the rest is really planned."""
+
+    def __init__(self, page: Page) -> None:
+        super().__init__(page, [mission("m-1", "running", progress=AT.as_json())])
+
+    def reply(self, method: str, path: str) -> tuple[int, Any]:
+        """Answer what the sheet asks, else as usual."""
+        if path.endswith("/rest/preview"):
+            wish = RestWish(base=PLANNED.document, base_sha256=PLANNED.sha256, revision=2, progress=AT)
+            made = plan_rest(wish)
+            return 200, {"sha256": made.sha256, **made.difference, "geometry": GEOMETRY}
+        if path.endswith("/rest"):
+            return 200, self.rest() if method == "GET" else {"outcome": "accepted", "code": "ok", "text": ""}
+        return super().reply(method, path)
+
+    @staticmethod
+    def rest() -> dict[str, Any]:
+        """Return what is left."""
+        pieces = pieces_of(PLANNED.document, AT)
+        listed = [
+            {"number": one.number, "name": one.name, "kind": one.kind, "row": one.row, "length_m": 9.0,
+             "is_present": one.is_present}
+            for one in pieces
+        ]  # fmt: skip
+        return {**mission("m-1", "running"), "progress": AT.as_json(), "pieces": listed, "areas": [], "forgets": ""}
+
+
+@pytest.fixture
+def sheet(look: Look) -> Callable[..., tuple[Page, PlayedRest]]:
+    """Open the rest sheet from the mission's detail."""
+
+    def open_sheet(size: str = "landscape") -> tuple[Page, PlayedRest]:
+        page = look("/fleet", role="supervisor", size=size)
+        played = PlayedRest(page)
+        page.get_by_test_id("nav-missions").click()
+        if size == "portrait":
+            page.get_by_test_id("mission-row-m-1").click()
+        page.get_by_test_id("mission-change").click()
+        expect(page.get_by_test_id("rest-said")).to_have_attribute("data-state", "ready")
+        return page, played
+
+    return open_sheet
+
+
+def drag_around(page: Page, picture: Locator, size_px: float = 30.0) -> None:
+    """Draw a square around the picture's middle without lifting the finger."""
+    picture.scroll_into_view_if_needed()
+    box = picture.bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    corners = [(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -0.8)]
+    page.mouse.move(x - size_px, y - size_px)
+    page.mouse.down()
+    for dx, dy in corners[1:]:
+        page.mouse.move(x + dx * size_px, y + dy * size_px, steps=6)
+    page.mouse.up()
+
+
+def test_an_obstacle_drawn_with_a_finger_is_planned_around_and_then_sent(
+    sheet: Callable[..., tuple[Page, PlayedRest]],
+) -> None:
+    page, played = sheet()
+    page.get_by_test_id("rest-draw-obstacle").click()
+    drag_around(page, page.get_by_test_id("rest-map"))
+    expect(page.get_by_test_id("rest-area-0")).to_contain_text("Obstacle 1")
+    expect(page.get_by_test_id("rest-send")).to_be_disabled()
+    page.get_by_test_id("rest-clear-0").select_option("2")
+    expect(page.get_by_test_id("rest-said")).to_have_attribute("data-state", "ready")
+    (area,) = played.asked[-1][2]["areas"]
+    assert (area["kind"], area["clearance_m"]) == ("obstacle", 2)
+    outline = FRAME.to_local(area["outline"])
+    field = FRAME.to_local(PLANNED.document["parcel"][0])
+    assert shapely.Polygon(field).contains(shapely.Polygon(outline))
+    assert len(outline) == pytest.approx(4, abs=2)
+    page.get_by_test_id("rest-send").click()
+    expect(page.get_by_test_id("toast")).to_contain_text("read the new rest back")
+
+
+def test_corners_are_tapped_one_taken_back_and_an_area_taken_away(
+    sheet: Callable[..., tuple[Page, PlayedRest]],
+) -> None:
+    page, _ = sheet("portrait")
+    page.get_by_test_id("rest-draw-area").click()
+    picture = page.get_by_test_id("rest-map")
+    picture.scroll_into_view_if_needed()
+    box = picture.bounding_box()
+    assert box is not None
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    for dx, dy in ((-60, -60), (60, -60), (60, 30), (0, 90)):
+        page.mouse.click(middle[0] + dx, middle[1] + dy)
+    page.get_by_test_id("area-undo").click()
+    page.get_by_test_id("area-done").click()
+    expect(page.get_by_test_id("rest-area-0")).to_have_attribute("data-state", "leave_out")
+    page.get_by_test_id("rest-area-remove-0").click()
+    expect(page.get_by_test_id("rest-area-0")).to_have_count(0)
+
+
+def test_the_arrow_keys_draw_too(sheet: Callable[..., tuple[Page, PlayedRest]]) -> None:
+    page, _ = sheet()
+    page.get_by_test_id("rest-draw-area").click()
+    for keys in (["Enter"], ["ArrowRight"] * 4 + ["Enter"], ["ArrowDown"] * 4 + ["Enter"]):
+        for key in keys:
+            page.keyboard.press(key)
+    page.get_by_test_id("area-done").click()
+    expect(page.get_by_test_id("rest-area-0")).to_be_visible()

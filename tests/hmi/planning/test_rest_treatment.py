@@ -1,0 +1,143 @@
+"""The rest of a mission whose tool has areas of its own: several pieces a row, each with its dose."""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from functools import cache
+from typing import Any
+
+import pytest
+import shapely
+from hypothesis import assume, event, given, settings
+from hypothesis import strategies as st
+
+from hmi.domain.mission_document import Document
+from hmi.domain.mission_plan import PlannedMission, PlanRefused, PlanWish, TreatedArea, Treatment
+from hmi.domain.mission_rest import PlannedRest, Progress, RestWish, is_work, length_m, pieces_of
+from hmi.planning.mission import plan_mission
+from hmi.planning.rest import plan_rest
+from tests.hmi.missions.rig import FRAME, lon_lat, parcel_geometry
+from tests.hmi.planning.test_rest import places, standing
+
+Place = tuple[float, float, int, float]
+"""From and to along a row, the row, the dose."""
+
+
+@cache
+def base() -> PlannedMission:
+    return plan_mission(
+        PlanWish(
+            mission_id="m-1",
+            name="Home field",
+            robot_id="weeder-01",
+            field_name="Home field",
+            parcel=parcel_geometry(40.0),
+            width_m=3.0,
+            datum_lat_deg=FRAME.lat_deg,
+            datum_lon_deg=FRAME.lon_deg,
+            angle_rad=math.pi / 2,
+            treatment=Treatment((area(8, 8, 20, 16, 0.0), area(8, 20, 32, 26, 2.0), area(20, 26, 32, 30, 0.5))),
+        )
+    )
+
+
+def area(x0: float, y0: float, x1: float, y1: float, dose: float) -> TreatedArea:
+    ring = lon_lat((x0, y0), (x1, y0), (x1, y1), (x0, y1), (x0, y0))
+    return TreatedArea({"type": "Polygon", "coordinates": [ring]}, dose)
+
+
+def segments() -> list[Document]:
+    found: list[Document] = base().document["segments"]
+    return found
+
+
+def progress_at(place: tuple[int, float]) -> Progress:
+    number = place[0] % (len(segments()) - 1)
+    return Progress(base().sha256, number, round(place[1] * length_m(segments()[number]), 2))
+
+
+def rest(progress: Progress, **more: Any) -> PlannedRest:
+    return plan_rest(
+        RestWish(base=base().document, base_sha256=base().sha256, progress=progress, **{"revision": 2, **more})
+    )
+
+
+def doses_m(parts: Sequence[Mapping[str, Any]]) -> dict[tuple[int, float], float]:
+    """Return the metres worked of each row with each dose."""
+    found: dict[tuple[int, float], float] = defaultdict(float)
+    for one in parts:
+        if is_work(one):
+            found[one["row"], one.get("dose", 1.0)] += length_m(one)
+    return found
+
+
+def worked_twice_m(parts: Sequence[Mapping[str, Any]]) -> float:
+    lines = [shapely.LineString(one["points"]) for one in parts if is_work(one)]
+    return sum(line.length for line in lines) - shapely.union_all(lines, grid_size=0.001).length
+
+
+def same(found: Mapping[tuple[int, float], float], wanted: Mapping[tuple[int, float], float]) -> bool:
+    return all(math.isclose(found.get(key, 0.0), wanted.get(key, 0.0), abs_tol=0.05) for key in {*found, *wanted})
+
+
+def test_the_rows_of_this_mission_have_pieces_with_doses_and_gaps() -> None:
+    rows = [one for one in segments() if one["row"] == 5]
+    assert {one.get("dose", 1.0) for one in rows} >= {1.0, 2.0}
+    assert any(not one["tool_on"] for one in segments() if one["row"])
+
+
+@settings(max_examples=40, deadline=None)
+@given(place=places, is_reversed=st.booleans(), is_running=st.booleans())
+def test_every_piece_is_done_once_with_its_dose(place: tuple[int, float], is_reversed: bool, is_running: bool) -> None:
+    progress = progress_at(place)
+    assume(pieces_of(base().document, progress))
+    try:
+        made = rest(progress, is_reversed=is_reversed, is_running=is_running)
+    except PlanRefused as error:
+        event(error.code)
+        return
+    assert same(doses_m(made.document["segments"]), doses_m(segments()))
+    assert worked_twice_m(made.document["segments"]) == pytest.approx(worked_twice_m(segments()), abs=0.1)
+
+
+@settings(max_examples=25, deadline=None)
+@given(place=places, x=st.floats(6.0, 34.0), y=st.floats(6.0, 34.0))
+def test_taken_up_later_every_piece_is_done_once_with_its_dose(place: tuple[int, float], x: float, y: float) -> None:
+    progress = progress_at(place)
+    assume(pieces_of(base().document, progress))
+    made = rest(progress, stand=standing(x, y))
+    assert same(doses_m(made.document["segments"]), doses_m(segments()))
+
+
+@pytest.mark.parametrize("is_reversed", [False, True])
+def test_the_pieces_of_a_row_are_driven_in_one_line(is_reversed: bool) -> None:
+    """Between them the tool is off or its dose changes; there is no way around."""
+    made = rest(progress_at((0, 0.0)), is_reversed=is_reversed)
+    first = made.document["continues"]["segments"]
+    parts = made.document["segments"][first:]
+    row_5 = [k for k, one in enumerate(parts) if one["row"] == 5]
+    assert row_5 == list(range(row_5[0], row_5[-1] + 1))
+    driven = sum(length_m(parts[k]) for k in row_5)
+    assert driven == pytest.approx(sum(length_m(one) for one in segments() if one["row"] == 5), abs=0.02)
+
+
+def test_another_speed_keeps_the_dose() -> None:
+    made = rest(progress_at((0, 0.0)), row_speed_mps=0.4)
+    speeds = {one.get("dose", 1.0): one["speed_mps"] for one in made.document["segments"] if is_work(one)}
+    assert speeds == {0.5: 0.4, 1.0: 0.4, 2.0: 0.2}
+
+
+def test_the_numbers_count_rows_not_pieces() -> None:
+    made = rest(progress_at((0, 0.0)))
+    assert made.statistics["turns"] == base().statistics["turns"]
+    assert made.statistics["energy_j"] == pytest.approx(base().statistics["energy_j"], rel=0.01)
+
+
+def test_one_piece_left_out_is_driven_through_with_the_tool_off() -> None:
+    number = next(i for i, one in enumerate(segments()) if one["row"] == 5 and one.get("dose") == 2.0)
+    made = rest(progress_at((0, 0.0)), leave_out=(number,))
+    row = [one for one in made.document["segments"] if one["row"] == 5]
+    through = [one for one in row if one["points"] == segments()[number]["points"]]
+    assert [(one["tool_on"], one.get("dose")) for one in through] == [(False, None)]

@@ -1,0 +1,25 @@
+"""Outlines drawn by hand, run in node."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+HERE = Path(__file__).parent
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
+def test_a_line_of_a_finger_becomes_an_outline_or_is_refused() -> None:
+    node = shutil.which("node")
+    assert node is not None
+    run = subprocess.run(
+        [node, "--test", "--test-reporter=tap", str(HERE / "area_shape.test.mjs")],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert run.returncode == 0, run.stdout[-4000:] + run.stderr[-2000:]
