@@ -76,6 +76,7 @@ class SimulatorConfig:
         speed: missions run this many times faster than real time; driving by hand never does.
         state_dir: where latch, mission and progress survive a restart; ``None`` keeps nothing.
         jobs: missions that robots are busy with when the simulation begins.
+        opening: situations that happen first, by robot; with it, more come and go on robots that have a job.
     """
 
     broker_url: str
@@ -86,6 +87,7 @@ class SimulatorConfig:
     speed: float = 1.0
     state_dir: Path | None = None
     jobs: Mapping[str, Job] = field(default_factory=dict)
+    opening: Mapping[str, str] | None = None
 
     def __post_init__(self) -> None:
         ids = [robot.id for robot in self.robots]

@@ -79,7 +79,9 @@ PLANTER = Profile(
         up.Function(name="see-people", label="See people in its way", depends_on=["stereo"]),
         up.Function(name="plan-trees", label="Find planting points", depends_on=["stereo", "plant-planner"]),
         up.Function(
-            name="plant", label="Plant trees", depends_on=["follow-path", "see-people", "plan-trees", "crane", "planter"]
+            name="plant",
+            label="Plant trees",
+            depends_on=["follow-path", "see-people", "plan-trees", "crane", "planter"],
         ),
         up.Function(name="manual-drive", label="Drive by hand", depends_on=["drive"]),
     ),

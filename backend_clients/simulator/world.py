@@ -10,6 +10,7 @@ from pathlib import Path
 from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
 from backend_clients.simulator import faults as fault_kinds
+from backend_clients.simulator.brain import Brain
 from backend_clients.simulator.config import RobotConfig
 from backend_clients.simulator.faults import Fault, Faults
 from backend_clients.simulator.journal import Happening
@@ -18,7 +19,6 @@ from backend_clients.simulator.machine import STOPPED, Machine
 from backend_clients.simulator.orders import OrderDesk
 from backend_clients.simulator.reports import Reporter
 from backend_clients.simulator.state_folder import StateFolder
-from backend_clients.simulator.brain import Brain
 from hmi.clock import Clock
 
 MAX_STEP_S = 0.1  # control gets coarse above; hastened time is cut into steps of this

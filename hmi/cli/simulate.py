@@ -48,7 +48,14 @@ def weeder(
     robots: Robots = None,
 ) -> None:
     """Start one simulated laser weeder, or the robots of a file."""
-    _run(broker, port, seed, speed, state, lambda: _read(robots) if robots else (_one("weeder", robot, name, token, lat, lon),))
+    _run(
+        broker,
+        port,
+        seed,
+        speed,
+        state,
+        lambda: _read(robots) if robots else (_one("weeder", robot, name, token, lat, lon),),
+    )
 
 
 @app.command()
@@ -97,12 +104,20 @@ def fleet(
     """Start the robots of the demo farm, at work."""
     from backend_clients.simulator.config import SimulatorConfig
     from backend_clients.simulator.process import run_simulator
-    from hmi.demo.jobs import jobs_of
+    from hmi.demo.jobs import OPENING, jobs_of
 
     try:
         rows = _rows(robots) if robots else []
+        jobs = jobs_of(rows)
         config = SimulatorConfig(
-            broker, _configs(rows), port=port, seed=seed, speed=speed, state_dir=state, jobs=jobs_of(rows)
+            broker,
+            _configs(rows),
+            port=port,
+            seed=seed,
+            speed=speed,
+            state_dir=state,
+            jobs=jobs,
+            opening=OPENING if jobs else None,
         )
     except ValueError as error:
         raise StartError(f"{error}.") from error
