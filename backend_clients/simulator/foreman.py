@@ -78,6 +78,8 @@ class Foreman:
         if robot_id in self._to_begin:  # somebody started it before the console came up
             self._to_begin.discard(robot_id)
             self._go(brain)
+        elif self._jobs[robot_id].is_endless and run.status == "done":
+            self._go(brain)
         elif now_s >= self._due_s.setdefault(robot_id, now_s + self._walk_s(now_s)):
             del self._due_s[robot_id]
             self._go(brain)
@@ -93,6 +95,8 @@ class Foreman:
             return brain.machine.soc > SENT_HOME_BELOW
         if run.status == "loaded":
             return robot_id in self._to_begin and brain.machine.soc > SENT_HOME_BELOW
+        if self._jobs[robot_id].is_endless and run.status == "done":
+            return True
         has_ended = run.status == "done" or (run.status == "paused" and run.pause_code == "low_charge")
         return has_ended and brain.is_at_home and brain.machine.soc >= CHARGED
 
