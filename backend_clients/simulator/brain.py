@@ -443,4 +443,3 @@ class Brain:
         if not self.machine.base.is_still or self.is_auto:
             return False
         return math.dist(self.place, (self.config.x_m, self.config.y_m)) < CHARGER_REACH_M
-

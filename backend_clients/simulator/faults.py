@@ -151,6 +151,10 @@ class Faults:
         """Return the active faults."""
         return list(self._active.values())
 
+    def is_on(self, name: str) -> bool:
+        """Say whether a fault is active."""
+        return name in self._active
+
     @property
     def silence(self) -> Silence | None:
         """The silence in force."""

@@ -16,6 +16,7 @@ from hmi.clock import Clock
 
 LOOK_EVERY_S = 1.0
 WALK_S = (45.0, 120.0)  # to the machine
+STARTING_S = 60.0
 CHARGED = 0.9
 SENT_HOME_BELOW = 0.15
 GOES_ON = ("rebooted", "continued", "link_lost")
@@ -29,7 +30,8 @@ class Foreman:
         self._robots = {robot_id: robots[robot_id] for robot_id in jobs if robot_id in robots}
         self._jobs, self._clock = jobs, clock
         self._rng = random.Random(f"foreman/{seed}")  # noqa: S311
-        self._looked_s = -LOOK_EVERY_S
+        self._begun_s = clock.mono_s()
+        self._looked_s = self._begun_s - LOOK_EVERY_S
         self._due_s: dict[str, float] = {}
         self._to_begin = set(self._robots)
         for robot_id, robot in self._robots.items():
@@ -76,9 +78,15 @@ class Foreman:
         if robot_id in self._to_begin:  # somebody started it before the console came up
             self._to_begin.discard(robot_id)
             self._go(brain)
-        elif now_s >= self._due_s.setdefault(robot_id, now_s + self._rng.uniform(*WALK_S)):
+        elif self._jobs[robot_id].is_endless and run.status == "done":
+            self._go(brain)
+        elif now_s >= self._due_s.setdefault(robot_id, now_s + self._walk_s(now_s)):
             del self._due_s[robot_id]
             self._go(brain)
+
+    def _walk_s(self, now_s: float) -> float:
+        # while everything starts, links come and go, and the people still stand beside the machines
+        return 3.0 if now_s < self._begun_s + STARTING_S else self._rng.uniform(*WALK_S)
 
     def _may_go(self, robot_id: str, brain: Brain) -> bool:
         run = brain.run
@@ -87,6 +95,8 @@ class Foreman:
             return brain.machine.soc > SENT_HOME_BELOW
         if run.status == "loaded":
             return robot_id in self._to_begin and brain.machine.soc > SENT_HOME_BELOW
+        if self._jobs[robot_id].is_endless and run.status == "done":
+            return True
         has_ended = run.status == "done" or (run.status == "paused" and run.pause_code == "low_charge")
         return has_ended and brain.is_at_home and brain.machine.soc >= CHARGED
 

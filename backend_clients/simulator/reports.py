@@ -6,12 +6,12 @@ from collections import deque
 from typing import TypedDict
 
 from backend_clients.edge import messages_up as up
+from backend_clients.simulator.brain import Brain
 from backend_clients.simulator.datasheet import factsheet_fields, node_fields
 from backend_clients.simulator.holds import fault
 from backend_clients.simulator.journal import Happening
 from backend_clients.simulator.latch import PressRecord
 from backend_clients.simulator.watch import waiting_reason
-from backend_clients.simulator.brain import Brain
 
 MAX_PENDING_PINGS = 4
 MAX_PRESSES_SHOWN = 64

@@ -8,6 +8,8 @@
     GET    /_world/{robot}           ground truth
     POST   /_world/{robot}           {"x_m", "y_m", "theta_rad", "soc"}, all optional: puts the machine there
     POST   /_world                   {"speed": 10}
+    GET    /_situations              what can be played, and what is on
+    POST   /_situations/{robot}      {"situation": "rtk-float"}, null ends it
 """
 
 from __future__ import annotations
@@ -22,8 +24,10 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
+from backend_clients.simulator.director import Director
 from backend_clients.simulator.faults import decode_fault, name_of
 from backend_clients.simulator.http_server import error
+from backend_clients.simulator.situations import SITUATIONS
 from backend_clients.simulator.world import SimRobot, World
 
 MAX_BODY = 4096
@@ -48,11 +52,19 @@ class Pace(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     speed: Annotated[float, Meta(ge=0.1, le=200)]
 
 
-def routes(world: World) -> list[Route]:
+class Wanted(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Which situation to play on a robot; ``None`` ends the one that is on."""
+
+    situation: str | None
+
+
+def routes(world: World, director: Director) -> list[Route]:
     """Return the tester's routes."""
     return [
         Route("/_faults/{robot_id}", _local(_Faults(world).serve), methods=["GET", "POST", "DELETE"]),
         Route("/_world/{robot_id}", _local(_Truth(world).serve), methods=["GET", "POST"]),
+        Route("/_situations", _local(_Situations(director).list), methods=["GET"]),
+        Route("/_situations/{robot_id}", _local(_Situations(director).play), methods=["POST"]),
         Route("/_world", _local(_Pace(world).serve), methods=["GET", "POST"]),
     ]
 
@@ -88,6 +100,25 @@ class _Truth:
             base.theta_rad = base.theta_rad if place.theta_rad is None else place.theta_rad
             robot.machine.soc = robot.machine.soc if place.soc is None else place.soc
         return _answer(truth(robot, self._world.clock.mono_s()))
+
+
+class _Situations:
+    def __init__(self, director: Director) -> None:
+        self._director = director
+
+    async def list(self, _request: Request) -> Response:
+        known = [{"id": s.id, "title": s.title, "text": s.text, "families": s.families} for s in SITUATIONS]
+        return _answer({"situations": known, "now": self._director.now()})
+
+    async def play(self, request: Request) -> Response:
+        wanted = msgspec.json.decode(await request.body(), type=Wanted).situation
+        try:
+            self._director.provoke(request.path_params["robot_id"], wanted)
+        except KeyError as problem:
+            return error(404, "unknown", f"There is no robot or situation {problem.args[0]!r} here.")
+        except ValueError as problem:
+            return error(409, "not_possible", f"{problem}.")
+        return _answer({"now": self._director.now()})
 
 
 class _Pace:

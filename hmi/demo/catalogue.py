@@ -11,7 +11,7 @@ from hmi.demo.fleet import robot
 from hmi.domain.mission_plan import PlannedMission, PlanWish, Surroundings
 from hmi.planning.mission import plan_mission
 
-
+SOLID = ("obstacle", "building", "no-go", "water", "hedge")
 SITE_DATUM = (40.312546, -3.48086)
 
 
@@ -74,7 +74,11 @@ def row_angle(properties: dict[str, Any]) -> float | None:
 def surroundings(site: str) -> Surroundings:
     """Return obstacles and ways of one site; a field may be crossed on the way to another."""
     near = [one for one in features() if one.properties["site"] == site]
-    solid = [(one.geometry, _width(one.properties)) for one in near if one.kind in ("obstacle", "building", "no-go", "water", "hedge")]
+    solid = [
+        (one.geometry, _width(one.properties))
+        for one in near
+        if one.kind in ("obstacle", "building", "no-go", "water", "hedge")
+    ]
     ways = [(one.geometry, float(one.properties.get("width_m", 0.0))) for one in near if one.kind == "road"]
     return Surroundings(tuple(solid), tuple(ways))
 

@@ -21,3 +21,12 @@ def jobs_of(rows: Iterable[Mapping[str, Any]]) -> dict[str, Job]:
             document = planned_work()[task.mission_id].document
             found[task.robot_id] = Job(msgspec.convert(document, Mission), task.done)
     return found
+
+
+OPENING = {
+    "weeder-03": "rtk-float",
+    "weeder-11": "weed-unsure",
+    "planter-02": "crane-limit",
+    "uav-03": "reserve-near",
+}
+"""What happens first, so that a new visitor sees a farm with some trouble."""

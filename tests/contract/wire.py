@@ -17,7 +17,7 @@ from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.mqtt import LinkState, MqttLink
 from backend_clients.edge.topics import Down, Up, parse, topic
-from backend_clients.simulator.config import SimulatorConfig, RobotConfig
+from backend_clients.simulator.config import RobotConfig, SimulatorConfig
 from backend_clients.simulator.process import Simulator
 
 ROBOT, TOKEN = "weeder-01", "secret-1"

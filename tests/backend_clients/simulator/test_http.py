@@ -17,6 +17,7 @@ from backend_clients.edge.messages_up import Ack
 from backend_clients.errors import Refused
 from backend_clients.simulator import tester_http
 from backend_clients.simulator.config import RobotConfig
+from backend_clients.simulator.director import Director
 from backend_clients.simulator.http_server import RobotEndpoint, application
 from backend_clients.simulator.world import World
 from hmi.clock import FakeClock
@@ -36,7 +37,7 @@ class Site:
         self.acks: list[Any] = []
         self.answered = asyncio.Event()
         self.endpoint = RobotEndpoint(self.world, self.on_ack)
-        app = application(self.endpoint, tester_http.routes(self.world))
+        app = application(self.endpoint, tester_http.routes(self.world, Director(self.world.robots, self.world.clock)))
         self.transport = httpx.ASGITransport(app, client=client)
 
     def on_ack(self, robot: str, ack: Ack) -> None:

@@ -61,9 +61,7 @@ def test_a_mission_is_driven_to_its_end_with_the_laser_on_in_rows_only() -> None
     for _ in range(1600):
         rig.run(0.05)
         base = rig.robot.machine.base
-        if rig.robot.machine.tool_on and not (
-            -0.1 < base.y_m < 12.1 and abs(base.x_m - 3 * round(base.x_m / 3)) < 0.1
-        ):
+        if rig.robot.machine.tool_on and not (-0.1 < base.y_m < 12.1 and abs(base.x_m - 3 * round(base.x_m / 3)) < 0.1):
             fired_outside += 1
         cross = rig.telemetry.cross_track_m
         worst_m = max(worst_m, abs(cross or 0.0))

@@ -11,7 +11,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from backend_clients.simulator.config import SimulatorConfig, RobotConfig
+from backend_clients.simulator.config import RobotConfig, SimulatorConfig
 from tests.brokers import free_port
 
 PROGRAM = """
