@@ -87,7 +87,7 @@
       attr(this, "data-state", state);
       attr(this, "data-value", bell.level() ?? 0);
       attr(this, "data-count", played);
-      attr(this.button, "hidden", state === "on");
+      attr(this.button, "hidden", state === "on" || HL.view.screen === "alarms"); // that screen has its own
       const words = state === "silenced" ? `Silent ${HL.words.clock(bell.silentMs() / 1000)}` : "Sound is off. Tap to turn on.";
       text(this.word, words);
       attr(this.button, "aria-label", state === "silenced" ? `${words}. Tap to turn on.` : words);

@@ -86,6 +86,7 @@
       const wide = this.list.clientWidth >= HL.alarmWide;
       toggle(this, "compact", !wide);
       for (const [node, isOn] of [[this.head, isList && wide], [this.rows.node, isList], [this.journal.node, tab === "journal"], [this.statistics.node, tab === "statistics"]]) attr(node, "hidden", !isOn);
+      HL.style(this.head, "padding-right", `${8 + this.rows.box.offsetWidth - this.rows.box.clientWidth}px`); // above a scroll bar columns would shift
       const alarms = HL.alarms.all();
       this.wanted = Order.rows(alarms, { isWanted: tab === "shelved" ? Order.isAside : Order.isActive, filter: this.filter.value(), isFlood: this.isFlood(), open: this.open });
       if (isList) this.rows.take(this.wanted, this.view(!wide), isForced);

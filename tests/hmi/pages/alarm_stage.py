@@ -94,8 +94,7 @@ class AlarmStage:
         active = [
             one
             for one in self.entries.values()
-            if one["priority"] == level
-            and one["state"] in ("unacknowledged", "acknowledged", "returned", "latched")
+            if one["priority"] == level and one["state"] in ("unacknowledged", "acknowledged", "returned", "latched")
         ]
         return [len(active), sum(one["state"] in ("unacknowledged", "returned") for one in active)]
 
@@ -183,9 +182,7 @@ def router(stage: AlarmStage, note: Callable[[dict[str, Any]], None]) -> APIRout
             {"at": found["raised"], "kind": "alarm", "text": found["title"], "is_alarm": True, "is_first": True},
         ]  # fmt: skip
         contact = {"name": "Jonas Weber", "phone": "+49 151 0000"}
-        return JSONResponse(
-            {"alarm": found, "type": TYPE, "sequence": sequence, "seen_before": 3, "contact": contact}
-        )
+        return JSONResponse({"alarm": found, "type": TYPE, "sequence": sequence, "seen_before": 3, "contact": contact})
 
     @routes.post("/api/v1/alarms/acknowledge")
     async def several(request: Request) -> dict[str, Any]:
