@@ -44,6 +44,7 @@
       text(this.tabs[0], `Active ${active}`);
       text(this.tabs[1], `Shelved ${aside}`);
       this.offer(sources);
+      for (const field of [this.robot, this.level, this.search]) attr(field, "hidden", this.tab === "statistics"); // those are of all
       const state = HL.bell?.state() ?? "blocked";
       attr(this.sound, "data-state", state);
       text(this.soundSign, state === "on" ? "volume_up" : "volume_off");

@@ -34,7 +34,7 @@
       this.silence = button("volume_off", "Silence 2 min", "alarm-silence", () => HL.bell?.silence());
       this.shelve = button("snooze", "Shelve", "alarm-shelve-chosen", () => this.shelve.getAttribute("aria-disabled") !== "true" && this.detail.putAside());
       this.exportButton = button("download", "Export journal", "alarm-export", () => this.journal.export());
-      const hint = el("span", { class: "h-hint al-hint" }, "Acknowledge means “I have seen it”.", el("br"), "It does not reset or move a robot.");
+      const hint = el("span", { class: "h-hint al-hint" }, "Acknowledge means “I have seen it”. ", el("br"), "It does not reset or move a robot.");
       return el("div", { class: "h-dockbar al-dock", role: "group", "aria-label": "Actions" }, this.ackShown, this.silence, this.shelve, this.exportButton, el("span", { class: "h-sp" }), hint);
     }
 

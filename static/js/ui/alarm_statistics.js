@@ -47,7 +47,7 @@
           fact("Time in flood", percent(found.flood_share, 1), "target under 1 %"),
           fact("Answer time", W.clock(found.answer_median_s), "median, target under 2:00"),
           fact("Standing over 24 h", found.standing_24h ?? "–", "target under 5"),
-          fact("Priority mix, 7 days", [1, 2, 3, 4].map((level) => percent(found.mix_7d?.[level] ?? 0).replace(" %", "")).join(" / ") + " %", "critical, high, medium, low; target 5 for the first two, 15, 80")),
+          fact("Priority mix, 7 days", [1, 2, 3, 4].map((level) => percent(found.mix_7d?.[level] ?? 0).replace(" %", "")).join("/") + " %", "priority 1 to 4; target 5 for 1 and 2, 15, 80")),
         this.chart(found.per_10min ?? []),
         el("h2", {}, "Ten alarms that come most, 7 days"), actors(found.top),
         el("h2", {}, "Standing over 24 h"), standing(HL.alarms.all()),

@@ -138,7 +138,7 @@ def test_shelving_asks_for_time_and_reason_and_comes_back_by_hand(look: Look, fa
 @pytest.mark.parametrize(
     ("role", "words"),
     [
-        ("operator", "Shelving needs the supervisor role."),
+        pytest.param("operator", "Shelving needs the supervisor role.", marks=pytest.mark.long),
         ("viewer", "You can watch alarms. Acknowledging needs the operator role."),
     ],
 )
@@ -153,6 +153,7 @@ def test_what_a_role_may_not_do_stays_in_place_with_its_reason(
         assert farm.orders("alarms/") == []
 
 
+@pytest.mark.long
 def test_no_alarms_says_when_the_last_one_was(look: Look, theatre: Theatre) -> None:
     theatre.play("running")
     theatre.alarms(journal=[{"at": 0, "what": "raised", "priority": 3, "title": "Old"}])
@@ -179,6 +180,7 @@ def test_five_hundred_alarms_of_a_flood_stand_under_their_causes(look: Look, the
     page.get_by_label("Show 19 that follow").first.click()
     expect(page.get_by_role("table", name="Alarms")).to_have_attribute("aria-rowcount", "44")
     theatre.alarms(flood=None)
+    page.get_by_role("button", name="456 new, priority 3. Show").click()
     expect(page.get_by_role("table", name="Alarms")).to_have_attribute("aria-rowcount", "500")
     assert page.locator(".al-rows .al-row").count() < 40
     page.locator(".al-box").evaluate("(box) => (box.scrollTop = box.scrollHeight)")
@@ -203,6 +205,7 @@ def test_the_first_touch_turns_the_sound_on_and_silence_leaves_the_list(look: Lo
     expect(page.get_by_test_id("alarm-voice-alert")).to_have_text("Priority 1. Kestrel 1: Outside its fence.")
 
 
+@pytest.mark.long
 def test_keys_walk_the_list_and_acknowledge_but_moving_here_does_not(look: Look, farm: Theatre) -> None:
     page = look("/fleet", size="landscape")
     expect(page.get_by_test_id("nav-alarms")).to_have_attribute("data-state", "unacknowledged")
