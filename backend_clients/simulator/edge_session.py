@@ -108,7 +108,7 @@ class EdgeSession:
         will = Will(topic(robot_id, Up.PRESENCE), codec.encode(self._boot.reporter.goodbye("lost")))
         self._link = MqttLink(
             self._broker_url,
-            f"robot-{robot_id}-{self._boot.weeder.boot[:8]}",
+            f"robot-{robot_id}-{self._boot.brain.boot[:8]}",
             subscriptions=[(topic(robot_id, kind), 0 if kind in _FAST else 1) for kind in Down],
             on_message=self._on_message,
             on_link=self._on_link(self._boot),
@@ -137,16 +137,16 @@ class EdgeSession:
     # ---- up -----------------------------------------------------------------------------------------
 
     def _report_safety(self, boot: Boot) -> None:
-        weeder = boot.weeder
-        is_stopping = weeder.is_stopped and not weeder.machine.is_standing
+        brain = boot.brain
+        is_stopping = brain.is_stopped and not brain.machine.is_standing
         due = self._tick % (SAFETY_STOPPING_TICKS if is_stopping else SAFETY_TICKS) == 0
-        machine = weeder.machine
+        machine = brain.machine
         shown = (
-            weeder.latch.is_set,
+            brain.latch.is_set,
             machine.is_hardware_stop,
             machine.is_standing,
-            machine.laser_on,
-            tuple((press.stop_id, press.is_reset) for press in weeder.latch.presses),
+            machine.tool_on,
+            tuple((press.stop_id, press.is_reset) for press in brain.latch.presses),
         )
         is_new = self._shown.get(Up.SAFETY) != shown
         if is_new or due:
@@ -154,14 +154,14 @@ class EdgeSession:
             self._say(Up.SAFETY, boot.reporter.safety(), qos=1 if is_new else 0)
 
     def _report_state(self, boot: Boot) -> None:
-        weeder = boot.weeder
-        run = weeder.run
+        brain = boot.brain
+        run = brain.run
         shown = (
-            weeder.mode,
-            weeder.watch.path,
-            weeder.watch.faults,
-            weeder.hold_code,
-            weeder.guard.active_lease,
+            brain.mode,
+            brain.watch.path,
+            brain.watch.faults,
+            brain.hold_code,
+            brain.guard.active_lease,
             (run.sha256, run.status, run.row, run.pause_code) if run is not None else None,
         )
         if self._shown.get(Up.STATE) != shown or self._tick % STATE_TICKS == 0:

@@ -16,7 +16,9 @@ import uvicorn
 from backend_clients.edge import messages_up as up
 from backend_clients.simulator import tester_http
 from backend_clients.simulator.config import SimulatorConfig
+from backend_clients.simulator.director import Director
 from backend_clients.simulator.edge_session import TICK_S, EdgeSession
+from backend_clients.simulator.foreman import Foreman
 from backend_clients.simulator.http_server import RobotEndpoint, application
 from backend_clients.simulator.world import World
 from hmi.clock import Clock, SystemClock
@@ -57,7 +59,10 @@ class Simulator:
         config = self._config
         self._loop, self._stopping = asyncio.get_running_loop(), asyncio.Event()
         listener = _listen(config.host, config.port)
-        world = World(config.weeders, self._clock, seed=config.seed, speed=config.speed, state_dir=config.state_dir)
+        world = World(config.robots, self._clock, seed=config.seed, speed=config.speed, state_dir=config.state_dir)
+        foreman = Foreman(world.robots, config.jobs, self._clock, seed=config.seed)
+        players = frozenset(config.jobs) if config.opening is not None else frozenset()
+        director = Director(world.robots, self._clock, players=players, opening=config.opening, seed=config.seed)
         sessions = {
             robot_id: EdgeSession(robot, config.broker_url, self._loop) for robot_id, robot in world.robots.items()
         }
@@ -66,9 +71,11 @@ class Simulator:
             sessions[robot_id].answer(ack)
 
         endpoint = RobotEndpoint(world, on_ack)
-        server = _Server(_server_config(endpoint, world))
+        server = _Server(_server_config(endpoint, world, director))
         serving = asyncio.create_task(server.serve(sockets=[listener]), name="simulator-http")
-        living = asyncio.create_task(self._live(world, list(sessions.values())), name="simulator-world")
+        living = asyncio.create_task(
+            self._live(world, (foreman, director), list(sessions.values())), name="simulator-world"
+        )
         stopping = asyncio.create_task(self._stopping.wait(), name="simulator-stop")
         try:
             if self._on_ready is not None:
@@ -86,12 +93,14 @@ class Simulator:
             if isinstance(result, Exception):
                 raise result
 
-    async def _live(self, world: World, sessions: list[EdgeSession]) -> None:
+    async def _live(self, world: World, people: tuple[Foreman, Director], sessions: list[EdgeSession]) -> None:
         """Step the world and its sessions at 20 Hz."""
         before = due = self._clock.mono_s()
         while True:
             now = self._clock.mono_s()
             world.step(min(now - before, MAX_CATCH_UP_S))
+            for somebody in people:
+                somebody.look()
             before = now
             for session in sessions:
                 session.tick()
@@ -124,9 +133,9 @@ class _Server(uvicorn.Server):
         yield
 
 
-def _server_config(endpoint: RobotEndpoint, world: World) -> uvicorn.Config:
+def _server_config(endpoint: RobotEndpoint, world: World, director: Director) -> uvicorn.Config:
     return uvicorn.Config(
-        application(endpoint, tester_http.routes(world)),
+        application(endpoint, tester_http.routes(world, director)),
         log_config=None,
         log_level="critical",  # it shouts about requests a silence fault holds at the end
         access_log=False,
@@ -151,7 +160,7 @@ def _listen(host: str, port: int) -> socket.socket:
 def _save(world: World) -> None:
     for robot in world.robots.values():
         if robot.boot is not None:
-            robot.boot.weeder.save()
+            robot.boot.brain.save()
 
 
 def _stop_links(sessions: list[EdgeSession]) -> None:
