@@ -3,7 +3,7 @@
   "use strict";
   const { el, icon, text, attr } = HL;
   const TABS = [["active", "Active"], ["shelved", "Shelved"], ["journal", "Journal"], ["statistics", "Statistics"]];
-  const LEVELS = [["0", "All priorities"], ["1", "Priority 1"], ["2", "Priority 1 and 2"], ["3", "Priority 1 to 3"]];
+  const LEVELS = [["0", "All priorities"], ...[1, 2, 3, 4].map((level) => [String(level), `Priority ${level}`])];
 
   class Filter {
     constructor(onchange) {

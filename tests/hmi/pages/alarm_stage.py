@@ -23,7 +23,7 @@ STATISTICS: dict[str, Any] = {
     "next_return": None, "mix_7d": {"1": 0.01, "2": 0.03, "3": 0.13, "4": 0.83}, "answer_median_s": 38.0,
     "top": [{"code": "rtk-float", "title": "Position not exact", "count": 41},
             {"code": "link-lost", "title": "No data link", "count": 12}],
-    "per_operator_hour": 4.2, "flood_share": 0.004,
+    "raised_7d": 82, "stale": 0, "chattering": 0, "per_operator_hour": 4.2, "flood_share": 0.004,
 }  # fmt: skip
 CHECK = {
     "steps": [
