@@ -120,8 +120,9 @@
       this.wanted = wanted;
       if (isForced || this.isForced || !this.isHeld() || !this.shown.length) {
         this.shown = wanted;
-        this.isForced = false;
+        this.isForced = this.isBehind = false;
       } else {
+        this.isBehind = true;
         const now = new Map(wanted.map((row) => [row.id, row]));
         this.shown = this.shown.map((row) => now.get(row.id) ?? { ...row, isGone: true, folds: [], follows: 0 });
       }

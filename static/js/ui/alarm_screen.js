@@ -79,7 +79,7 @@
       return Boolean(HL.alarms.summary()?.flood) && this.filter.tab === "active";
     }
 
-    // sorts again; in between only values are painted
+    // sorts anew; in between only values are painted
     refresh(isForced = false) {
       const tab = this.filter.tab;
       const isList = tab === "active" || tab === "shelved";
@@ -112,7 +112,8 @@
       this.notes.paint(isList ? this.wanted?.length ?? 0 : 1, this.filter.tab === "active" ? active : aside, this.filter.isOn());
       attr(this, "data-state", HL.alarms.ageMs() === null ? "loading" : HL.alarms.isOld() ? "stale" : "ok");
       attr(this, "data-detail", this.chosen ? "open" : null);
-      if (isList) this.rows.draw();
+      if (isList && this.rows.isBehind && !this.rows.isHeld()) this.refresh();
+      else if (isList) this.rows.draw();
       this.detail.paint(HL.alarms.all()[this.chosen]);
       this.paintDock(isList);
     }
