@@ -51,7 +51,7 @@
       const pending = HL.alarmActs.pending(this.id);
       const failed = HL.alarmActs.outcome(this.id);
       const words = pending || (failed && !failed.isOk ? failed.text : isGone ? "Normal again" : W.state(one));
-      text(this.under, isCompact ? [one.name, words, said.text].filter(Boolean).join(" · ") : one.text === one.title ? "" : one.text);
+      text(this.under, isCompact ? [one.name, words, said.text].filter(Boolean).join(" · ") : W.now(one));
       text(this.stateSign, failed && !failed.isOk ? "block" : W.sign(state));
       text(this.stateWord, words);
       this.paintSequence(said, follows, folds, isOpen);
