@@ -12,7 +12,7 @@ from datetime import datetime, timedelta
 
 from hmi.clock import Clock
 from hmi.domain.alarm import life
-from hmi.domain.alarm.alarm import Alarm, AlarmKey, Phase
+from hmi.domain.alarm.alarm import CONSOLE, Alarm, AlarmKey, Phase
 from hmi.domain.alarm.catalogue import AlarmType
 from hmi.domain.alarm.conditions import Change, Turn
 from hmi.domain.alarm.first_out import first_outs
@@ -116,6 +116,8 @@ class AlarmStore:
                 case Turn.REWORDED:
                     self._reworded(change)
             touched.add(change.key.source)
+            if change.key.source == CONSOLE and change.turn is not Turn.REWORDED:
+                self._suppress_by(change.key.code, is_on=change.turn is Turn.COMES)
         for source in touched:
             self._regroup(source)
 
@@ -170,17 +172,6 @@ class AlarmStore:
 
     # ---- time and design ----
 
-    def suppress(self, cause: str, codes: frozenset[str]) -> None:
-        """Say nothing of alarms of these types while ``cause`` lasts."""
-        for live in [one for one in self._live.values() if one.alarm.key.code in codes]:
-            if cause not in live.alarm.suppressed_by:
-                self._step(What.SUPPRESSED, live, life.suppress(live.alarm, cause), text=cause)
-
-    def end_suppression(self, cause: str) -> None:
-        """Let what ``cause`` kept silent speak again."""
-        for live in [one for one in self._live.values() if cause in one.alarm.suppressed_by]:
-            self._step(What.UNSUPPRESSED, live, life.end_suppression(live.alarm, cause), text=cause)
-
     def pass_time(self) -> None:
         """Bring back what lay on the shelf long enough, escalate what nobody answers; call it once a second."""
         now, now_s = self._clock.utc(), self._clock.mono_s()
@@ -192,6 +183,14 @@ class AlarmStore:
                 self._step(What.UNSHELVED, live, back)
             elif self._waits_too_long(live, now_s):
                 self._step(What.ESCALATED, replace(live, escalated_at=now), live.alarm)
+
+    def _suppress_by(self, cause: str, *, is_on: bool) -> None:
+        """Say nothing more of what was raised already and follows by design from a cause at the console."""
+        for live in list(self._live.values()):
+            if is_on and cause in live.type.suppressed_by and cause not in live.alarm.suppressed_by:
+                self._step(What.SUPPRESSED, live, life.suppress(live.alarm, cause), text=cause)
+            elif not is_on and cause in live.alarm.suppressed_by:
+                self._step(What.UNSUPPRESSED, live, life.end_suppression(live.alarm, cause), text=cause)
 
     def _waits_too_long(self, live: LiveAlarm, now_s: float) -> bool:
         limit_s = self.escalate_after_s.get(live.priority)
@@ -205,7 +204,7 @@ class AlarmStore:
             self.dropped += 1
             return
         now, now_s = self._clock.utc(), self._clock.mono_s()
-        since_s = finding.since_s if finding.since_s is not None and kind.on_s == 0 else now_s
+        since_s = finding.since_s if finding.since_s is not None else now_s
         since_s = min(now_s, max(since_s, now_s - MAX_BACKDATE_S))
         before = live.alarm if live is not None else Alarm(change.key, is_latching=kind.is_latching)
         raised = life.condition_comes(before, now - timedelta(seconds=now_s - since_s), finding.text)

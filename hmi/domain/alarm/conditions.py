@@ -5,11 +5,11 @@ Knows nothing of people. All times are seconds of one monotonic clock, handed in
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from hmi.domain.alarm.alarm import AlarmKey
+from hmi.domain.alarm.alarm import CONSOLE, AlarmKey
 from hmi.domain.alarm.catalogue import AlarmType
 from hmi.domain.alarm.finding import Finding
 from hmi.domain.alarm.steady import Chatter, Steady
@@ -45,21 +45,19 @@ class _Track:
     is_so: bool = False
     is_raised: bool = False
     reworded_s: float = 0.0
+    suppressed_by: frozenset[str] = frozenset()
 
 
 class Conditions:
     """All conditions of all sources that hold, held lately, or are waited for.
 
     Args:
-        type_of: catalogue entry of a code.
-        is_held: says whether a type at a source says nothing new for now, because it follows by design from
-            something that is known already.
+        type_of: catalogue entry of a code. What its ``suppressed_by`` names holds it back as long as that is found
+            at the console, also before it counts there.
     """
 
-    def __init__(
-        self, type_of: Callable[[str], AlarmType], is_held: Callable[[AlarmKey], bool] = lambda _key: False
-    ) -> None:
-        self._type_of, self._is_held = type_of, is_held
+    def __init__(self, type_of: Callable[[str], AlarmType]) -> None:
+        self._type_of = type_of
         self._sources: dict[str, dict[tuple[str, str], _Track]] = {}
 
     def see(self, source: str, findings: Sequence[Finding], now_s: float) -> list[Change]:
@@ -94,16 +92,14 @@ class Conditions:
         tracks = self._sources.pop(source, {})
         return [Change(Turn.GOES, t.key, t.finding) for t in tracks.values() if t.is_raised]
 
-    def sources(self) -> Iterable[str]:
-        """Return the sources of which something is known."""
-        return tuple(self._sources)
-
     def _add(self, tracks: dict[tuple[str, str], _Track], source: str, finding: Finding) -> _Track | None:
         if len(tracks) >= MAX_AT_SOURCE:
             return None
         kind = self._type_of(finding.code)
         key = AlarmKey(finding.code, source, finding.detail)
-        track = tracks[finding.code, finding.detail] = _Track(key, finding, Steady(kind.on_s, kind.off_s))
+        track = tracks[finding.code, finding.detail] = _Track(
+            key, finding, Steady(kind.on_s, kind.off_s), suppressed_by=kind.suppressed_by
+        )
         return track
 
     def _settle(self, source: str, tracks: dict[tuple[str, str], _Track], now_s: float) -> list[Change]:
@@ -125,7 +121,7 @@ class Conditions:
             chatter.changed(is_on=is_on, now_s=now_s)
         was_chattering, is_chattering = chatter.is_chattering, chatter.pass_time(now_s)
         if not track.is_raised:
-            if not is_on or self._is_held(track.key):
+            if not is_on or self._is_held(track):
                 return None
             track.is_raised, track.reworded_s = True, now_s
             return Change(Turn.COMES, track.key, track.finding, is_chattering)
@@ -136,3 +132,9 @@ class Conditions:
             track.reworded_s = now_s
             return Change(Turn.REWORDED, track.key, track.finding, is_chattering)
         return None
+
+    def _is_held(self, track: _Track) -> bool:
+        if not track.suppressed_by:
+            return False
+        causes = self._sources.get(CONSOLE, {})
+        return any((one.is_so or one.steady.is_on) and code in track.suppressed_by for (code, _), one in causes.items())

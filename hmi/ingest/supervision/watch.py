@@ -16,6 +16,7 @@ from hmi.domain.alarm.finding import NOTHING, Finding, Findings
 from hmi.domain.event import RobotEvent
 from hmi.domain.robot import Robot
 from hmi.ingest.supervision.faults import Faults
+from hmi.ingest.supervision.silence import AllSilent
 from hmi.ingest.supervision.view import MakeRules, MissionOf, Rule, View
 from hmi.store.fleet import FleetStore
 
@@ -60,6 +61,7 @@ class Watch:
         self._fleet, self._clock, self._conditions, self._tell = fleet, clock, conditions, tell
         self._make_rules, self._mission_of = make_rules, mission_of
         self._watched: dict[str, _Watched] = {}
+        self._silence = AllSilent(fleet.is_online)
 
     def see(self, robot: Robot) -> None:
         """Look at a robot that changed; on the event loop, does not wait."""
@@ -88,6 +90,8 @@ class Watch:
         """Look at every robot that was not looked at lately, and let delays run out; call it once a second."""
         now_s = self._clock.mono_s()
         registered = set(self._fleet.registered_ids())
+        # before the robots one by one: what explains all of them has to be known first
+        self.report(CONSOLE, "silence", self._silence.look(registered, now_s))
         for robot_id in registered:
             if now_s - self._of(robot_id).looked_s >= SILENT_S:
                 robot = self._fleet.robot(robot_id)
@@ -112,9 +116,10 @@ class Watch:
     def _of(self, source: str) -> _Watched:
         watched = self._watched.get(source)
         if watched is None:
-            is_robot = source != CONSOLE and self._fleet.registration(source) is not None
-            rules = self._make_rules() if is_robot else ()
-            watched = self._watched[source] = _Watched(rules, [NOTHING] * len(rules))
+            watched = self._watched[source] = _Watched()
+        if not watched.rules and source != CONSOLE and self._fleet.registration(source) is not None:
+            watched.rules = self._make_rules()
+            watched.found = [NOTHING] * len(watched.rules)
         return watched
 
     def _look(self, robot: Robot, now_s: float) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from hmi.app.witness import FleetWitness
@@ -9,8 +10,8 @@ from hmi.clock import FakeClock
 from hmi.domain.alarm.catalogue import catalogue
 from hmi.domain.alarm.conditions import Conditions
 from hmi.domain.alarm.live_alarm import LiveAlarm, Step
-from hmi.ingest.supervision.faults import Faults
-from hmi.ingest.supervision.link import Link
+from hmi.ingest.supervision.fence import Ground
+from hmi.ingest.supervision.rules import rules_of
 from hmi.ingest.supervision.view import Mission, Rule
 from hmi.ingest.supervision.watch import Watch
 from hmi.store.alarms import AlarmStore, Person
@@ -18,7 +19,6 @@ from tests.hmi.ingest.wire import FakeWireRobot
 from tests.hmi.ingest.wire import Rig as WireRig
 
 MARTHA = Person("Martha Keller", "Tablet 3")
-KNOWN = frozenset({"rtk-float", "battery-low", "person-ahead", "hardware-stop"})
 
 
 class AlarmRig(WireRig):
@@ -30,15 +30,16 @@ class AlarmRig(WireRig):
         self.steps: list[Step] = []
         self.alarms.listeners.append(self.steps.append)
         self.missions: dict[str, Mission] = {}
+        self.ground: Ground | None = None
         self.watch = Watch(
             self.store, self.clock, Conditions(catalogue().__getitem__), self.rules, self.missions.get, self._apply
         )
         self._robots: dict[str, FakeWireRobot] = {}
         FleetWitness(self.store, self.clock, lambda _robot_id: None, [self.watch.see]).start()
 
-    def rules(self) -> list[Rule]:
+    def rules(self) -> Sequence[Rule]:
         """Return the rules of a robot."""
-        return [Link(), Faults(KNOWN)]
+        return rules_of(catalogue(), lambda: self.ground)
 
     def wire(self, robot_id: str = "weeder-01") -> FakeWireRobot:
         """Return the one robot of this id."""
