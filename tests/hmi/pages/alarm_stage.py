@@ -165,7 +165,8 @@ def router(stage: AlarmStage, note: Callable[[dict[str, Any]], None]) -> APIRout
 
     @routes.get("/api/v1/alarms/journal")
     async def journal() -> dict[str, Any]:
-        return {"entries": stage.journal}
+        last = stage.journal[0]["at"] if stage.journal else None
+        return {"lines": stage.journal, "next_before": None, "last_raised": last}
 
     @routes.get("/api/v1/alarms/journal.csv")
     async def table() -> PlainTextResponse:
