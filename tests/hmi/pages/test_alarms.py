@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -156,9 +157,10 @@ def test_what_a_role_may_not_do_stays_in_place_with_its_reason(
 @pytest.mark.long
 def test_no_alarms_says_when_the_last_one_was(look: Look, theatre: Theatre) -> None:
     theatre.play("running")
-    theatre.alarms(journal=[{"at": 0, "what": "raised", "priority": 3, "title": "Old"}])
+    three_hours_ago = round((time.time() - 3 * 3600) * 1000)
+    theatre.alarms(journal=[{"at": three_hours_ago}])
     page = look("/alarms")
-    expect(page.get_by_test_id("alarm-blank")).to_contain_text("No alarms.")
+    expect(page.get_by_test_id("alarm-blank")).to_contain_text("No alarms.Last one 3 h 00 ago.")
     expect(page.get_by_test_id("alarm-counts")).to_have_attribute("data-value", "0,0,0,0")
     theatre.alarms(put={LINK: {}})
     expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_be_visible()
@@ -276,6 +278,7 @@ def test_journal_and_statistics_open_and_the_chart_has_a_table(look: Look, farm:
         "priority": 2,
         "title": "No data link",
         "name": "Weeder 07",
+        "seq": 1,
         "by": "",
         "text": "x",
     }
