@@ -67,6 +67,7 @@ def test_alarms_are_listed_by_urgency_and_an_answer_shows_when_the_server_gave_i
     ]  # fmt: skip
 
 
+@pytest.mark.long
 def test_counts_and_badge_are_on_every_screen_and_lead_to_the_list(look: Look, farm: Theatre) -> None:
     page = look("/fleet")
     expect(page.get_by_test_id("alarm-counts")).to_have_attribute("data-value", "1,1,1,1")
@@ -95,6 +96,7 @@ def test_rows_hold_still_under_a_pointer_and_new_ones_are_announced(look: Look, 
     expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_have_count(0)
 
 
+@pytest.mark.long
 def test_the_detail_says_what_to_do_and_whom_to_call(look: Look, farm: Theatre) -> None:
     page = opened(look, role="supervisor")
     page.get_by_test_id(f"alarm-row-{LINK}").click()
@@ -114,6 +116,7 @@ def test_the_detail_says_what_to_do_and_whom_to_call(look: Look, farm: Theatre) 
     expect(shelve).to_have_attribute("aria-disabled", "true")
 
 
+@pytest.mark.long
 def test_shelving_asks_for_time_and_reason_and_comes_back_by_hand(look: Look, farm: Theatre) -> None:
     page = opened(look, role="supervisor")
     page.get_by_test_id(f"alarm-row-{LINK}").click()
@@ -136,10 +139,11 @@ def test_shelving_asks_for_time_and_reason_and_comes_back_by_hand(look: Look, fa
     assert len(farm.until_orders("/unshelve")) == 1
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("role", "words"),
     [
-        pytest.param("operator", "Shelving needs the supervisor role.", marks=pytest.mark.long),
+        ("operator", "Shelving needs the supervisor role."),
         ("viewer", "You can watch alarms. Acknowledging needs the operator role."),
     ],
 )
@@ -237,6 +241,7 @@ def test_nothing_is_acknowledged_offline_or_later(look: Look, farm: Theatre) -> 
     assert farm.orders("alarms") == []
 
 
+@pytest.mark.long
 def test_operate_shows_this_robots_worst_alarm_and_takes_the_answer(look: Look, farm: Theatre) -> None:
     page = look("/operate/weeder-07")
     strip = page.get_by_test_id("alarm-strip")
