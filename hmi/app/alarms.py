@@ -15,6 +15,8 @@ from hmi.api.alarm_records import AlarmRecordRoutes, alarm_record_routes
 from hmi.api.alarms import AlarmRoutes, alarm_routes
 from hmi.app.console_health import ConsoleHealth
 from hmi.app.farm_ground import FarmGround
+from hmi.app.notifications import NotificationRoom
+from hmi.app.queue import farm_zone
 from hmi.app.records import Records
 from hmi.clock import Clock
 from hmi.commands.alarm_desk import AlarmDesk
@@ -25,6 +27,7 @@ from hmi.domain.alarm.catalogue import catalogue
 from hmi.domain.alarm.conditions import Change, Conditions
 from hmi.domain.alarm.finding import NOTHING, Finding, detail_of
 from hmi.domain.alarm.live_alarm import LiveAlarm, Step
+from hmi.domain.alarm.shift import ShiftBook
 from hmi.domain.event import RobotEvent
 from hmi.domain.robot import Robot
 from hmi.domain.role import Permission, may
@@ -43,7 +46,6 @@ from hmi.store.alarms import AlarmStore
 from hmi.store.fleet import FleetStore
 
 ROUND_S = 1.0
-SHIFT = timedelta(hours=8)
 STATION_SILENT = timedelta(minutes=30)
 log = logging.getLogger(__name__)
 
@@ -77,6 +79,8 @@ class AlarmRoom:
         self._console = ConsoleRules()
         self._health_of = ConsoleHealth(records, settings.data, clock, is_broker_up, writers, settings.farm_id)
         self._health = Health(is_broker_up=True)
+        self.notifications = NotificationRoom(settings, clock, records, authorize, self.store)
+        self._shifts = ShiftBook(settings.shift_ends, farm_zone(settings.time_zone))
         self._stations: dict[str, str] = {}
         self.weather: WeatherBoard | None = None
         self._task: asyncio.Task[None] | None = None
@@ -123,7 +127,7 @@ class AlarmRoom:
             operators=self._operators,
         )
         live = AlarmRoutes(self.store, self.desk, self._clock, self.name_of)
-        return [alarm_routes(live), alarm_record_routes(about)]
+        return [self.notifications.routes(), alarm_routes(live), alarm_record_routes(about)]
 
     async def prepare(self) -> None:
         """Take over the alarms of before the restart, and read the farm's ground."""
@@ -134,6 +138,7 @@ class AlarmRoom:
                 continue
             self.store.restore(replace(alarm, is_latching=kind.is_latching), escalated_at)
         await self.ground.load()
+        await self.notifications.desk.load()
 
     def start(self) -> None:
         """Begin to look once a second; the registry must be known, and nothing heard yet."""
@@ -141,6 +146,7 @@ class AlarmRoom:
             if live.alarm.is_active:
                 self.watch.restore(live.alarm)
         self._kept.start()
+        self.notifications.post.start()
         self._task = asyncio.create_task(self._rounds(), name="alarms")
 
     async def stop(self) -> None:
@@ -148,6 +154,7 @@ class AlarmRoom:
         if self._task is not None:
             self._task.cancel()
             await asyncio.gather(self._task, return_exceptions=True)
+        await self.notifications.post.stop()
         await self.ground.close()
         await self._health_of.close()
         await asyncio.to_thread(self._kept.close)
@@ -182,6 +189,7 @@ class AlarmRoom:
         self._health = await self._health_of.gather(late_s)
         now_s = self._clock.mono_s()
         self.watch.report(CONSOLE, "console", self._console.look(self._health, now_s))
+        self.watch.report(CONSOLE, "notifications", self.notifications.findings())
         self._look_at_gateway()
         self._look_at_weather()
         self.watch.sweep()
@@ -223,7 +231,9 @@ class AlarmRoom:
             self.store.apply(changes)
 
     def _told(self, step: Step) -> None:
-        self._on_event(shown.event(step, self.name_of(step.live.alarm.key.source)))
+        name = self.name_of(step.live.alarm.key.source)
+        self._on_event(shown.event(step, name))
+        self.notifications.tell(step, name)
 
     def _words(self, live: LiveAlarm) -> tuple[str, str]:
         return self.name_of(live.alarm.key.source), shown.title_of(live)
@@ -232,7 +242,7 @@ class AlarmRoom:
         return source != CONSOLE and self._fleet.registration(source) is not None
 
     def _shift_end(self) -> datetime:
-        return self._clock.utc() + SHIFT
+        return self._shifts.end_after(self._clock.utc())
 
     def _contact(self, source: str) -> dict[str, str] | None:
         entry = self._fleet.registration(source)

@@ -32,6 +32,15 @@ Listener = Callable[[Step], None]
 _END = {What.RETURNED, What.ACKNOWLEDGED, What.CLEARED}
 
 
+ESCALATION = "escalation"
+
+
+def escalation_of(stored: Mapping[str, float | None] | None) -> dict[Priority, float]:
+    """Return the limits of a stored setting; what it does not name stays as it is by default, null is never."""
+    given = {str(int(level)): ESCALATE_AFTER_S.get(level) for level in Priority} | dict(stored or {})
+    return {Priority(int(level)): float(after) for level, after in given.items() if after is not None}
+
+
 @dataclass(frozen=True, slots=True)
 class Person:
     """Who acts on an alarm."""
