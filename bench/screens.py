@@ -21,7 +21,13 @@ OUT = ROOT / "docs" / "screens"
 SIZES = {"landscape": (1280, 800), "portrait": (800, 1280), "desk": (1920, 1080)}
 THEMES = ("day", "night", "sunlight")
 ROBOT, MISSION, ROW = "weeder-03", "site-wheat-2-05", 14  # a section of the experimental site, half done
-SCREENS = {"operate": f"/operate/{ROBOT}", "fleet": "/fleet", "maps": "/maps", "missions": "/missions"}
+SCREENS = {
+    "operate": f"/operate/{ROBOT}",
+    "fleet": "/fleet",
+    "maps": "/maps",
+    "missions": "/missions",
+    "alarms": "/alarms",
+}
 ADMIN_SCREENS = {"admin": "/admin"}
 COLOURS = 96  # flat surfaces and text lose nothing visible, files shrink to a third
 SETTLE_MS = 2500

@@ -1,4 +1,4 @@
-"""Admin: robots and new ones to accept, people, this tablet, audit, diagnostics."""
+"""Admin: robots and new ones to accept, people, tablets, notifications, audit, diagnostics."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ SECTIONS = (
     ("robots", "Robots", "smart_toy"),
     ("people", "People", "group"),
     ("tablets", "Tablets", "tablet"),
+    ("notifications", "Notifications", "notifications"),
     ("audit", "Audit log", "history"),
     ("diagnostics", "Diagnostics", "monitoring"),
 )

@@ -47,6 +47,7 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
         data_code=bundle.script_url("run"),
     ):
         with ui.element("section").classes("h-map").props('aria-label="Map"'):
+            LiveElement("hl-alarm-strip", hook="alarm-strip", data_right="acknowledge_alarm", hidden="")
             LiveMap(robot_id).classes("h-mapfill")
             _overlay()
             HoldToDrive()

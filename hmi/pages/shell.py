@@ -33,8 +33,6 @@ def shell(services: PageServices) -> Callable[[], None]:
                 rail.build(session)
             with ui.element("main").classes("h-main"):
                 LiveElement("hl-link-banner", hook="link-banner", data_state="ok", role="alert")
-                if session is not None:
-                    LiveElement("hl-alarm-strip", hook="alarm-strip", data_right="acknowledge_alarm", hidden="")
                 _screens(services, session)
             ui.element("footer").classes("h-dock")
         if session is not None:

@@ -51,7 +51,17 @@
   if (navigator.userActivation?.hasBeenActive) unlock();
 
   const tones = new Tones({ play, stop: () => window.headlandStop?.sounding() ?? null });
+  // the slab sounds a lost link like an alarm of priority 2; once that alarm was seen here, it has been heard
+  function quietSeenLink() {
+    const robot = HL.view.robot;
+    if (!robot || HL.linkState() !== "robot-lost") return;
+    const isSeen = Object.values(HL.alarms.all()).some((one) => one.source === robot && one.code === "link-lost" && !HL.alarms.isUnseen(one));
+    const stop = isSeen && window.headlandStop?.state();
+    if (stop && stop.state === "no-link" && !stop.failing.length) window.headlandStop.silence(2 * LOOK_MS);
+  }
+
   function look() {
+    quietSeenLink();
     const said = HL.alarms.summary();
     if (said) tones.follow(HL.alarms.all(), performance.now(), Boolean(said.flood));
   }
@@ -87,7 +97,7 @@
       attr(this, "data-state", state);
       attr(this, "data-value", bell.level() ?? 0);
       attr(this, "data-count", played);
-      attr(this.button, "hidden", state === "on");
+      attr(this.button, "hidden", state === "on" || HL.view.screen === "alarms"); // that screen has its own
       const words = state === "silenced" ? `Silent ${HL.words.clock(bell.silentMs() / 1000)}` : "Sound is off. Tap to turn on.";
       text(this.word, words);
       attr(this.button, "aria-label", state === "silenced" ? `${words}. Tap to turn on.` : words);

@@ -4,7 +4,7 @@
   const { el, alarm, attr, LiveElement, define } = HL;
   const EMPTY = Object.freeze({});
   const OLD_MS = 10000; // five missed rounds of the supervision
-  const LATE_MS = 5000; // the bell comes after STOP, at the latest then
+  const LATE_MS = 3000; // the bell comes after STOP, at the latest then
   const LEVELS = [1, 2, 3, 4];
 
   const topic = () => window.headland.state("alarms") || EMPTY;

@@ -37,7 +37,7 @@
       this.makeActs();
       this.node = el("aside", { class: "h-card al-detail", "aria-label": "Alarm in detail", "data-testid": "alarm-detail", hidden: true },
         el("div", { class: "al-head" }, this.sign, el("div", { class: "al-titles" }, this.title, this.where), this.lasting, this.close),
-        el("div", { class: "al-scroll" }, this.now, this.story, this.body), this.said, this.main, this.rest);
+        el("div", { class: "al-scroll" }, this.now, this.story, this.body), this.said, this.acts);
     }
 
     makeActs() {
@@ -47,8 +47,7 @@
       this.shelve = button("op", "snooze", "Shelve", "alarm-shelve", () => this.putAside());
       this.check = button("", "troubleshoot", "Diagnose", "alarm-diagnose", () => HL.alarmDiagnose(this.id, this.one));
       this.out = button("", "do_not_disturb_on", "Out of service", "alarm-out-of-service", () => this.service());
-      this.main = el("div", { class: "al-acts" }, this.ack.node, this.call, this.open, this.shelve.node);
-      this.rest = el("div", { class: "al-acts" }, this.check.node, this.out.node);
+      this.acts = el("div", { class: "al-acts" }, this.ack.node, this.call, el("i", { class: "narrow" }), this.open, this.shelve.node, el("i", { class: "broad" }), this.check.node, this.out.node);
     }
 
     answer() {
@@ -117,7 +116,7 @@
       text(this.title, now.title);
       text(this.where, `${now.name}, raised ${W.raised(now.raised)}`);
       text(this.lasting, isGone ? "" : W.lasting(now));
-      text(this.now, now.text && now.text !== now.title ? now.text : "");
+      text(this.now, W.now(now));
       text(this.story, isGone ? "Normal again. It left the list." : [W.state(now), W.story(now), now.chattering ? "It comes and goes: it is held until it was quiet for a minute." : "", now.escalated ? `Nobody answered: told on at ${W.raised(now.escalated)}.` : ""].filter(Boolean).join(". ").replaceAll("..", "."));
       this.paintActs(now, isGone);
     }

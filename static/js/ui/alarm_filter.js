@@ -3,7 +3,7 @@
   "use strict";
   const { el, icon, text, attr } = HL;
   const TABS = [["active", "Active"], ["shelved", "Shelved"], ["journal", "Journal"], ["statistics", "Statistics"]];
-  const LEVELS = [["0", "All priorities"], ["1", "Priority 1"], ["2", "Priority 1 and 2"], ["3", "Priority 1 to 3"]];
+  const LEVELS = [["0", "All priorities"], ...[1, 2, 3, 4].map((level) => [String(level), `Priority ${level}`])];
 
   class Filter {
     constructor(onchange) {
@@ -44,6 +44,7 @@
       text(this.tabs[0], `Active ${active}`);
       text(this.tabs[1], `Shelved ${aside}`);
       this.offer(sources);
+      for (const field of [this.robot, this.level, this.search]) attr(field, "hidden", this.tab === "statistics"); // those are of all
       const state = HL.bell?.state() ?? "blocked";
       attr(this.sound, "data-state", state);
       text(this.soundSign, state === "on" ? "volume_up" : "volume_off");

@@ -33,10 +33,10 @@
       const answer = await HL.port.api("GET", `/alarms/journal?${asked}`);
       if (asked !== this.asked) return;
       if (!answer.ok) return void this.fail(answer);
-      const found = Array.isArray(answer.data) ? answer.data : answer.entries ?? [];
+      const found = answer.lines ?? [];
       this.entries = isMore ? [...this.entries, ...found] : found;
-      this.next = answer.before ?? found.at(-1)?.seq ?? found.at(-1)?.at;
-      attr(this.more, "hidden", found.length < PAGE);
+      this.next = answer.next_before;
+      attr(this.more, "hidden", !this.next);
       this.draw();
     }
 
@@ -46,7 +46,7 @@
 
     draw() {
       if (!this.entries.length) return void this.place.replaceChildren(empty("Nothing in this time", "Choose a longer time, or another filter."));
-      this.place.replaceChildren(table(["Time", "Prio", "Robot", "Alarm", "What", "By", "Text"], this.entries.map((one) => ({ hook: `alarm-journal-${one.seq ?? one.at}`, cells: [W.stamp(one.at), alarm(one.priority, 24, one.what === "raised" ? "unacknowledged" : "acknowledged"), one.name ?? one.source ?? "", one.title ?? one.code, WORDS[one.what] ?? one.what, one.by || "–", one.text ?? ""] }))));
+      this.place.replaceChildren(table(["Time", "Prio", "Robot", "Alarm", "What", "By", "Text"], this.entries.map((one) => ({ hook: `alarm-journal-${one.seq}`, cells: [W.stamp(one.at), alarm(one.priority, 24, one.what === "raised" ? "unacknowledged" : "acknowledged"), one.name, one.title, WORDS[one.what] ?? one.what, one.by || "–", one.text ?? ""] }))));
     }
 
     // the file has the same filters as the list

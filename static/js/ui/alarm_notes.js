@@ -58,8 +58,7 @@
     async findLast() {
       this.lastAt = null;
       const answer = await HL.port.api("GET", "/alarms/journal?limit=1");
-      const [last] = Array.isArray(answer.data) ? answer.data : answer.entries ?? [];
-      this.lastAt = last?.at ?? null;
+      this.lastAt = answer.last_raised ?? null;
       HL.repaint();
     }
     forgetLast() {

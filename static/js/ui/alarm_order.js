@@ -14,10 +14,10 @@
     return one.priority - other.priority || (RANK[one.state] ?? 4) - (RANK[other.state] ?? 4) || other.raised - one.raised || (a < b ? -1 : 1);
   }
 
-  // filter: {robot, priority (shown up to), q}
+  // filter: {robot, priority, q}
   function matches(one, { robot = "", priority = 0, q = "" } = {}) {
     if (robot && one.source !== robot) return false;
-    if (priority && one.priority > priority) return false;
+    if (priority && one.priority !== priority) return false;
     return !q || `${one.title} ${one.name} ${one.text}`.toLowerCase().includes(q.toLowerCase());
   }
 

@@ -15,6 +15,7 @@
       this.raised = el("span", { class: "raised", role: "cell" });
       this.robot = el("span", { class: "robot h-ell", role: "cell" });
       this.fold = el("button", { type: "button", class: "h-btn q ico fold", onclick: (event) => (event.stopPropagation(), act.fold(this.id)) });
+      this.below = el("span", { class: "below", hidden: true }, icon("subdirectory_arrow_right", "m"));
       this.name = el("span", { class: "name h-ell" });
       this.under = el("span", { class: "under h-ell" });
       this.stateSign = icon("done", "s");
@@ -25,7 +26,7 @@
       this.button = el("button", { type: "button", class: "h-btn", "data-testid": `alarm-ack-${id}`, onclick: (event) => (event.stopPropagation(), act.answer(this.id, this.folds)) });
       this.node = el("div", { class: "al-row", role: "row", tabindex: "-1", "data-testid": `alarm-row-${id}`, onclick: () => act.choose(this.id) },
         this.sign, this.raised, this.robot,
-        el("span", { class: "what", role: "cell" }, this.fold, el("span", { class: "h-ell" }, this.name, this.under)),
+        el("span", { class: "what", role: "cell" }, this.below, this.fold, el("span", { class: "h-ell" }, this.name, this.under)),
         el("span", { class: "state", role: "cell" }, this.stateSign, this.stateWord),
         el("span", { class: "seq", role: "cell" }, this.chip, this.after), this.lasting, el("span", { class: "act", role: "cell" }, this.button));
       this.folds = [];
@@ -41,7 +42,7 @@
       attr(this.node, "data-level", one.priority);
       attr(this.node, "aria-selected", String(isChosen));
       attr(this.node, "title", W.story(one) || null);
-      toggle(this.node, "kid", isKid);
+      attr(this.below, "hidden", !isKid);
       toggle(this.node, "unseen", one.state === "unacknowledged" && !isGone);
       text(this.raised, W.raised(one.raised));
       text(this.robot, one.name);
@@ -50,7 +51,7 @@
       const pending = HL.alarmActs.pending(this.id);
       const failed = HL.alarmActs.outcome(this.id);
       const words = pending || (failed && !failed.isOk ? failed.text : isGone ? "Normal again" : W.state(one));
-      text(this.under, isCompact ? [one.name, words, said.text].filter(Boolean).join(" · ") : one.text === one.title ? "" : one.text);
+      text(this.under, isCompact ? [one.name, words, said.text].filter(Boolean).join(" · ") : W.now(one));
       text(this.stateSign, failed && !failed.isOk ? "block" : W.sign(state));
       text(this.stateWord, words);
       this.paintSequence(said, follows, folds, isOpen);
@@ -119,8 +120,9 @@
       this.wanted = wanted;
       if (isForced || this.isForced || !this.isHeld() || !this.shown.length) {
         this.shown = wanted;
-        this.isForced = false;
+        this.isForced = this.isBehind = false;
       } else {
+        this.isBehind = true;
         const now = new Map(wanted.map((row) => [row.id, row]));
         this.shown = this.shown.map((row) => now.get(row.id) ?? { ...row, isGone: true, folds: [], follows: 0 });
       }

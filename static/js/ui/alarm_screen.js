@@ -34,7 +34,7 @@
       this.silence = button("volume_off", "Silence 2 min", "alarm-silence", () => HL.bell?.silence());
       this.shelve = button("snooze", "Shelve", "alarm-shelve-chosen", () => this.shelve.getAttribute("aria-disabled") !== "true" && this.detail.putAside());
       this.exportButton = button("download", "Export journal", "alarm-export", () => this.journal.export());
-      const hint = el("span", { class: "h-hint al-hint" }, "Acknowledge means “I have seen it”.", el("br"), "It does not reset or move a robot.");
+      const hint = el("span", { class: "h-hint al-hint" }, "Acknowledge means “I have seen it”. ", el("br"), "It does not reset or move a robot.");
       return el("div", { class: "h-dockbar al-dock", role: "group", "aria-label": "Actions" }, this.ackShown, this.silence, this.shelve, this.exportButton, el("span", { class: "h-sp" }), hint);
     }
 
@@ -79,13 +79,14 @@
       return Boolean(HL.alarms.summary()?.flood) && this.filter.tab === "active";
     }
 
-    // sorts again; in between only values are painted
+    // sorts anew; in between only values are painted
     refresh(isForced = false) {
       const tab = this.filter.tab;
       const isList = tab === "active" || tab === "shelved";
       const wide = this.list.clientWidth >= HL.alarmWide;
       toggle(this, "compact", !wide);
       for (const [node, isOn] of [[this.head, isList && wide], [this.rows.node, isList], [this.journal.node, tab === "journal"], [this.statistics.node, tab === "statistics"]]) attr(node, "hidden", !isOn);
+      HL.style(this.head, "padding-right", `${8 + this.rows.box.offsetWidth - this.rows.box.clientWidth}px`); // above a scroll bar columns would shift
       const alarms = HL.alarms.all();
       this.wanted = Order.rows(alarms, { isWanted: tab === "shelved" ? Order.isAside : Order.isActive, filter: this.filter.value(), isFlood: this.isFlood(), open: this.open });
       if (isList) this.rows.take(this.wanted, this.view(!wide), isForced);
@@ -111,7 +112,8 @@
       this.notes.paint(isList ? this.wanted?.length ?? 0 : 1, this.filter.tab === "active" ? active : aside, this.filter.isOn());
       attr(this, "data-state", HL.alarms.ageMs() === null ? "loading" : HL.alarms.isOld() ? "stale" : "ok");
       attr(this, "data-detail", this.chosen ? "open" : null);
-      if (isList) this.rows.draw();
+      if (isList && this.rows.isBehind && !this.rows.isHeld()) this.refresh();
+      else if (isList) this.rows.draw();
       this.detail.paint(HL.alarms.all()[this.chosen]);
       this.paintDock(isList);
     }

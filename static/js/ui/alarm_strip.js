@@ -3,19 +3,18 @@
   "use strict";
   const { el, icon, alarm, text, attr, LiveElement, define } = HL;
   const { compare, isUnseen } = HL.alarmOrder;
-  let types = null;
+  const steps = new Map(); // alarm and occurrence -> first thing to do
 
-  // first thing to do, by type; asked for once
-  function firstStep(code) {
-    if (types === null) {
-      types = {};
-      HL.port.api("GET", "/alarms/catalogue").then((answer) => {
-        const list = Array.isArray(answer.data) ? answer.data : answer.types ?? [];
-        types = Array.isArray(list) ? Object.fromEntries(list.map((one) => [one.code, one])) : list;
+  function firstStep(id, one) {
+    const key = `${id} ${one.raised}`;
+    if (!steps.has(key)) {
+      steps.set(key, "");
+      HL.port.api("GET", HL.alarmActs.of(id)).then((answer) => {
+        steps.set(key, answer.type?.steps?.[0] ?? "");
         HL.repaint();
       });
     }
-    return types[code]?.steps?.[0] ?? "";
+    return steps.get(key);
   }
 
   class Strip extends LiveElement {
@@ -43,7 +42,7 @@
       attr(this, "data-value", id);
       text(this.head, one.title);
       const failed = HL.alarmActs.outcome(id);
-      text(this.line, failed && !failed.isOk ? failed.text : one.state === "returned" ? "It is gone again. Nobody has acknowledged it." : firstStep(one.code) || one.text);
+      text(this.line, failed && !failed.isOk ? failed.text : one.state === "returned" ? "It is gone again. Nobody has acknowledged it." : firstStep(id, one) || one.text);
       text(this.more, mine.length > 1 ? `${mine.length - 1} more` : "All alarms");
       const isWaiting = Boolean(HL.alarmActs.pending(id));
       attr(this.button, "data-testid", `strip-ack-${id}`);

@@ -48,11 +48,14 @@
     return "";
   }
 
+  // what is so now, if the title does not say it already
+  const now = (one) => (one.text && one.text.replace(/\.$/, "") !== one.title.replace(/\.$/, "") ? one.text : "");
+
   // what the one button of a row does now: [label, verb], or null
   function answer(one) {
     if (one.state === "unacknowledged") return ["Ack", "acknowledge"];
     return one.state === "returned" || one.state === "latched" ? ["Clear", "clear"] : null;
   }
 
-  HL.alarmWords = { raised, precise, stamp, lasting, clock, when, sign, state, story, answer };
+  HL.alarmWords = { raised, precise, stamp, lasting, clock, when, sign, state, story, now, answer };
 })();

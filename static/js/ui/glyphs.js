@@ -28,6 +28,7 @@
 
   // state is the ISA state: a ring means that nobody has seen it, hollow that its condition is gone, dashes that it is put aside
   const RINGED = ["unacknowledged", "returned"];
+  const BLINK_MS = 1000;
   const ASIDE = ["shelved", "suppressed", "out_of_service"];
 
   function alarm(level, size = 26, state = "acknowledged") {
@@ -36,7 +37,11 @@
     const colour = `var(--hl-p${level})`;
     const sign = svg("svg", { class: "h-ag", width: size, height: size, viewBox: "-5 -5 34 34", role: "img", "data-state": state, "aria-label": `priority ${level}, ${state.replaceAll("_", " ")}` });
     sign.append(svg("path", { class: isAside ? "aside" : "", d: SHAPES[level], fill: isHollow ? "none" : colour, stroke: isAside ? "currentColor" : colour, "stroke-width": isHollow ? 2.5 : 1 }));
-    if (RINGED.includes(state)) sign.append(svg("path", { class: "ring", d: RINGS[level] }));
+    if (RINGED.includes(state)) {
+      const ring = svg("path", { class: "ring", d: RINGS[level] });
+      ring.style.animationDelay = `-${Math.round(performance.now() % BLINK_MS)}ms`; // all blink as one
+      sign.append(ring);
+    }
     const number = svg("text", { x: 12, y: level === 2 ? 20 : 16.8, fill: isHollow ? "currentColor" : `var(--hl-on-p${level})` });
     number.textContent = level;
     sign.append(number);

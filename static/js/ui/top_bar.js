@@ -63,7 +63,7 @@
       attr(this, "hidden", Boolean(HL.view.robot));
       const title = this.dataset.fixed || (HL.view.screen === "operate" ? this.dataset.farm : HL.view.title || this.dataset.farm);
       text(this.main, title);
-      const isList = HL.view.screen === "fleet";
+      const isList = ["fleet", "alarms"].includes(HL.view.screen);
       const count = Object.keys(HL.port.fleet()).length;
       text(this.line, isList ? `${this.dataset.farm}, ${count === 1 ? "1 robot" : `${count} robots`}` : "");
     }

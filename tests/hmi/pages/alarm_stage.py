@@ -23,7 +23,7 @@ STATISTICS: dict[str, Any] = {
     "next_return": None, "mix_7d": {"1": 0.01, "2": 0.03, "3": 0.13, "4": 0.83}, "answer_median_s": 38.0,
     "top": [{"code": "rtk-float", "title": "Position not exact", "count": 41},
             {"code": "link-lost", "title": "No data link", "count": 12}],
-    "per_operator_hour": 4.2, "flood_share": 0.004,
+    "raised_7d": 82, "stale": 0, "chattering": 0, "per_operator_hour": 4.2, "flood_share": 0.004,
 }  # fmt: skip
 CHECK = {
     "steps": [
@@ -94,8 +94,7 @@ class AlarmStage:
         active = [
             one
             for one in self.entries.values()
-            if one["priority"] == level
-            and one["state"] in ("unacknowledged", "acknowledged", "returned", "latched")
+            if one["priority"] == level and one["state"] in ("unacknowledged", "acknowledged", "returned", "latched")
         ]
         return [len(active), sum(one["state"] in ("unacknowledged", "returned") for one in active)]
 
@@ -166,7 +165,8 @@ def router(stage: AlarmStage, note: Callable[[dict[str, Any]], None]) -> APIRout
 
     @routes.get("/api/v1/alarms/journal")
     async def journal() -> dict[str, Any]:
-        return {"entries": stage.journal}
+        last = stage.journal[0]["at"] if stage.journal else None
+        return {"lines": stage.journal, "next_before": None, "last_raised": last}
 
     @routes.get("/api/v1/alarms/journal.csv")
     async def table() -> PlainTextResponse:
@@ -183,9 +183,7 @@ def router(stage: AlarmStage, note: Callable[[dict[str, Any]], None]) -> APIRout
             {"at": found["raised"], "kind": "alarm", "text": found["title"], "is_alarm": True, "is_first": True},
         ]  # fmt: skip
         contact = {"name": "Jonas Weber", "phone": "+49 151 0000"}
-        return JSONResponse(
-            {"alarm": found, "type": TYPE, "sequence": sequence, "seen_before": 3, "contact": contact}
-        )
+        return JSONResponse({"alarm": found, "type": TYPE, "sequence": sequence, "seen_before": 3, "contact": contact})
 
     @routes.post("/api/v1/alarms/acknowledge")
     async def several(request: Request) -> dict[str, Any]:

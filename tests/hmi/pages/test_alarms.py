@@ -1,0 +1,300 @@
+"""The alarms screen, counts, sound and strip in a browser, with the alarms of the stage."""
+
+from __future__ import annotations
+
+import re
+import time
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.hmi.pages.conftest import SIZES, Theatre
+
+Look = Callable[..., Page]
+LINK, STOP, WIND = "link-lost.weeder-07", "stop-not-confirmed.weeder-07", "wind.uav-03"
+ALARMS: dict[str, Any] = {
+    STOP: {"title": "Stop not confirmed", "priority": 1, "latching": True, "first": LINK, "place": 2, "group": 2},
+    LINK: {"ago_s": 12, "group": 2},
+    WIND: {"title": "Wind above 11 m/s", "priority": 3, "state": "returned", "name": "Kestrel 3", "ago_s": 300},
+    "seedlings.planter-01": {"title": "Seedlings: 14 left", "priority": 4, "state": "acknowledged", "seen_by": "A O"},
+}
+
+
+@pytest.fixture
+def farm(theatre: Theatre) -> Theatre:
+    """A stage with four alarms."""
+    theatre.play("running")
+    theatre.alarms(put=ALARMS)
+    return theatre
+
+
+def rows(page: Page) -> list[str]:
+    """Return the ids of the rows from top to bottom."""
+    found: list[str] = page.evaluate(
+        """[...document.querySelectorAll('.al-rows .al-row')]
+            .sort((a, b) => a.getBoundingClientRect().top - b.getBoundingClientRect().top)
+            .map((row) => row.dataset.testid.replace('alarm-row-', ''))"""
+    )
+    return found
+
+
+def opened(look: Look, **how: Any) -> Page:
+    """Open the screen and wait for its list."""
+    page = look("/alarms", **how)
+    expect(page.locator(".al-rows .al-row").first).to_be_visible()
+    return page
+
+
+def test_alarms_are_listed_by_urgency_and_an_answer_shows_when_the_server_gave_it(look: Look, farm: Theatre) -> None:
+    page = opened(look)
+    assert rows(page) == [STOP, LINK, WIND, "seedlings.planter-01"]
+    expect(page.get_by_test_id(f"alarm-row-{STOP}")).to_contain_text("2nd, after no data link")
+    expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_contain_text("First out, 1 of 2")
+    farm.alarms(refusal="Somebody is changing it.")
+    page.get_by_test_id(f"alarm-ack-{LINK}").tap()
+    expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_contain_text("Somebody is changing it.")
+    expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_have_attribute("data-state", "unacknowledged")
+    farm.alarms(refusal="")
+    page.get_by_test_id(f"alarm-ack-{LINK}").tap()
+    expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_have_attribute("data-state", "acknowledged")
+    expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_contain_text("Active, acknowledged MK")
+    page.get_by_test_id(f"alarm-ack-{WIND}").tap()
+    expect(page.get_by_test_id(f"alarm-row-{WIND}")).to_have_count(0, timeout=10_000)
+    assert [order["path"] for order in farm.orders("alarms/")] == [
+        f"alarms/{LINK}/acknowledge", f"alarms/{LINK}/acknowledge", f"alarms/{WIND}/clear",
+    ]  # fmt: skip
+
+
+@pytest.mark.long
+def test_counts_and_badge_are_on_every_screen_and_lead_to_the_list(look: Look, farm: Theatre) -> None:
+    page = look("/fleet")
+    expect(page.get_by_test_id("alarm-counts")).to_have_attribute("data-value", "1,1,1,1")
+    expect(page.get_by_test_id("nav-alarms")).to_have_attribute("data-state", "unacknowledged")
+    expect(page.get_by_test_id("nav-alarms")).to_have_attribute("data-value", "1")
+    farm.alarms(put={STOP: {**ALARMS[STOP], "state": "acknowledged"}})
+    expect(page.get_by_test_id("nav-alarms")).to_have_attribute("data-value", "2")
+    page.get_by_test_id("alarm-counts").get_by_role("link").click()
+    expect(page.get_by_test_id(f"alarm-row-{STOP}")).to_be_visible()
+    farm.alarms(old_s=40)
+    expect(page.get_by_test_id("alarm-counts")).to_have_attribute("data-state", "stale")
+    expect(page.get_by_test_id("alarm-old")).to_contain_text(re.compile(r"Alarm list is 4\d s old. Do not rely on it."))
+
+
+def test_rows_hold_still_under_a_pointer_and_new_ones_are_announced(look: Look, farm: Theatre) -> None:
+    page = opened(look, size="desk")
+    page.get_by_test_id(f"alarm-row-{WIND}").hover()
+    page.get_by_test_id("alarm-row-seedlings.planter-01").hover()
+    before = rows(page)
+    farm.alarms(put={"person-ahead.weeder-01": {"title": "Somebody ahead", "ago_s": 0}}, drop=[LINK])
+    expect(page.locator(".al-news")).to_contain_text("1 new, priority 2")
+    expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_have_attribute("data-state", "normal")
+    assert rows(page) == before
+    page.mouse.move(5, 5)
+    expect(page.get_by_test_id("alarm-row-person-ahead.weeder-01")).to_be_visible()
+    expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_have_count(0)
+
+
+@pytest.mark.long
+def test_the_detail_says_what_to_do_and_whom_to_call(look: Look, farm: Theatre) -> None:
+    page = opened(look, role="supervisor")
+    page.get_by_test_id(f"alarm-row-{LINK}").click()
+    expect(page.get_by_test_id("alarm-steps")).to_contain_text("Look before you walk up to it")
+    expect(page.get_by_test_id("alarm-sequence").locator("time").first).to_have_text(
+        re.compile(r"^\d\d:\d\d:\d\d\.\d\d$")
+    )
+    expect(page.get_by_test_id("alarm-call")).to_have_attribute("href", "tel:+491510000")
+    expect(page.get_by_test_id("alarm-open")).to_have_attribute("href", "/operate/weeder-07")
+    page.get_by_test_id("alarm-diagnose").click()
+    expect(page.get_by_test_id("alarm-conclusion")).to_have_text("The robot's radio is silent, others are heard.")
+    expect(page.locator(".al-check[data-state=unknown]")).to_contain_text("Cannot be told from here")
+    page.keyboard.press("Escape")
+    page.get_by_test_id(f"alarm-row-{STOP}").click()
+    shelve = page.get_by_test_id(f"alarm-shelve-{STOP}")
+    expect(shelve).to_contain_text("not for priority 1")
+    expect(shelve).to_have_attribute("aria-disabled", "true")
+
+
+@pytest.mark.long
+def test_shelving_asks_for_time_and_reason_and_comes_back_by_hand(look: Look, farm: Theatre) -> None:
+    page = opened(look, role="supervisor")
+    page.get_by_test_id(f"alarm-row-{LINK}").click()
+    page.get_by_test_id(f"alarm-shelve-{LINK}").click()
+    sheet = page.get_by_test_id("alarm-shelve-sheet")
+    sheet.get_by_role("button", name="Shelve", exact=True).click()
+    expect(page.get_by_test_id("alarm-problem")).to_contain_text("Say why")
+    assert farm.orders("shelve") == []
+    sheet.get_by_role("radio", name="End of shift").click()
+    page.get_by_test_id("alarm-reason").fill("Radio is being mended")
+    sheet.get_by_role("button", name="Shelve", exact=True).click()
+    expect(sheet).to_have_count(0)
+    [order] = farm.orders("/shelve")
+    assert (order["until_shift_end"], order["reason"]) == (True, "Radio is being mended")
+    expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_have_count(0)
+    page.get_by_test_id("alarms-tab-shelved").click()
+    expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_contain_text("Shelved by AO until")
+    page.get_by_test_id(f"alarm-shelve-{LINK}").click()
+    expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_have_count(0)
+    assert len(farm.until_orders("/unshelve")) == 1
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("role", "words"),
+    [
+        ("operator", "Shelving needs the supervisor role."),
+        ("viewer", "You can watch alarms. Acknowledging needs the operator role."),
+    ],
+)
+def test_what_a_role_may_not_do_stays_in_place_with_its_reason(
+    look: Look, farm: Theatre, role: str, words: str
+) -> None:
+    page = opened(look, role=role)
+    expect(page.get_by_test_id("alarm-rights")).to_have_text(words)
+    expect(page.get_by_test_id("alarm-shelve-chosen")).to_contain_text("needs the supervisor role")
+    page.get_by_test_id(f"alarm-ack-{LINK}").click(force=True)
+    if role == "viewer":
+        assert farm.orders("alarms/") == []
+
+
+@pytest.mark.long
+def test_no_alarms_says_when_the_last_one_was(look: Look, theatre: Theatre) -> None:
+    theatre.play("running")
+    three_hours_ago = round((time.time() - 3 * 3600) * 1000)
+    theatre.alarms(journal=[{"at": three_hours_ago}])
+    page = look("/alarms")
+    expect(page.get_by_test_id("alarm-blank")).to_contain_text("No alarms.Last one 3 h 00 ago.")
+    expect(page.get_by_test_id("alarm-counts")).to_have_attribute("data-value", "0,0,0,0")
+    theatre.alarms(put={LINK: {}})
+    expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_be_visible()
+    expect(page.get_by_test_id("alarm-blank")).to_be_hidden()
+
+
+def test_five_hundred_alarms_of_a_flood_stand_under_their_causes(look: Look, theatre: Theatre) -> None:
+    theatre.play("running")
+    flood: dict[str, Any] = {}
+    for robot in range(1, 26):
+        cause = f"link-lost.weeder-{robot:02}"
+        for n in range(20):
+            one = {"first": cause, "place": n + 1, "group": 20, "priority": 2 if n == 0 else 3, "ago_s": 30 - n / 10}
+            flood[cause if n == 0 else f"follows-{n}.weeder-{robot:02}"] = one
+    theatre.alarms(put=flood, flood={"since": 0, "count": 500})
+    page = opened(look)
+    expect(page.get_by_test_id("alarm-flood")).to_contain_text("Flood: 500 alarms in 10 min.")
+    expect(page.get_by_role("table", name="Alarms")).to_have_attribute("aria-rowcount", "25")
+    page.get_by_label("Show 19 that follow").first.click()
+    expect(page.get_by_role("table", name="Alarms")).to_have_attribute("aria-rowcount", "44")
+    theatre.alarms(flood=None)
+    page.get_by_role("button", name="456 new, priority 3. Show").click()
+    expect(page.get_by_role("table", name="Alarms")).to_have_attribute("aria-rowcount", "500")
+    assert page.locator(".al-rows .al-row").count() < 40
+    page.locator(".al-box").evaluate("(box) => (box.scrollTop = box.scrollHeight)")
+    expect(page.locator(".al-row[aria-rowindex='500']")).to_be_visible()
+
+
+def test_the_first_touch_turns_the_sound_on_and_silence_leaves_the_list(look: Look, farm: Theatre) -> None:
+    page = opened(look)
+    sound = page.get_by_test_id("alarm-sound")
+    expect(sound).to_have_attribute("data-state", "blocked")
+    expect(page.get_by_test_id("alarm-sound-button")).to_contain_text("Sound is off. Tap to turn on.")
+    page.locator(".al-kpi").first.tap()
+    expect(sound).to_have_attribute("data-state", "on")
+    expect(sound).to_have_attribute("data-value", "1")
+    page.get_by_test_id("alarm-silence").tap()
+    expect(sound).to_have_attribute("data-state", "silenced")
+    assert rows(page)[0] == STOP
+    farm.alarms(put={"outside-fence.uav-01": {"title": "Outside its fence", "priority": 1, "ago_s": 0}})
+    expect(sound).to_have_attribute("data-state", "on")
+    event = {"what": "raised", "id": "x", "priority": 1, "title": "Outside its fence", "name": "Kestrel 1", "by": ""}
+    farm.alarms(tell=[event])
+    expect(page.get_by_test_id("alarm-voice-alert")).to_have_text("Priority 1. Kestrel 1: Outside its fence.")
+
+
+@pytest.mark.long
+def test_keys_walk_the_list_and_acknowledge_but_moving_here_does_not(look: Look, farm: Theatre) -> None:
+    page = look("/fleet", size="landscape")
+    expect(page.get_by_test_id("nav-alarms")).to_have_attribute("data-state", "unacknowledged")
+    page.keyboard.press("g")
+    page.keyboard.press("a")
+    expect(page.get_by_test_id(f"alarm-row-{STOP}")).to_be_visible()
+    page.keyboard.press("j")
+    page.keyboard.press("j")
+    expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_have_attribute("aria-selected", "true")
+    page.keyboard.press("g")
+    page.keyboard.press("a")
+    page.keyboard.press("Enter")
+    expect(page.get_by_test_id("alarm-detail").get_by_role("heading", level=2)).to_be_focused()
+    assert farm.orders("alarms/") == []
+    page.keyboard.press("a")
+    expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_have_attribute("data-state", "acknowledged")
+
+
+def test_nothing_is_acknowledged_offline_or_later(look: Look, farm: Theatre) -> None:
+    page = opened(look)
+    page.wait_for_load_state("networkidle")
+    page.evaluate("window.headland.link = () => 'server-lost'")
+    page.get_by_test_id(f"alarm-ack-{LINK}").tap()
+    expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_contain_text("Not sent: the link to the server is lost.")
+    page.get_by_test_id("alarm-ack-shown").tap()
+    expect(page.get_by_test_id("toast")).to_contain_text("Not sent")
+    assert farm.orders("alarms") == []
+
+
+@pytest.mark.long
+def test_operate_shows_this_robots_worst_alarm_and_takes_the_answer(look: Look, farm: Theatre) -> None:
+    page = look("/operate/weeder-07")
+    strip = page.get_by_test_id("alarm-strip")
+    expect(strip).to_have_attribute("data-value", STOP)
+    page.get_by_test_id(f"strip-ack-{STOP}").tap()
+    expect(strip).to_have_attribute("data-value", LINK)
+    expect(strip).to_contain_text("Look before you walk up to it")
+    page.get_by_test_id(f"strip-ack-{LINK}").tap()
+    expect(strip).to_be_hidden()
+
+
+SMALL = """[...document.querySelectorAll('.al-screen button, .al-screen a, .al-screen select, .al-screen input')]
+    .filter((node) => node.offsetParent).map((node) => [node, node.getBoundingClientRect()])
+    .filter(([node, box]) => box.height < 46 || box.width < 46).map(([node]) => node.outerHTML.slice(0, 90))"""
+ASIDE = (
+    "document.documentElement.scrollWidth > innerWidth || document.querySelector('.al-screen').scrollWidth > innerWidth"
+)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("size", SIZES)
+def test_targets_are_large_and_nothing_scrolls_sideways(look: Look, farm: Theatre, size: str) -> None:
+    page = opened(look, role="supervisor", size=size)
+    page.get_by_test_id(f"alarm-row-{LINK}").click()
+    expect(page.get_by_test_id("alarm-steps")).to_be_visible()
+    assert page.evaluate(SMALL) == []
+    assert not page.evaluate(ASIDE)
+    assert page.evaluate(
+        """() => { const box = document.querySelector('[data-testid=stop]').getBoundingClientRect();
+            return Boolean(document.elementFromPoint(box.x + box.width / 2, box.y + 4)?.closest('#headland-stop')); }"""
+    )
+
+
+@pytest.mark.long
+def test_journal_and_statistics_open_and_the_chart_has_a_table(look: Look, farm: Theatre) -> None:
+    step = {
+        "at": 1,
+        "what": "raised",
+        "priority": 2,
+        "title": "No data link",
+        "name": "Weeder 07",
+        "seq": 1,
+        "by": "",
+        "text": "x",
+    }
+    farm.alarms(journal=[step])
+    page = opened(look)
+    page.get_by_test_id("alarms-tab-journal").click()
+    expect(page.get_by_test_id("alarm-journal")).to_contain_text("No data link")
+    with page.expect_download() as download:
+        page.get_by_test_id("alarm-export").click()
+    assert download.value.suggested_filename.endswith(".csv")
+    page.get_by_test_id("alarms-tab-statistics").click()
+    expect(page.get_by_test_id("alarm-statistics")).to_contain_text("Position not exact")
+    page.get_by_test_id("alarm-chart-table").click()
+    expect(page.get_by_role("columnheader", name="From")).to_be_visible()
