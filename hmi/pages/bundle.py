@@ -29,7 +29,7 @@ SCRIPTS = {
         "slide_to_confirm", "lease", "hold_to_drive", "stop_card", "action_dock",
         "sign_in", "fleet_list", "records", "screen", "keys", "stay_awake",
     ),
-    "admin": ("admin_forms",),
+    "admin": ("admin_robot", "admin_forms"),
     "maps": (
         "maps_kinds", "maps_measure", "maps_queue", "maps_client", "maps_menu", "maps_tools", "maps_hint",
         "maps_fields", "maps_history", "maps_reshape", "maps_export", "maps_import_list", "maps_receiver",
@@ -42,7 +42,9 @@ SCRIPTS = {
         "queue_entry", "queue_arm", "queue_blackouts", "queue_timeline", "queue_list", "queue_view", "missions_bulk",
         "mission_form", "mission_ways", "missions",
     ),
-    "run": ("svg_view", "area_shape", "area_pen", "field_picture", "start_checks", "rest_map", "rest_sheet"),
+    "run": (
+        "svg_view", "area_shape", "area_pen", "field_picture", "start_checks", "rest_map", "rest_sheet", "queue_hold",
+    ),
 }  # fmt: skip
 """Scripts by file, in load order: each uses only names of those before it.
 What few people open loads with its screen.
