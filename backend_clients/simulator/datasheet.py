@@ -7,7 +7,16 @@ from typing import Any
 from backend_clients.edge import messages_up as up
 from backend_clients.simulator.config import WeederConfig
 from backend_clients.simulator.kinematics import LIMITS, TRACK_M
-from backend_clients.simulator.machine import BASE_TO_FRONT_M, HEIGHT_M, LENGTH_M, TOOL_WIDTH_M, WIDTH_M, Machine
+from backend_clients.simulator.machine import (
+    BASE_TO_FRONT_M,
+    CAPACITY_J,
+    CHARGE_W,
+    HEIGHT_M,
+    LENGTH_M,
+    TOOL_WIDTH_M,
+    WIDTH_M,
+    Machine,
+)
 
 SOFTWARE = "simulated weeder 1"
 
@@ -50,6 +59,7 @@ def factsheet_fields(config: WeederConfig) -> dict[str, Any]:
         ),
         "limits": LIMITS,
         "tool": up.Tool(kind="laser", label="Laser", width_m=TOOL_WIDTH_M),
+        "battery": up.BatteryPack(capacity_wh=CAPACITY_J / 3600, charge_w=CHARGE_W),
         "cameras": CAMERAS,
         "joints": JOINTS,
         "functions": FUNCTIONS,

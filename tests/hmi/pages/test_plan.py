@@ -139,6 +139,26 @@ def test_battery_link_and_position_are_looked_at_before_sending(
     expect(page.get_by_test_id("plan-check-people")).to_have_attribute("data-state", "unknown")
 
 
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("figures", "said"),
+    [
+        ({"battery_j": 12 * 3.6e6, "charge_w": 3000.0}, "Not enough: needs 85 %, has 68 %. Charge 45 min first."),
+        ({"battery_j": 12 * 3.6e6, "charge_w": 1200.0}, "Not enough: needs 85 %, has 68 %. Charge 1 h 45 first."),
+        ({"battery_j": 12 * 3.6e6}, "Not enough: needs 85 %, has 68 %. Charge first."),
+    ],
+)
+def test_it_is_said_how_long_to_charge_where_the_robot_says_how_fast_it_charges(
+    plan: Callable[..., tuple[Page, PlayedPlans]], figures: dict[str, float], said: str
+) -> None:
+    page, played = plan()
+    for line in played.candidates:
+        if "statistics" in line:
+            line["statistics"] = {**line["statistics"], "battery_share": 0.7, "reserve_share": 0.15, **figures}
+    page.get_by_test_id("plan-preview").click()
+    expect(page.get_by_test_id("plan-check-battery")).to_contain_text(said)
+
+
 def test_an_area_drawn_with_a_finger_belongs_to_this_plan(plan: Callable[..., tuple[Page, PlayedPlans]]) -> None:
     page, played = plan()
     page.get_by_test_id("plan-change-treatment").click()
