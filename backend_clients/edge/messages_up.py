@@ -127,6 +127,13 @@ class Behaviour(Struct, frozen=True, kw_only=True):
     stop_effect: Name = ""
 
 
+class BatteryPack(Struct, frozen=True, kw_only=True):
+    """The energy on board when full, and how fast it is charged at its usual place."""
+
+    capacity_wh: Annotated[float, Meta(gt=0, le=1e7)]
+    charge_w: Annotated[float, Meta(gt=0, le=1e7)] | None = None
+
+
 class Factsheet(Header, frozen=True, kw_only=True):
     """Retained; who the robot is and what it can do."""
 
@@ -138,6 +145,7 @@ class Factsheet(Header, frozen=True, kw_only=True):
     dimensions: Dimensions
     limits: Limits
     tool: Tool | None = None
+    battery: BatteryPack | None = None
     cameras: list[Camera] = field(default_factory=list)
     joints: list[Joint] = field(default_factory=list)
     functions: list[Function] = field(default_factory=list)

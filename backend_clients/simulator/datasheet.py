@@ -21,6 +21,7 @@ def factsheet_fields(config: RobotConfig) -> dict[str, Any]:
         "dimensions": profile.dimensions,
         "limits": profile.motion.limits(),
         "tool": profile.tool,
+        "battery": up.BatteryPack(capacity_wh=profile.energy.capacity_j / 3600, charge_w=profile.energy.charge_w),
         "cameras": list(profile.cameras),
         "joints": list(profile.joints),
         "functions": list(profile.functions),

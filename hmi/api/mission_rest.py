@@ -16,7 +16,7 @@ from hmi.api.orders import RobotId, raise_if_forbidden
 from hmi.commands.checklist_desk import ChecklistDesk
 from hmi.commands.mission_rest import MissionRests, RestOrder, RestView
 from hmi.commands.mission_send import MissionSent
-from hmi.commands.rest_sources import drawn_on, forgotten_words
+from hmi.commands.rest_words import drawn_on, forgotten_words
 from hmi.domain.mission_rest import OBSTACLE, DrawnArea
 from hmi.planning.mission_map import mission_geojson
 from hmi.store.checklists import Checklist

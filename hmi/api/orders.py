@@ -56,9 +56,10 @@ class SeenBody(Body):
 
 
 class MissionBody(Body):
-    """Which stored mission to send."""
+    """Which stored mission to send; ``fresh``: what was done of it is forgotten."""
 
     mission_id: Id
+    fresh: bool = False
 
 
 def order_routes(desk: CommandDesk) -> APIRouter:
@@ -98,7 +99,7 @@ def order_routes(desk: CommandDesk) -> APIRouter:
 
     @router.post("/mission", summary="Send a stored mission; moves nothing")
     async def mission(robot_id: RobotId, body: MissionBody, session: SignedIn) -> dict[str, Any]:
-        sent = await desk.missions.send(session, robot_id, body.mission_id)
+        sent = await desk.missions.send(session, robot_id, body.mission_id, is_fresh=body.fresh)
         raise_if_forbidden(sent.code, sent.text)
         return {"outcome": sent.outcome.value, "code": sent.code, "text": sent.text, "sha256": sent.sha256}
 

@@ -12,10 +12,12 @@ from pydantic import Field, field_validator
 from hmi.api.access import SignedIn, Watcher
 from hmi.api.body import Body, Id, Name, Reason, Tick
 from hmi.api.errors import ApiError
+from hmi.api.orders import RobotId
 from hmi.api.queue_view import QueueView
 from hmi.commands.queue_arming import QueueArming
 from hmi.commands.queue_book import EntryOrder, QueueBook
 from hmi.commands.queue_freeze import QueueFreeze
+from hmi.commands.queue_handover import QueueHandover
 from hmi.commands.weather import WeatherBoard
 from hmi.domain.ids import new_id
 from hmi.domain.queue.arming import MAX_S, MIN_S
@@ -115,6 +117,12 @@ class ReleaseBody(Body):
     tick: Tick
 
 
+class TakeOffBody(Body):
+    """The mission that the robot holds, as the person saw it."""
+
+    mission_id: Id
+
+
 class WeatherBody(Body):
     """What a station measured; what it has no sensor for is left out."""
 
@@ -138,6 +146,7 @@ class QueueRoutes:
     book: QueueBook
     arming: QueueArming
     freeze: QueueFreeze
+    handover: QueueHandover
     view: QueueView
     weather: WeatherBoard
 
@@ -215,6 +224,11 @@ def _add_arming(router: APIRouter, parts: QueueRoutes) -> None:
     async def disarm(body: DisarmBody, session: SignedIn) -> None:
         named = body.robots or [one.robot_id for one in parts.arming.book.live()]
         parts.arming.disarm(session, named)
+
+    @router.post("/queue/robots/{robot_id}/take-off", summary="Let the queue replace a mission nobody started")
+    async def take_off(robot_id: RobotId, body: TakeOffBody, session: SignedIn) -> dict[str, Any]:
+        text = await parts.handover.take_off(session, robot_id, body.mission_id)
+        return {"outcome": "accepted", "code": "ok", "text": text}
 
     @router.post("/queue/release", summary="Let the queue go on after STOP ALL; it is not armed by it")
     async def release(body: ReleaseBody, session: SignedIn) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from zoneinfo import ZoneInfo
 
 from hmi.clock import Clock
 from hmi.commands.ports import FleetReader
+from hmi.commands.queue_handover import held_unstarted
 from hmi.commands.queue_runner import QueueRunner
 from hmi.commands.weather import WeatherBoard
 from hmi.domain.queue.arming import ArmingBook
@@ -86,7 +87,17 @@ class QueueView:
             "arming": arming_row(parts.book.of(robot.id)),
             "disarmed": None if ended is None else {"why": ended[0], "utc": utc_text(ended[1])},
             "now": self._now(robot.id),
+            "holds": self._holds(robot.id),
         }
+
+    def _holds(self, robot_id: str) -> Row | None:
+        """Return the mission a person sent that keeps this queue waiting."""
+        parts, robot = self._parts, self._parts.fleet.robot(robot_id)
+        held = None if robot is None else held_unstarted(robot)
+        if held is None or held.mission_id in parts.store.mission_ids(robot_id):
+            return None
+        mission = parts.missions.known(held.mission_id)
+        return {"mission_id": held.mission_id, "name": held.mission_id if mission is None else mission.name}
 
     def _now(self, robot_id: str) -> Row | None:
         robot = self._parts.fleet.robot(robot_id)

@@ -38,6 +38,7 @@ def _http_address(text: str) -> str:
 
 Address = Annotated[str, Field(max_length=300), AfterValidator(_http_address)]
 Limit = Annotated[float, Field(gt=0, le=60)]
+OPTIONAL = ("http_url", "http_token", "contact_name", "contact_phone")
 Phone = Annotated[str, Field(max_length=40, pattern=r"^[0-9+ ()/.-]*\z")]
 
 
@@ -101,7 +102,13 @@ class RobotRoutes:
 def robot_routes(parts: RobotRoutes) -> APIRouter:
     """Return the routes of robots."""
     router = APIRouter(prefix="/robots", tags=["robots"])
+    _add_lists(router, parts)
+    _add_one(router, parts)
+    _add_registry(router, parts)
+    return router
 
+
+def _add_lists(router: APIRouter, parts: RobotRoutes) -> None:
     @router.get("", summary="Robots of the farm with their newest values")
     async def robots(session: Watcher) -> dict[str, Any]:
         known = [r for r in parts.fleet.robots() if r.is_registered and r.farm_id == session.farm_id]
@@ -113,19 +120,8 @@ def robot_routes(parts: RobotRoutes) -> APIRouter:
         rows = [{"id": r.id, "model": _model(r), **fleet_rows.entry(r)} for r in strangers]
         return {"now_ms": _now_ms(parts), "robots": rows}
 
-    @router.post("", status_code=201, summary="Accept a robot")
-    async def accept(body: NewRobot, session: RobotManager) -> dict[str, Any]:
-        given = {k: v for k, v in body.model_dump().items() if v is not None and k != "family"}
-        robot = RegisteredRobot(
-            farm_id=session.farm_id,
-            added_by=session.user_id,
-            added_at=parts.clock.utc(),
-            family=Family(body.family),
-            **given,
-        )
-        stored = await _changing(parts, session, "accepted", robot.id, lambda: parts.registry.add(robot))
-        return _registered(stored, session)
 
+def _add_one(router: APIRouter, parts: RobotRoutes) -> None:
     @router.get("/{robot_id}", summary="One robot: all groups of its live topic, and its registry entry")
     async def one(robot_id: RobotId, session: Watcher) -> dict[str, Any]:
         robot = parts.fleet.robot(robot_id)
@@ -141,16 +137,20 @@ def robot_routes(parts: RobotRoutes) -> APIRouter:
             "registry": _registered(entry, session) if entry is not None else None,
         }
 
+
+def _add_registry(router: APIRouter, parts: RobotRoutes) -> None:
+    @router.post("", status_code=201, summary="Accept a robot")
+    async def accept(body: NewRobot, session: RobotManager) -> dict[str, Any]:
+        robot = _new_robot(body, session, parts.clock)
+        stored = await _changing(parts, session, "accepted", robot.id, lambda: parts.registry.add(robot))
+        return _registered(stored, session)
+
     @router.patch("/{robot_id}", summary="Change a robot's registry entry")
     async def change(robot_id: RobotId, body: RobotChange, session: RobotManager) -> dict[str, Any]:
         before = parts.registry.get(robot_id)
         if before is None:
             raise not_found(f"There is no robot {robot_id}.")
-        given = {k: getattr(body, k) for k in body.model_fields_set}
-        if given.get("family") is not None:
-            given["family"] = Family(given["family"])
-        optional = ("http_url", "http_token", "contact_name", "contact_phone")  # null takes these away
-        changes = {k: v for k, v in given.items() if v is not None or k in optional}
+        changes = _changes(body)
         after = replace(before, **changes)
         stored = await _changing(parts, session, "changed", robot_id, lambda: parts.registry.change(after), changes)
         return _registered(stored, session)
@@ -160,7 +160,20 @@ def robot_routes(parts: RobotRoutes) -> APIRouter:
         await _changing(parts, session, "removed", robot_id, lambda: parts.registry.remove(robot_id))
         parts.leases.robot_removed(robot_id)
 
-    return router
+
+def _new_robot(body: NewRobot, session: SessionInfo, clock: Clock) -> RegisteredRobot:
+    given = {k: v for k, v in body.model_dump().items() if v is not None and k != "family"}
+    return RegisteredRobot(
+        farm_id=session.farm_id, added_by=session.user_id, added_at=clock.utc(), family=Family(body.family), **given
+    )
+
+
+def _changes(body: RobotChange) -> dict[str, Any]:
+    """Return what a body changes; null takes away what may be missing and leaves the rest as it is."""
+    given = {k: getattr(body, k) for k in body.model_fields_set}
+    if given.get("family") is not None:
+        given["family"] = Family(given["family"])
+    return {k: v for k, v in given.items() if v is not None or k in OPTIONAL}
 
 
 async def _changing(

@@ -20,6 +20,7 @@ from hmi.commands.queue_arming import ArmingParts, QueueArming
 from hmi.commands.queue_book import QueueBook, QueueParts
 from hmi.commands.queue_facts import FactDesk, FactSources
 from hmi.commands.queue_freeze import QueueFreeze
+from hmi.commands.queue_handover import HandoverParts, QueueHandover
 from hmi.commands.queue_life import LifeParts, QueueLife
 from hmi.commands.queue_runner import QueueRunner, RunnerParts
 from hmi.commands.weather import WeatherBoard
@@ -71,6 +72,8 @@ class QueueDesk:
             robots=fleet.robots,
         )
         self.book = self._make_book()
+        self.handover = self._make_handover()
+        desk.missions.on_sent(self.handover.sent)
         self._life = self._make_life()
         self.runner = self._make_runner()
         self._view = self._make_view()
@@ -106,6 +109,19 @@ class QueueDesk:
             )
         )
 
+    def _make_handover(self) -> QueueHandover:
+        return QueueHandover(
+            HandoverParts(
+                store=self.store,
+                missions=self._records.missions,
+                fleet=self._fleet,
+                database=self._records.database,
+                audit=self._records.audit,
+                authorize=self._authorize,
+                on_changed=self._changed,
+            )
+        )
+
     def _make_runner(self) -> QueueRunner:
         sources = FactSources(
             store=self.store,
@@ -117,6 +133,7 @@ class QueueDesk:
             clock=self._clock,
             zone=self._zone,
             weather=lambda: self.weather.latest,
+            is_given_up=self.handover.is_given_up,
         )
         parts = RunnerParts(
             store=self.store,
@@ -167,7 +184,7 @@ class QueueDesk:
 
     def routes(self) -> APIRouter:
         """Return the REST routes."""
-        return queue_routes(QueueRoutes(self.book, self.arming, self.freeze, self._view, self.weather))
+        return queue_routes(QueueRoutes(self.book, self.arming, self.freeze, self.handover, self._view, self.weather))
 
     async def prepare(self) -> None:
         """Read the queues into memory; nothing is armed."""

@@ -15,7 +15,7 @@ from hmi.commands.lease_service import LeaseService
 from hmi.commands.ledger import ACK_LIMIT_S, OrderLedger
 from hmi.commands.mission_send import MissionSender
 from hmi.commands.operator_pulse import OperatorPulseRelay
-from hmi.commands.ports import AuditSink, FleetReader, LaneEvent, MissionSource, StartRules, TickJudge
+from hmi.commands.ports import AuditSink, FleetReader, LaneEvent, MissionStore, StartRules, TickJudge
 from hmi.commands.reset import ResetService
 from hmi.commands.seen import SeenService
 from hmi.commands.service import CommandService
@@ -40,7 +40,7 @@ class CommandPorts:
     ticks: TickJudge
     sender: OrderSender
     audit: AuditSink
-    missions: MissionSource
+    missions: MissionStore
     clock: Clock
     authorize: Authorize
     on_event: LaneEvent

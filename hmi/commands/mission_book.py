@@ -12,10 +12,12 @@ from hmi.commands.map_watch import MapStamp, MapWatch
 from hmi.commands.plan_wish import FAR_M, PlanOrder, metres, wish_for
 from hmi.commands.ports import AuditSink, FleetReader, StoredMission
 from hmi.commands.refusal import OrderRefused
+from hmi.commands.rest_words import forgotten_words
 from hmi.domain.ids import new_id
 from hmi.domain.mission import ENDED, UNDER_WAY, BadMove, MissionStatus, Mover
 from hmi.domain.mission_document import Document, for_robot, mission_sha256, renamed
 from hmi.domain.mission_plan import Candidate, Pattern, PlannedMission, Planner, PlanRefused, PlanWish
+from hmi.domain.mission_rest import Progress
 from hmi.domain.robot import Robot
 from hmi.domain.role import Permission
 from hmi.security.authorization import Authorize
@@ -29,6 +31,7 @@ from hmi.store.mission_revisions import MissionRevisions
 from hmi.store.missions import Mission, MissionLogEntry, Missions
 
 FRESH = "The whole mission again, from its first row."
+INTERRUPTED = (MissionStatus.PAUSED, MissionStatus.ABORTED, MissionStatus.FAILED)
 log = logging.getLogger(__name__)
 
 
@@ -182,6 +185,13 @@ class MissionBook:
         if mission is not None:
             self._audit(session, mission, "deleted", {})
 
+    def forgets(self, farm_id: str, mission_id: str) -> str:
+        """Say what of interrupted work sending the whole mission would forget; from memory."""
+        mission = self._missions.known(mission_id)
+        if mission is None or mission.farm_id != farm_id or mission.status not in INTERRUPTED:
+            return ""
+        return forgotten_words(mission, Progress.from_json(mission.progress))
+
     async def stored(self, farm_id: str, mission_id: str, robot_id: str) -> StoredMission | None:
         """Return a mission as it goes to this robot, ``None`` if there is none.
 
@@ -194,6 +204,9 @@ class MissionBook:
         if mission.status in UNDER_WAY and mission.robot_id != robot_id:
             text = f"{mission.name} is {mission.status.value} on {mission.robot_id}. Copy it for another robot."
             raise OrderRefused("in_use", text)
+        if mission.status is MissionStatus.PAUSED and self.forgets(farm_id, mission_id):
+            # the bytes it has already would begin nothing anew
+            raise OrderRefused("paused", f"{mission.name} is paused. Start it fresh from there, which ends it first.")
         is_fresh = mission.status in ENDED
         if is_fresh:
             document, statistics = await self._database.run(self.revisions.whole, farm_id, mission_id)

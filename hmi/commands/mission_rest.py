@@ -15,7 +15,8 @@ from hmi.commands.map_watch import MapWatch
 from hmi.commands.mission_send import MissionSent
 from hmi.commands.plan_wish import surroundings_of
 from hmi.commands.refusal import HELD_BY_OTHER, UNKNOWN_ROBOT, OrderRefused
-from hmi.commands.rest_sources import FreshSource, RestParts, RestSource, drawn_on
+from hmi.commands.rest_sources import FreshSource, RestParts, RestSource
+from hmi.commands.rest_words import drawn_on
 from hmi.commands.service import TTL_MS, CommandRequest
 from hmi.domain.command import Action, Outcome
 from hmi.domain.ids import new_id

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from hmi.commands.gate import Gate
-from hmi.commands.ports import AuditSink, LaneEvent, MissionSource, StoredMission
-from hmi.commands.refusal import BUSY, HASH_MISMATCH, UNKNOWN_MISSION, OrderRefused
+from hmi.commands.ports import AuditSink, LaneEvent, MissionSource, MissionStore, StoredMission
+from hmi.commands.refusal import BUSY, HAS_PROGRESS, HASH_MISMATCH, UNKNOWN_MISSION, OrderRefused
 from hmi.domain.command import OrderFailed, OrderSender, Outcome
 from hmi.domain.robot import Robot
 from hmi.domain.role import Permission
@@ -35,15 +35,25 @@ class MissionSender:
     """Uploads missions, one at a time and robot."""
 
     def __init__(
-        self, gate: Gate, source: MissionSource, sender: OrderSender, audit: AuditSink, on_event: LaneEvent
+        self, gate: Gate, source: MissionStore, sender: OrderSender, audit: AuditSink, on_event: LaneEvent
     ) -> None:
         self._gate, self._source, self._sender = gate, source, sender
         self._audit, self._on_event = audit, on_event
         self._busy: set[str] = set()
+        self._listeners: list[Callable[[str], None]] = []
 
-    async def send(self, actor: SessionInfo, robot_id: str, mission_id: str) -> MissionSent:
-        """Send a stored mission; only a robot that read back the same hash has it."""
-        return await self.put(actor, robot_id, mission_id, self._source)
+    def on_sent(self, callback: Callable[[str], None]) -> None:
+        """Call ``callback`` with the id of each robot that has read a mission back."""
+        self._listeners.append(callback)
+
+    async def send(self, actor: SessionInfo, robot_id: str, mission_id: str, *, is_fresh: bool = False) -> MissionSent:
+        """Send a stored mission; only a robot that read back the same hash has it.
+
+        Args:
+            is_fresh: whoever sends knows that interrupted work is forgotten; else it is refused with ``has_progress``.
+        """
+        source = self._source if is_fresh else _Careful(self._source)
+        return await self.put(actor, robot_id, mission_id, source)
 
     async def put(
         self, actor: SessionInfo, robot_id: str, mission_id: str, source: MissionSource, proof: Proof | None = None
@@ -91,6 +101,8 @@ class MissionSender:
             await source.sent(actor.farm_id, mission_id, robot.id, actor.user_name)
         except StoreError:  # the robot has it all the same, and its state will say so
             log.exception("mission %s is on %s but its status was not stored", mission_id, robot.id)
+        for listener in self._listeners:
+            listener(robot.id)
         text = " ".join(filter(None, (_sent_text(robot, stored), stored.note)))
         return MissionSent(Outcome.ACCEPTED, "ok", text, answer.sha256)
 
@@ -112,6 +124,24 @@ class MissionSender:
         event = {"kind": "mission", "robot": robot_id, "outcome": result.outcome.value, "text": result.text}
         self._on_event({**event, **data, "by": actor.user_name})
         return result
+
+
+class _Careful:
+    """Gives no mission away whose interrupted work would be forgotten."""
+
+    def __init__(self, source: MissionStore) -> None:
+        self._source = source
+        self.sent = source.sent
+
+    async def stored(self, farm_id: str, mission_id: str, robot_id: str) -> StoredMission | None:
+        """Return the mission; raises ``OrderRefused`` as its source, and for interrupted work."""
+        forgotten = self._source.forgets(farm_id, mission_id)
+        if forgotten:
+            text = (
+                f"It was interrupted: {forgotten}. Resume it, resume it later, or start it fresh, which forgets that."
+            )
+            raise OrderRefused(HAS_PROGRESS, text)
+        return await self._source.stored(farm_id, mission_id, robot_id)
 
 
 def _sent_text(robot: Robot, stored: StoredMission) -> str:

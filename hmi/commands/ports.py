@@ -66,6 +66,14 @@ class MissionSource(Protocol):
         ...
 
 
+class MissionStore(MissionSource, Protocol):
+    """The farm's missions, by number."""
+
+    def forgets(self, farm_id: str, mission_id: str) -> str:
+        """Say what of interrupted work sending the whole mission would forget; empty if nothing."""
+        ...
+
+
 class StartRules(Protocol):
     """What must be true of people and records before a mission moves; answers from memory."""
 

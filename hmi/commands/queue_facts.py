@@ -33,6 +33,7 @@ class FactSources:
     clock: Clock
     zone: ZoneInfo
     weather: Callable[[], Weather | None]
+    is_given_up: Callable[[str, str], bool] = lambda _robot_id, _sha256: False
 
 
 class FactDesk:
@@ -47,14 +48,16 @@ class FactDesk:
         mission = source.missions.known(entry.mission_id)
         arming, ended = source.book.of(entry.robot_id), source.book.ended(entry.robot_id)
         lease = source.leases.of(entry.robot_id)
+        robot = self._robot(entry.robot_id)
         return Facts(
             now=now,
             zone=source.zone,
-            robot=self._robot(entry.robot_id),
+            robot=robot,
             mission=None if mission is None else _mission(mission),
             ahead="" if ahead is None else ahead.name,
             is_ahead_running=ahead is not None and ahead.status.value in ("running", "resuming"),
             queued_ids=source.store.mission_ids(entry.robot_id),
+            is_given_up=robot is not None and source.is_given_up(entry.robot_id, robot.held_sha256),
             frozen=self.frozen(),
             armed_until=None if arming is None else arming.until,
             disarmed="" if ended is None else ended[0],

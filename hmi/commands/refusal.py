@@ -19,7 +19,7 @@ BUSY, ID_REUSED, LATCHED, REASON_MISSING = "busy", "id_reused", "latched", "reas
 NO_LEASE, NOT_MANUAL, DRIVEN_ELSEWHERE = "no_lease", "not_manual", "driven_elsewhere"
 DELAY, DELAY_UNKNOWN, BAD_SETPOINT = "delay", "delay_unknown", "bad_setpoint"
 NOT_STANDING, OTHER_PRESS, NOTHING_TO_RESET = "not_standing", "other_press", "nothing_to_reset"
-UNKNOWN_MISSION, HASH_MISMATCH = "unknown_mission", "hash_mismatch"
+UNKNOWN_MISSION, HASH_MISMATCH, HAS_PROGRESS = "unknown_mission", "hash_mismatch", "has_progress"
 MAP_CHANGED, NOT_READ_BACK, CHECKLIST_MISSING = "map_changed", "not_read_back", "checklist_missing"
 HARDWARE_STOP, SAFETY_UNKNOWN, WRONG_MISSION = "hardware_stop", "safety_unknown", "wrong_mission"
 

@@ -14,7 +14,7 @@ from hmi.commands.map_watch import MapWatch
 from hmi.commands.mission_book import FRESH
 from hmi.commands.mission_send import MissionSender
 from hmi.commands.ports import FleetReader, StoredMission
-from hmi.commands.rest_words import drawn_words, rest_words
+from hmi.commands.rest_words import DRAWN, drawn_on, drawn_words, forgotten_words, rest_words
 from hmi.commands.service import CommandService
 from hmi.domain.mission import ENDED, BadMove, MissionStatus, Mover
 from hmi.domain.mission_document import for_robot, mission_sha256
@@ -28,7 +28,6 @@ from hmi.store.mission_revisions import MissionRevisions
 from hmi.store.missions import Mission, Missions
 
 LATER = "later"
-DRAWN = "drawn_areas"  # among a mission's figures: they live and end with the document that was planned around them
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,19 +131,3 @@ def _merged(before: Mapping[str, Any], now: Mapping[str, Any]) -> dict[str, Any]
     """Return a mission's figures after its rest changed; the area goes with the length of its rows."""
     covered = {"covered_m2": before["covered_m2"] * now["covered_share"]} if "covered_m2" in before else {}
     return {**before, **{key: value for key, value in now.items() if key != "covered_share"}, **covered}
-
-
-def forgotten_words(mission: Mission, progress: Progress | None) -> str:
-    """Say what starting fresh forgets; empty if nothing."""
-    found = []
-    if progress is not None and progress.is_begun:
-        found.append(f"row {progress.row} of {progress.rows}, {progress.area_done_m2 / 10_000:.2f} ha done")
-    areas = drawn_on(mission)
-    if areas:
-        found.append(drawn_words(areas))
-    return "; ".join(found)
-
-
-def drawn_on(mission: Mission) -> tuple[DrawnArea, ...]:
-    """Return the ground somebody drew on a mission while it ran."""
-    return tuple(DrawnArea.from_json(one) for one in mission.statistics.get(DRAWN, ()))

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from hmi.domain.mission_rest import OBSTACLE, DrawnArea
+from hmi.domain.mission_rest import OBSTACLE, DrawnArea, Progress
+from hmi.store.missions import Mission
 
 NAMED = 6
+DRAWN = "drawn_areas"  # among a mission's figures: they live and end with the document that was planned around them
 
 
 def rest_words(kind: str, difference: Mapping[str, Any], areas: Sequence[DrawnArea] = ()) -> str:
@@ -28,3 +30,19 @@ def drawn_words(areas: Sequence[DrawnArea]) -> str:
     counts = ((obstacles, "obstacle"), (len(areas) - obstacles, "area to leave out"))
     plural = {"obstacle": "obstacles", "area to leave out": "areas to leave out"}
     return ", ".join(f"{count} {name if count == 1 else plural[name]}" for count, name in counts if count)
+
+
+def forgotten_words(mission: Mission, progress: Progress | None) -> str:
+    """Say what starting fresh forgets; empty if nothing."""
+    found = []
+    if progress is not None and progress.is_begun:
+        found.append(f"row {progress.row} of {progress.rows}, {progress.area_done_m2 / 10_000:.2f} ha done")
+    areas = drawn_on(mission)
+    if areas:
+        found.append(drawn_words(areas))
+    return "; ".join(found)
+
+
+def drawn_on(mission: Mission) -> tuple[DrawnArea, ...]:
+    """Return the ground somebody drew on a mission while it ran."""
+    return tuple(DrawnArea.from_json(one) for one in mission.statistics.get(DRAWN, ()))

@@ -235,6 +235,8 @@ class Factsheet:
     stop_effect: str
     functions: tuple[tuple[str, str, tuple[str, ...]], ...] = ()
     cameras: tuple[tuple[str, str], ...] = ()
+    battery_wh: float | None = None
+    charge_w: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

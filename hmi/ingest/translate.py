@@ -110,6 +110,8 @@ def factsheet(m: up.Factsheet) -> domain.Factsheet:
         stop_effect=m.behaviour.stop_effect,
         functions=tuple((f.name, f.label, tuple(f.depends_on)) for f in m.functions),
         cameras=tuple((c.id, c.label) for c in m.cameras),
+        battery_wh=m.battery.capacity_wh if m.battery else None,
+        charge_w=m.battery.charge_w if m.battery else None,
     )
 
 

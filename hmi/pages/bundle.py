@@ -29,7 +29,7 @@ SCRIPTS = {
         "slide_to_confirm", "lease", "hold_to_drive", "stop_card", "action_dock",
         "sign_in", "fleet_list", "records", "screen", "keys", "stay_awake",
     ),
-    "admin": ("alarm_notifications", "admin_forms"),
+    "admin": ("alarm_notifications", "admin_robot", "admin_forms"),
     "bell": ("alarm_order", "alarm_acts", "alarm_tones", "alarm_bell", "alarm_strip"),
     "alarms": (
         "alarm_words", "alarm_rows", "alarm_kpis", "alarm_shelve", "alarm_diagnose", "alarm_detail", "alarm_journal",
@@ -47,7 +47,9 @@ SCRIPTS = {
         "queue_entry", "queue_arm", "queue_blackouts", "queue_timeline", "queue_list", "queue_view", "missions_bulk",
         "mission_form", "mission_ways", "missions",
     ),
-    "run": ("svg_view", "area_shape", "area_pen", "field_picture", "start_checks", "rest_map", "rest_sheet"),
+    "run": (
+        "svg_view", "area_shape", "area_pen", "field_picture", "start_checks", "rest_map", "rest_sheet", "queue_hold",
+    ),
 }  # fmt: skip
 """Scripts by file, in load order: each uses only names of those before it.
 What few people open loads with its screen; ``bell`` loads on every page, after STOP is ready.

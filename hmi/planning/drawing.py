@@ -16,24 +16,27 @@ from hmi.planning.estimate import timeline
 from hmi.planning.ground import polygons_of
 from hmi.planning.job import Job
 from hmi.planning.plan import Plan
-from hmi.planning.projection import Floats
+from hmi.planning.projection import Floats, LocalFrame
 
 SLIVER_M2 = 0.05  # smaller pieces of ground are rounding and cannot be seen
 SLIT_M = 0.03  # RTK is no better
 SMOOTH_M = 0.05
+NEAR_M = 100.0
 _GRID_M = 1e-3
 
 Ring = list[list[float]]
 
 
-def drawing(job: Job, plan: Plan) -> dict[str, Any]:
+def drawing(job: Job, plan: Plan, frame: LocalFrame) -> dict[str, Any]:
     """Return the drawing: ``legs`` in driving order, ``ground`` with its share of the field, ``places`` around.
 
     A leg is ``kind``, ``row``, ``on``, ``dose``, ``pivot``, ``t`` (from, to) and its points ``xy``, flat.
+    ``frame`` says where on earth the metres are, see ``_frame``.
     """
     field = shapely.difference(job.parcel, shapely.union_all(job.obstacles)) if job.obstacles else job.parcel
     machine = job.machine
     return {
+        "frame": _frame(job, frame),
         "legs": _legs(job, plan),
         "ground": _ground(job, plan, field),
         "places": {
@@ -50,6 +53,18 @@ def drawing(job: Job, plan: Plan) -> dict[str, Any]:
             "tool_width_m": job.treated_width_m,
         },
     }
+
+
+def _frame(job: Job, frame: LocalFrame) -> dict[str, Any]:
+    """Return a place in the middle of the field and the degrees per metre there.
+
+    True to 0.03 m at 500 m from the middle: ``lon_lat + degrees_per_m @ (xy - xy_m)``.
+    """
+    x, y = (round(float(v), 2) for v in shapely.get_coordinates(job.parcel.centroid)[0])
+    around = np.array([[x, y], [x + NEAR_M, y], [x - NEAR_M, y], [x, y + NEAR_M], [x, y - NEAR_M]])
+    middle, east, west, north, south = frame.to_lon_lat(around)
+    per_m = np.column_stack([east - west, north - south]) / (2 * NEAR_M)
+    return {"xy_m": [x, y], "lon_lat": middle.tolist(), "degrees_per_m": per_m.tolist()}
 
 
 def _legs(job: Job, plan: Plan) -> list[dict[str, Any]]:

@@ -73,6 +73,7 @@ class RobotProfile:
             transit_speed_mps=min(base.transit_speed_mps, top),
             accel_mps2=min(base.accel_mps2, sheet.max_accel_mps2),
             yaw_rate_radps=min(base.yaw_rate_radps, sheet.max_yaw_rate_radps),
+            battery_j=base.battery_j if sheet.battery_wh is None else sheet.battery_wh * 3600,
             lead_in_m=_LEAD_IN_M.get(sheet.tool_kind, base.lead_in_m),
             lead_out_m=_LEAD_OUT_M.get(sheet.tool_kind, base.lead_out_m),
         )

@@ -51,7 +51,7 @@ def plan_candidate(wish: PlanWish) -> Candidate:
     """Plan a mission to look at: its numbers and a drawing, no document; raises as ``plan_mission``."""
     job, plan = _planned(wish, None)
     _check_length(plan)
-    return Candidate(statistics(wish, job, plan), drawing(job, plan))
+    return Candidate(statistics(wish, job, plan), drawing(job, plan, _frame(wish)))
 
 
 def _planned(wish: PlanWish, machine: RobotProfile | None) -> tuple[Job, Plan]:

@@ -27,6 +27,8 @@ def statistics(wish: PlanWish, job: Job, plan: Plan) -> dict[str, Any]:
         "battery_j": job.machine.battery_j,
         "reserve_share": round(_reserve_share(job, plan), 4),
     }
+    if wish.robot is not None and wish.robot.charge_w is not None:
+        found["charge_w"] = wish.robot.charge_w
     if not job.doses.is_plain:
         found["treatment"] = {
             "rest_dose": wish.treatment.rest_dose,

@@ -125,9 +125,10 @@ def _robot_busy(facts: Facts, robot: RobotFacts) -> Waiting | None:
         known = {Mode.UNKNOWN: "its state is not known", Mode.STOPPED: "it is stopped"}
         words = known.get(robot.mode, "it is moving")
         return Waiting("busy", f"Waits for {robot.name}: {words}.", "It stands idle.", Who.ITSELF)
-    if robot.order is OrderStatus.LOADED and robot.held_id not in facts.queued_ids:
-        text = f"{robot.name} holds {held}, which a person sent. Start it there, or send this one yourself."
-        return Waiting("holds_other", text, "Start that one, or send this one.", Who.OPERATOR)
+    is_foreign = robot.order is OrderStatus.LOADED and robot.held_id not in facts.queued_ids
+    if is_foreign and not facts.is_given_up:
+        text = f"{robot.name} holds {held}, which a person sent and nobody started. Start it there, or take it off."
+        return Waiting("holds_other", text, "Start that one, or take it off the robot.", Who.OPERATOR)
     return None
 
 

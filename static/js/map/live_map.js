@@ -6,6 +6,7 @@ import { startEngine } from './engine_choice.js';
 import { laneRevision } from './feed.js';
 import { boxOf, mercPerMetre, mercX, mercY } from './geometry.js';
 import { Intake } from './intake.js';
+import { DoseLegend, areaLabels } from './areas.js';
 import { LabelLayer } from './labels.js';
 import { LAYERS, baseChoice, keepLayers, readLayers } from './layers.js';
 import { noticeOf } from './notice.js';
@@ -55,6 +56,7 @@ export class LiveMap {
     this.controls = this.#controls();
     this.controls.setFollowing(this.isFollowing);
     this.list = new RobotList(host);
+    this.doses = new DoseLegend(host);
     this.#notice();
   }
 
@@ -152,6 +154,7 @@ export class LiveMap {
       const first = this.intake.model?.pieces[0].line;
       if (first) this.scene.settle(first[0], first[1]);
       this.scene.setMission(this.intake.model);
+      this.doses.show(this.intake.model);
       this.engine?.setMission(this.intake.parcels);
       this.#showField();
     }
@@ -306,7 +309,7 @@ export class LiveMap {
   #framed() {
     if (!this.engine || this.isGone) return;
     const { camera } = this.engine;
-    const labels = this.shown.labels ? readableLabels(this.labels, camera) : [];
+    const labels = this.shown.labels ? [...readableLabels(this.labels, camera), ...areaLabels(this.intake.model?.areas ?? [], camera)] : [];
     const look = { ...this.look, palette: this.palette, metresPerPx: camera.metresPerPx, isNear: camera.zoom > NAMES_ZOOM };
     if (this.look) labels.push(...robotLabels(this.intake.robots.values(), look));
     this.labelLayer.draw(camera, labels, this.palette);

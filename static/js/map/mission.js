@@ -1,5 +1,6 @@
 // The mission's geometry as the map draws it: pieces of path in driving order, and how far the robot is.
 
+import { readAreas } from './areas.js';
 import { cutAt, lineParts, mercPerMetre, mercX, mercY, nearestOn, polygonParts } from './geometry.js';
 
 const PATH_KINDS = new Set(['row', 'turn', 'headland', 'approach', 'exit']);
@@ -10,7 +11,7 @@ const DEFAULT_WIDTH_M = 3;
 const flat = (line) => line.flatMap(([lon, lat]) => [mercX(lon), mercY(lat)]);
 
 /**
- * Read mission GeoJSON: {pieces, parcel, homes, rowWidthM}.
+ * Read mission GeoJSON: {pieces, parcels, homes, areas, rows, rowWidthM}.
  *
  * Path features come in driving order, so a piece's index is the robot's segment number.
  */
@@ -18,10 +19,10 @@ export function readMission(collection) {
   const features = collection?.features ?? [];
   const pieces = [];
   for (const feature of features) {
-    const { kind, row, tool_on: tool } = feature.properties ?? {};
+    const { kind, row, tool_on: tool, dose = 1 } = feature.properties ?? {};
     if (!PATH_KINDS.has(kind)) continue;
     for (const line of lineParts(feature.geometry)) {
-      if (line.length > 1) pieces.push({ kind, row: kind === 'row' ? Number(row) || 0 : 0, isWorked: kind === 'row' || tool === true, line: flat(line) });
+      if (line.length > 1) pieces.push({ kind, row: kind === 'row' ? Number(row) || 0 : 0, isWorked: tool ?? kind === 'row', dose, line: flat(line) });
     }
   }
   const of = (kind) => features.filter((f) => f.properties?.kind === kind);
@@ -29,6 +30,7 @@ export function readMission(collection) {
     pieces,
     parcels: of('parcel').filter((f) => polygonParts(f.geometry).length),
     homes: of('home'),
+    areas: readAreas(features),
     rows: pieces.reduce((most, piece) => Math.max(most, piece.row), 0),
     rowWidthM: rowWidth(pieces, features),
   };

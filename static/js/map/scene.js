@@ -1,5 +1,6 @@
 // Everything drawn over the farm: mission lines by progress, trail, robots and their marks.
 
+import { AreaLines } from './areas.js';
 import { LineSet, StampBatch } from './drawlist.js';
 import { mercPerMetre } from './geometry.js';
 import { SHAPE_ORDER, familyShape } from './shapes.js';
@@ -21,6 +22,7 @@ export class Scene {
     this.trail = null;
     this.shown = { rows: true, plan: true, trail: true };
     this.sets = { rows: new LineSet(), path: new LineSet(), behind: new LineSet(8), ahead: new LineSet(8) };
+    this.areas = new AreaLines();
     this.stamps = Object.fromEntries(SHAPE_ORDER.map((shape) => [shape, new StampBatch(shape)]));
     this.setPalette(palette);
   }
@@ -31,7 +33,7 @@ export class Scene {
     this.ink = {
       bed: p('parcelOn'), row: p('row'), done: p('done'), path: p('path'),
       trail: packed(mixed(palette.path, palette.done, 0.6)),
-      halo: p('halo'), ghostFill: p('raised'), ghostLine: p('ink2'), none: 0,
+      obstacle: p('obstacle'), halo: p('halo'), ghostFill: p('raised'), ghostLine: p('ink2'), none: 0,
       body: { selected: [p('sel'), p('onSel')], plain: [p('ink2'), p('raised')], manual: [p('manual'), p('onManual')],
         stopped: [p('ink'), p('raised')], 1: [p('p1'), p('onP1')], 2: [p('p2'), p('onP2')], 3: [p('p3'), p('onP3')], 4: [p('p4'), p('onP4')] },
       ring: p('sel', 0.6), manualRing: p('manual', 0.6), reach: p('ink'),
@@ -59,6 +61,7 @@ export class Scene {
     path.clear();
     this.rowFrom = [];
     this.pathFrom = [];
+    this.areas.lay(this.model, this.origin);
     if (!this.model) return;
     const perMetre = mercPerMetre(this.origin.my);
     let walked = 0;
@@ -151,7 +154,7 @@ export class Scene {
   /** What to draw, bottom to top: {lines, stamps}. */
   drawList() {
     const stamps = SHAPE_ORDER.map((shape) => this.stamps[shape]).filter((batch) => batch.count);
-    return { lines: [...this.#missionLines(), ...this.#trailLines(), ...this.#planLines()], stamps };
+    return { lines: [...this.#missionLines(), ...this.#areaLines(), ...this.#trailLines(), ...this.#planLines()], stamps };
   }
 
   #missionLines() {
@@ -176,6 +179,10 @@ export class Scene {
       if (!shown.plan) lines.push({ set: sets.ahead, from: 0, count: sets.ahead.count, colour: ink.row, leastPx: 1, cap: 0 });
     }
     return lines;
+  }
+
+  #areaLines() {
+    return this.model ? this.areas.lines(this.model.rowWidthM, this.ink, this.shown.rows) : [];
   }
 
   #trailLines() {

@@ -63,7 +63,7 @@
       const registered = (answer) => {
         const robots = list(answer, "robots").filter((robot) => robot.is_registered !== false);
         if (!robots.length) return empty("No robots yet", "Accept one below, or add it by hand.");
-        return table(["Robot", "Id", "Kind", "HTTP address", "Contact", ""], robots.map((robot) => ({ hook: `robot-row-${robot.id}`, cells: [robot.name, robot.id, robot.family ?? "", robot.http_url || "–", [robot.contact_name, robot.contact_phone].filter(Boolean).join(", ") || "–", acts(act("Remove", () => remove(robot), `robot-remove-${robot.id}`))] })));
+        return table(["Robot", "Id", "Kind", "HTTP address", "Contact", "Unattended", ""], robots.map((robot) => ({ hook: `robot-row-${robot.id}`, cells: [robot.name, robot.id, robot.family ?? "", robot.http_url || "–", [robot.contact_name, robot.contact_phone].filter(Boolean).join(", ") || "–", robot.is_unattended_allowed ? "yes" : "no", acts(act("Change", () => HL.editRobot(robot, again), `robot-change-${robot.id}`), act("Remove", () => remove(robot), `robot-remove-${robot.id}`))] })));
       };
       const unknown = (answer) => {
         const robots = list(answer, "robots");

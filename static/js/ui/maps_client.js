@@ -237,15 +237,23 @@
     async publish(note, isShrinkingOk) {
       await this.flush();
       if (this.queue.length) return { ok: false, status: 0, text: NO_LINK };
-      const answer = await HL.port.api("POST", "/map/draft/publish", { note, is_shrinking_ok: isShrinkingOk }, OPERATION_MS);
-      if (answer.ok) await this.load0();
-      return answer;
+      return this.closing(() => HL.port.api("POST", "/map/draft/publish", { note, is_shrinking_ok: isShrinkingOk }, OPERATION_MS), () => this.load0());
     }
 
-    async discard() {
-      const answer = await HL.port.api("DELETE", "/map/draft");
-      if (answer.ok) await this.dropUnsaved();
-      return answer;
+    discard() {
+      return this.closing(() => HL.port.api("DELETE", "/map/draft"), () => this.dropUnsaved());
+    }
+
+    // the draft ends by our own hand: the news of it, which may be faster than the answer, is none to us
+    async closing(ask, then) {
+      this.isClosing = true;
+      try {
+        const answer = await ask();
+        if (answer.ok) await then();
+        return answer;
+      } finally {
+        this.isClosing = false;
+      }
     }
 
     async restore(version) {

@@ -162,9 +162,9 @@
 
     // somebody took the draft, threw it away or published
     async stillMine() {
-      if (this.client.queue.length) return; // its answer will tell
+      if (this.client.queue.length || this.client.isClosing) return; // its answer will tell
       const answer = await HL.port.api("GET", "/map");
-      if (!answer.ok || !this.isConnected || answer.draft?.is_mine || !this.client.isEditing) return;
+      if (!answer.ok || !this.isConnected || answer.draft?.is_mine || !this.client.isEditing || this.client.isClosing) return;
       await this.client.load();
       HL.toast(answer.draft ? `${answer.draft.editor.name} edits the map now.` : "This draft is closed.", "lock");
     }

@@ -26,6 +26,8 @@
         el("div", { class: "h-row h-base top" }, el("span", { class: "h-t18 h-b" }, "Row"), this.row, this.rows, el("span", { class: "h-sp" }), this.share),
         this.ticks,
         el("div", { class: "h-facts" }, fact("Area", this.area), fact("Done at", this.done), fact("Left", this.leftTime)), this.pending, this.change);
+      this.side = el("div");
+      this.full.append(this.side);
       this.empty = el("div", { class: "h-t16 h-2", hidden: true });
       this.append(el("div", { class: "h-h" }, this.name, el("span", { class: "h-age h-end" }, icon("schedule", "s"), this.age)), this.full, this.empty);
     }
@@ -43,6 +45,8 @@
       }
       attr(this.change, "hidden", !(groups.actions?.change?.ok && HL.config.rights.includes("send_mission")));
       attr(this.pending, "hidden", !mission.is_pending);
+      if (HL.queueHold && !this.hold) this.side.append((this.hold = new HL.queueHold.CardHold()).node);
+      this.hold?.follow(HL.view.robot, mission);
       const ageMs = HL.port.age(mission.t);
       const period = mission.period_ms || 500;
       const isOld = ageMs > Math.max(OLD_MS, 3 * period);

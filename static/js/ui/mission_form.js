@@ -26,7 +26,10 @@
       this.shown = null;
       this.planned = null;
       this.inputs = new Inputs(places);
-      this.treatment = new Treatment(places.areas ?? []);
+      this.treatment = new Treatment(places.areas ?? [], {
+        draw: (done, ended) => this.picture.drawArea(done, ended),
+        changed: () => (this.picture.showAreas(this.treatment.pictured()), this.steps.treatment.tell(this.treatment.summary()), this.changed()),
+      });
       this.node = this.build();
       this.follow();
       this.outline();
@@ -89,6 +92,7 @@
     newField() {
       this.inputs.offerWidth();
       this.treatment.follow(this.inputs.fieldPlace);
+      this.picture.areas = this.treatment.pictured();
       this.outline();
       this.changed();
     }
@@ -208,7 +212,8 @@
       if (!rings) return this.picture.draw({ legs: [], places: { parcel: [] } }, null, null);
       const [lon0, lat0] = rings[0][0];
       const scale = 111320 * Math.cos((lat0 * Math.PI) / 180);
-      this.picture.draw({ legs: [], places: { parcel: rings.map((ring) => ring.map(([lon, lat]) => [(lon - lon0) * scale, (lat - lat0) * 111320])) } }, null, null);
+      const frame = { xy_m: [0, 0], lon_lat: [lon0, lat0], degrees_per_m: [[1 / scale, 0], [0, 1 / 111320]] };
+      this.picture.draw({ frame, legs: [], places: { parcel: rings.map((ring) => ring.map(([lon, lat]) => [(lon - lon0) * scale, (lat - lat0) * 111320])) } }, null, null);
     }
 
     words() {
@@ -243,6 +248,7 @@
       this.paint();
       if (!answer.ok) return this.refused(answer);
       this.inputs.forget();
+      this.treatment.forget();
       this.end();
       this.actions.stored(answer.data, what === "send");
       if (what === "queue") HL.queue.add(answer.data);

@@ -16,7 +16,15 @@
     const needs = statistics.battery_share + (statistics.reserve_share ?? 0.15);
     if (needs <= has) return good(`Battery is enough: ${percent(has)} now`);
     if (needs > 1) return bad(`Not enough: needs ${percent(needs)} with reserve, has ${percent(has)}. One charge does not last.`);
-    return bad(`Not enough: needs ${percent(needs)}, has ${percent(has)}. Charge first.`);
+    return bad(`Not enough: needs ${percent(needs)}, has ${percent(has)}. Charge ${chargeTime(statistics, needs - has)}first.`);
+  }
+
+  // "1 h 10 ", rounded up to five minutes; nothing where the robot does not say how fast it charges
+  function chargeTime({ battery_j: full, charge_w: power }, share) {
+    if (!full || !power) return "";
+    const minutes = 5 * Math.ceil((share * full) / power / 300 - 1e-9);
+    const [h, min] = [Math.floor(minutes / 60), minutes % 60];
+    return h ? `${h} h ${String(min).padStart(2, "0")} ` : `${min} min `;
   }
 
   function link(name, robot, ageMs) {

@@ -38,14 +38,64 @@
       this.node = el("div", { class: "p-picture" }, this.root, this.views, this.sight.buttons(), this.legend);
     }
 
-    // drawing: what the server answers, or only {legs: [], places: {parcel, home}}; path: null without a plan
+    // ground somebody draws: done(outline in degrees); ended() when the pen is put down
+    drawArea(done, ended) {
+      this.pen ??= this.makePen();
+      this.pen.done = (ring) => done(ring.map((point) => this.unflat(point)));
+      this.pen.ended = ended;
+      this.node.scrollIntoView({ block: "nearest" });
+      this.pen.start();
+    }
+
+    makePen() {
+      const pen = new HL.AreaPen(this.sight, () => {});
+      this.node.append(pen.bar);
+      return pen;
+    }
+
+    // areas: [{outline in degrees, dose, name}], drawn for this plan
+    showAreas(areas) {
+      this.areas = areas;
+      this.overlay?.remove();
+      this.overlay = svg("g", {});
+      this.names = [];
+      if (!this.frame) return;
+      for (const { outline, dose, name } of areas) {
+        const points = outline.map((place) => this.flat(place));
+        const mean = (k) => points.reduce((sum, point) => sum + point[k], 0) / points.length;
+        const word = svg("g", { class: "sign" }, svg("text", { "text-anchor": "middle", y: 5 }, name));
+        this.names.push({ node: word, x: mean(0), y: mean(1) });
+        this.overlay.append(svg("path", { class: dose === 0 ? "a-area drawn off" : "a-area drawn", d: `${line(points)}Z` }), word);
+      }
+      this.root.append(this.overlay);
+      if (this.sight.px) this.scaled(this.sight.px);
+    }
+
+    // the drawing knows one place on earth and the degrees per metre there
+    unflat([x, south]) {
+      const { xy_m: [x0, y0], lon_lat: [lon, lat], degrees_per_m: [[a, b], [c, d]] } = this.frame;
+      const [dx, dy] = [x - x0, -south - y0];
+      return [lon + a * dx + b * dy, lat + c * dx + d * dy];
+    }
+
+    // metres, y to the north
+    flat([lon, lat]) {
+      const { xy_m: [x0, y0], lon_lat: [lon0, lat0], degrees_per_m: [[a, b], [c, d]] } = this.frame;
+      const [u, v, size] = [lon - lon0, lat - lat0, a * d - b * c];
+      return [x0 + (d * u - b * v) / size, y0 + (a * v - c * u) / size];
+    }
+
+    // drawing: what the server answers, or only {frame, legs: [], places: {parcel, home}}; path: null without a plan
     draw(drawing, path, statistics) {
+      this.pen?.isOn && this.pen.stop();
       this.drawing = drawing;
+      this.frame = drawing.frame;
       this.path = path;
       this.statistics = statistics;
       const legs = path ? path.legs : [];
       this.root.replaceChildren(...this.ground(drawing), ...(path ? this.lines(legs) : []), ...this.marks(drawing, legs));
       this.views.hidden = !path;
+      this.showAreas(this.areas ?? []);
       this.sight.fit(bounds({ ...drawing, legs }));
       this.show(path ? this.view : "path");
     }
@@ -151,7 +201,7 @@
       // rows closer than the screen can show become a tint, not a black field
       this.root.style.setProperty("--row", Math.min(1.3, Math.max(0.15, (0.35 * (this.drawing?.machine?.tool_width_m ?? 3)) / px)).toFixed(2));
       const scale = px.toFixed(4);
-      for (const { node, x, y } of this.signs ?? []) attr(node, "transform", `translate(${x} ${-y}) scale(${scale})`);
+      for (const { node, x, y } of [...(this.signs ?? []), ...(this.names ?? [])]) attr(node, "transform", `translate(${x} ${-y}) scale(${scale})`);
       if (this.arrow) attr(this.arrow, "transform", `scale(${scale})`);
       if (this.hatch) attr(this.hatch, "patternTransform", `rotate(45) scale(${scale})`);
     }

@@ -56,7 +56,7 @@
   function open(entry, queue, mayEdit, actions) {
     const robot = queue.robots.find((one) => one.robot_id === entry.robot_id);
     const fields = new EntryFields(entry, queue.zone, mayAlone(robot) || (entry.is_supervised ? SUPERVISED : ""));
-    const waiting = entry.waiting ? el("div", { class: "h-card q-why", "data-testid": "queue-entry-why" }, el("b", { class: "h-t16" }, entry.waiting.text), entry.waiting.clears ? el("span", { class: "h-t14 h-2" }, `Clears: ${entry.waiting.clears}`) : "", el("span", { class: "h-t13 h-2" }, `Who: ${entry.waiting.who}. Since ${HL.queue.when(Date.parse(entry.waiting.since_utc), queue.zone)}.`)) : "";
+    const waiting = entry.waiting ? el("div", { class: "h-card q-why", "data-testid": "queue-entry-why" }, el("b", { class: "h-t16" }, entry.waiting.text), entry.waiting.clears ? el("span", { class: "h-t14 h-2" }, `Clears: ${entry.waiting.clears}`) : "", el("span", { class: "h-t13 h-2" }, `Who: ${entry.waiting.who}. Since ${HL.queue.when(Date.parse(entry.waiting.since_utc), queue.zone)}.`), entry.waiting.code === "holds_other" ? HL.queueHold.button(robot, () => (HL.closeSheet(), actions.changed())) : "") : "";
     const place = (by, label, sign) => el("button", { type: "button", class: "h-btn", disabled: !mayEdit || HL.queue.isFixed(entry), "data-testid": by < 0 ? "queue-earlier" : "queue-later", onclick: () => actions.move(entry, by) }, icon(sign, "m"), label);
     const operate = el("a", { class: "h-btn", href: `/operate/${entry.robot_id}` }, icon("gamepad", "m"), "Operate");
     const remove = el("button", { type: "button", class: "h-btn", disabled: !mayEdit, "data-testid": "queue-remove", onclick: () => take(entry, actions) }, icon("delete", "m"), "Take out");

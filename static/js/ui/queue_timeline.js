@@ -49,7 +49,7 @@
       }
     }
     if (!row.bars.some((bar) => bar.entry?.state === "open" || bar.look === "other")) track.append(el("span", { class: "q-free h-t13 h-2", style: `left:calc(${scale.share(scale.now)} + 8px)` }, "Nothing in the queue"));
-    return el("div", { class: "q-robot", "data-testid": `queue-row-${robot.robot_id}` }, el("div", { class: "q-name" }, el("b", { class: "h-t16 h-ell" }, robot.name), armed(queue, robot, actions)), el("div", { class: "q-lane" }, track, reason(queue, robot)));
+    return el("div", { class: "q-robot", "data-testid": `queue-row-${robot.robot_id}` }, el("div", { class: "q-name" }, el("b", { class: "h-t16 h-ell" }, robot.name), armed(queue, robot, actions)), el("div", { class: "q-lane" }, track, reason(queue, robot, actions)));
   }
 
   function barNode(queue, bar, scale, actions) {
@@ -74,10 +74,10 @@
   }
 
   // the first thing this robot waits for, in one line under its bars
-  function reason(queue, robot) {
+  function reason(queue, robot, actions) {
     const first = queue.entries.filter((one) => one.robot_id === robot.robot_id).find((one) => one.waiting && !["not_first", "running"].includes(one.waiting.code));
     if (!first) return el("div", { class: "q-reason" });
-    return el("div", { class: "q-reason h-t14", "data-testid": `queue-reason-${robot.robot_id}`, "data-code": first.waiting.code }, icon(first.waiting.step === "wait" ? "hourglass_top" : "play_arrow", "s"), el("span", {}, el("b", {}, `${first.name}: `), first.waiting.text));
+    return el("div", { class: "q-reason h-t14", "data-testid": `queue-reason-${robot.robot_id}`, "data-code": first.waiting.code }, icon(first.waiting.step === "wait" ? "hourglass_top" : "play_arrow", "s"), el("span", {}, el("b", {}, `${first.name}: `), first.waiting.text), first.waiting.code === "holds_other" ? HL.queueHold.button(robot, actions.changed) : "");
   }
 
   Object.assign(HL.queue, { timeline, isFixed });

@@ -104,6 +104,7 @@
         open: (entry) => HL.queue.open(entry, this.queue, this.mayEdit, { move: (one, by) => (HL.closeSheet(), this.shift(one, by)), changed: () => this.load() }),
         move: (entry, index) => this.move(entry, index),
         shift: (entry, by) => this.shift(entry, by),
+        changed: () => this.load(),
         disarm: (robot) => HL.queue.arm.disarm([robot.robot_id], () => this.load()),
       };
     }

@@ -128,3 +128,18 @@ async def test_what_a_person_saw_is_recorded_and_changes_nothing(console: Consol
     [entry] = [e for e in console.field.audit.entries if e.kind == "seen"]
     assert (entry.actor, entry.ref) == ("Viewer", "stop-000001")
     assert console.field.weeder.orders == []
+
+
+async def test_an_interrupted_mission_starts_fresh_only_when_that_is_said(console: Console) -> None:
+    console.field.missions.done["field-1"] = "row 2 of 4, 0.01 ha done"
+    client = await console.browser(Role.OPERATOR)
+    answer = await client.post("/robots/weeder-01/mission", json={"mission_id": "field-1"})
+    assert (answer.status_code, answer.json()["code"]) == (409, "has_progress")
+    assert "row 2 of 4" in answer.json()["text"]
+    assert "Resume it, resume it later, or start it fresh" in answer.json()["text"]
+    assert console.field.missions.noted == []
+    fresh = await client.post("/robots/weeder-01/mission", json={"mission_id": "field-1", "fresh": True})
+    assert fresh.json()["outcome"] == "accepted"
+    viewer = await console.browser(Role.VIEWER, browser="2")
+    answer = await viewer.post("/robots/weeder-01/mission", json={"mission_id": "field-1"})
+    assert answer.status_code == 403

@@ -280,6 +280,11 @@ class Missions:
             "field-1": StoredMission("field-1", "Field 1", {"mission_id": "field-1"}, SHA)
         }
         self.noted: list[tuple[str, str]] = []
+        self.done: dict[str, str] = {}
+
+    def forgets(self, farm_id: str, mission_id: str) -> str:
+        """Say what was done of a mission that was interrupted."""
+        return self.done.get(mission_id, "")
 
     async def stored(self, farm_id: str, mission_id: str, robot_id: str) -> StoredMission | None:
         """Return one."""

@@ -45,6 +45,7 @@ async def test_everything_a_robot_says_reaches_the_store() -> None:
         assert robot.is_registered
         assert robot.factsheet is not None
         assert robot.factsheet.tool_label == "Laser"
+        assert (robot.factsheet.battery_wh, robot.factsheet.charge_w) == (8000.0, 2000.0)
         assert robot.telemetry is not None
         assert robot.telemetry.pose.speed_mps == 0.42
         assert robot.state is not None

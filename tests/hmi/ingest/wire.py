@@ -129,6 +129,7 @@ class FakeWireRobot:
                 max_speed_mps=1.67, max_accel_mps2=0.6, decel_mps2=1.2, max_yaw_rate_radps=0.8, can_pivot=True
             ),
             "tool": up.Tool(kind="laser", label="Laser", width_m=1.5),
+            "battery": up.BatteryPack(capacity_wh=8000.0, charge_w=2000.0),
             "behaviour": up.Behaviour(stop_effect="laser off, tracks brake"),
         }
         return up.Factsheet(**self.head(**{**body, **values}))

@@ -6,6 +6,7 @@ import asyncio
 import json
 from typing import Any
 
+import numpy as np
 import pytest
 import shapely
 
@@ -17,7 +18,7 @@ from hmi.planning.mission import plan_candidate
 from hmi.planning.worker import PlanningProcess
 from hmi.store.features import Feature
 from hmi.store.maps import Maps
-from tests.hmi.missions.rig import FARM, HerePlanner, Rig, lon_lat
+from tests.hmi.missions.rig import FARM, FRAME, HerePlanner, Rig, lon_lat, parcel_geometry
 from tests.hmi.missions.test_document import wish
 
 PLAN = {"field_id": "field-1", "robot_id": "weeder-01", "width_m": 3.0}
@@ -190,3 +191,27 @@ async def test_a_treatment_area_of_the_map_reaches_the_robots_document(rig: Rig)
     doses = {segment.get("dose", 1.0) for segment in document["segments"] if segment["tool_on"]}
     assert doses == {1.0, 0.5}
     assert [(one["id"], one["kind"]) for one in offered] == [("wet", "treatment")]
+
+
+async def test_an_area_drawn_for_one_plan_is_no_part_of_the_map_and_goes_with_the_missions_geometry(rig: Rig) -> None:
+    corners = lon_lat((0, 0), (40, 0), (40, 14), (0, 14), (0, 0))
+    area = {"geometry": {"type": "Polygon", "coordinates": [corners]}, "dose": 0.0}
+    async with rig.client(Role.PLANNER) as client:
+        made = (await client.post("/missions/plan", json={**PLAN, "row_bearing_deg": 0.0, "treatments": [area]})).json()
+        shown = (await client.get(f"/missions/{made['id']}/map.geojson")).json()
+        offered = (await client.get("/fields")).json()["areas"]
+    assert offered == []
+    assert "treatment" not in made["statistics"]
+    doses = [one for one in shown["features"] if one["properties"]["kind"] == "dose"]
+    assert [(one["properties"]["dose"], one["geometry"]) for one in doses] == [(0.0, area["geometry"])]
+
+
+async def test_a_place_of_the_drawing_is_known_on_earth_to_a_centimetre(rig: Rig) -> None:
+    drawing = next(one for one in await compared(rig) if one.get("state") == "planned")["drawing"]
+    frame = drawing["frame"]
+    corners = drawing["places"]["parcel"][0][:-1]
+    degrees = np.array(frame["lon_lat"]) + (np.array(corners) - frame["xy_m"]) @ np.array(frame["degrees_per_m"]).T
+    wanted = np.array(parcel_geometry()["coordinates"][0][:-1])
+    for place in degrees:
+        nearest = min(FRAME.to_local(wanted), key=lambda one: float(np.hypot(*(one - FRAME.to_local([place])[0]))))
+        assert np.hypot(*(nearest - FRAME.to_local([place])[0])) < 0.02

@@ -10,6 +10,7 @@ import pytest
 
 from hmi.commands.mission_rest import MissionRests, RestOrder
 from hmi.commands.mission_send import MissionSender
+from hmi.commands.refusal import OrderRefused
 from hmi.commands.rest_sources import RestParts
 from hmi.commands.start_rules import MissionStartRules
 from hmi.domain.command import Acknowledgement, OrderFailed, Outcome
@@ -302,3 +303,30 @@ def test_a_start_needs_the_stored_document_and_the_list(desk: Desk) -> None:
         rules.check(desk.supervisor, robot, said, None)
     rules.check(desk.supervisor, robot, replace(said, is_supervised=False), None)
     MissionStartRules(desk.rig.missions, lists, lambda: False).check(desk.supervisor, robot, said, None)
+
+
+@pytest.mark.parametrize(
+    ("status", "mode", "forgotten"),
+    [
+        (OrderStatus.RUNNING, Mode.AUTO, False),
+        (OrderStatus.PAUSED, Mode.PAUSED, True),
+        (OrderStatus.ABORTED, Mode.IDLE, True),
+        (OrderStatus.DONE, Mode.IDLE, False),
+    ],
+)
+async def test_interrupted_work_is_named_before_it_is_forgotten(
+    desk: Desk, status: OrderStatus, mode: Mode, forgotten: bool
+) -> None:
+    await desk.follow()
+    desk.reports(status, mode)
+    await desk.follow()
+    assert bool(desk.rig.book.forgets(FARM, "m-1")) is forgotten
+    assert desk.rig.book.forgets("farm-2", "m-1") == ""
+
+
+async def test_a_paused_mission_is_not_sent_as_if_it_began_anew(desk: Desk) -> None:
+    await desk.follow()
+    desk.reports(OrderStatus.PAUSED, Mode.PAUSED)
+    await desk.follow()
+    with pytest.raises(OrderRefused, match="Start it fresh"):
+        await desk.rig.book.stored(FARM, "m-1", "weeder-01")

@@ -8,12 +8,14 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+import shapely
 from playwright.sync_api import Page, Route, expect
 
 from hmi.domain.mission_plan import Pattern
 from hmi.planning.mission import plan_candidate
 from tests.hmi.missions.test_document import wish
 from tests.hmi.pages.test_missions import Played, mission
+from tests.hmi.pages.test_rest_sheet import drag_around
 
 Look = Callable[..., Page]
 AREA = {
@@ -135,6 +137,43 @@ def test_battery_link_and_position_are_looked_at_before_sending(
     expect(page.get_by_test_id("plan-check-link")).to_have_attribute("data-state", "good")
     expect(page.get_by_test_id("plan-check-battery")).to_have_text(re.compile("Battery is enough: 68 % now$"))
     expect(page.get_by_test_id("plan-check-people")).to_have_attribute("data-state", "unknown")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("figures", "said"),
+    [
+        ({"battery_j": 12 * 3.6e6, "charge_w": 3000.0}, "Not enough: needs 85 %, has 68 %. Charge 45 min first."),
+        ({"battery_j": 12 * 3.6e6, "charge_w": 1200.0}, "Not enough: needs 85 %, has 68 %. Charge 1 h 45 first."),
+        ({"battery_j": 12 * 3.6e6}, "Not enough: needs 85 %, has 68 %. Charge first."),
+    ],
+)
+def test_it_is_said_how_long_to_charge_where_the_robot_says_how_fast_it_charges(
+    plan: Callable[..., tuple[Page, PlayedPlans]], figures: dict[str, float], said: str
+) -> None:
+    page, played = plan()
+    for line in played.candidates:
+        if "statistics" in line:
+            line["statistics"] = {**line["statistics"], "battery_share": 0.7, "reserve_share": 0.15, **figures}
+    page.get_by_test_id("plan-preview").click()
+    expect(page.get_by_test_id("plan-check-battery")).to_contain_text(said)
+
+
+def test_an_area_drawn_with_a_finger_belongs_to_this_plan(plan: Callable[..., tuple[Page, PlayedPlans]]) -> None:
+    page, played = plan()
+    page.get_by_test_id("plan-change-treatment").click()
+    page.get_by_test_id("plan-draw-area").click()
+    drag_around(page, page.get_by_test_id("plan-picture"), 60)
+    page.get_by_test_id("plan-drawn-dose-0").select_option("2")
+    page.get_by_test_id("plan-preview").click()
+    expect(page.get_by_test_id("plan-stat-turns")).to_be_visible()
+    drawn = next(one for one in played.asked[-1][2]["treatments"] if "geometry" in one)
+    assert drawn["dose"] == 2
+    field = shapely.Polygon(wish().parcel["coordinates"][0])
+    outline = shapely.Polygon(drawn["geometry"]["coordinates"][0])
+    assert field.contains(outline)
+    assert outline.centroid.distance(field.centroid) < 0.1 * field.length
+    expect(page.locator(".p-svg .drawn")).to_have_count(1)  # and stays where it is on the plan's own plane
 
 
 @pytest.mark.long

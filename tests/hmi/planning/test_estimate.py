@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from hmi.planning.estimate import effort, pivot_time
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import Leg, LegKind
+from tests.hmi.presenters.robots import SHEET
 
 MACHINE = RobotProfile(accel_mps2=0.5, yaw_rate_radps=0.5)
 
@@ -47,3 +49,9 @@ def test_energy_is_driving_plus_idling_plus_tool() -> None:
     took = effort([straight((0, 0), (100, 0), 0.5, tool_on=True)], MACHINE)
     expected = 100 * MACHINE.drive_j_per_m + took.duration_s * (MACHINE.idle_w + MACHINE.tool_w)
     assert took.energy_j == pytest.approx(expected)
+
+
+def test_a_plan_counts_with_the_battery_the_robot_says_it_has() -> None:
+    usual = RobotProfile.from_factsheet(SHEET)
+    small = RobotProfile.from_factsheet(replace(SHEET, battery_wh=6000.0))
+    assert (usual.battery_j, small.battery_j) == (12 * 3.6e6, 6 * 3.6e6)

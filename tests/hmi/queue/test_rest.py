@@ -14,7 +14,7 @@ from hmi.api.access import Access
 from hmi.domain.role import Permission, Role, may
 from tests.hmi.commands.field import person
 from tests.hmi.missions.rig import Door, NoTokens
-from tests.hmi.queue.rig import MORNING, QueueFarm
+from tests.hmi.queue.rig import MORNING, PIETER, QueueFarm
 
 P = Permission
 WINDOW = {"name": "Night", "days": [0, 1, 2, 3, 4, 5, 6], "from_min": 1320, "to_min": 360}
@@ -31,6 +31,7 @@ ROUTES: list[tuple[str, str, dict[str, Any] | None, Permission]] = [
      P.START),
     ("POST", "/queue/disarm", {"robots": ["weeder-01"]}, P.STOP),
     ("POST", "/queue/release", {"reason": "Clear", "tick": "x"}, P.RESET),
+    ("POST", "/queue/robots/weeder-01/take-off", {"mission_id": "wheat-3"}, P.SEND_MISSION),
     ("POST", "/weather", {"station": "Yard", "wind_mps": 3.0}, P.SEND_MISSION),
 ]  # fmt: skip
 
@@ -160,3 +161,21 @@ async def test_every_change_of_the_queue_is_in_the_audit(farm: QueueFarm) -> Non
     async with browser(farm, Role.OPERATOR) as client:
         await client.delete(f"/queue/entries/{entry.id}")
     assert farm.kept.audit.outcomes("queue") == ["added", "armed", "disarmed", "removed"]
+
+
+async def test_a_mission_that_keeps_the_queue_waiting_is_named_and_can_be_taken_off(farm: QueueFarm) -> None:
+    await farm.desk.missions.send(PIETER, "weeder-01", "wheat-3")
+    await farm.step(2)
+    await farm.add("wheat-1")
+    await farm.step(2)
+    async with browser(farm, Role.OPERATOR) as client:
+        [robot] = (await client.get("/queue")).json()["robots"]
+        assert robot["holds"] == {"mission_id": "wheat-3", "name": "Wheat 3"}
+        other = await client.post("/queue/robots/weeder-01/take-off", json={"mission_id": "wheat-2"})
+        assert (other.status_code, other.json()["code"]) == (409, "not_held")
+        done = await client.post("/queue/robots/weeder-01/take-off", json={"mission_id": "wheat-3"})
+        assert done.json()["text"].startswith("Wheat 3 gives way.")
+        await farm.step(3)
+        [robot] = (await client.get("/queue")).json()["robots"]
+        assert robot["holds"] is None
+    assert farm.weeder.holds == "wheat-1"

@@ -1,0 +1,104 @@
+"""A mission that a person sent and nobody started gives way to the queue, because a person says so.
+
+Nothing goes to the robot for it. The edge contract has no message that empties a robot, and needs none: a mission that
+was never started is replaced by the next one that is sent, and a start names mission and hash, so that nothing old can
+begin in between. A message of its own would be one more order that robots must know, and would leave them without a
+mission while the queue waits for daylight. So the queue is only allowed to send its own mission over this one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from hmi.commands.ports import AuditSink, FleetReader
+from hmi.commands.refusal import UNKNOWN_ROBOT, OrderRefused
+from hmi.domain.robot import Order, OrderStatus, Robot
+from hmi.domain.role import Permission
+from hmi.security.authorization import Authorize
+from hmi.security.session_info import SessionInfo
+from hmi.store.audit_chain import AuditEntry
+from hmi.store.database import Database
+from hmi.store.missions import Mission, Missions
+from hmi.store.queue import QueueStore
+
+
+@dataclass(frozen=True, slots=True)
+class HandoverParts:
+    """What it is wired to.
+
+    Args:
+        on_changed: told of the robot and who did it: what was armed before it is disarmed.
+    """
+
+    store: QueueStore
+    missions: Missions
+    fleet: FleetReader
+    database: Database
+    audit: AuditSink
+    authorize: Authorize
+    on_changed: Callable[[str, str], None]
+
+
+class QueueHandover:
+    """Remembers which missions may be replaced; forgets it at a restart, when a person is asked again."""
+
+    def __init__(self, parts: HandoverParts) -> None:
+        self._parts = parts
+        self._given: dict[str, str] = {}  # robot: hash of what may be replaced
+
+    def is_given_up(self, robot_id: str, sha256: str) -> bool:
+        """Say whether the queue may send its own mission over the one with this hash; from memory."""
+        return bool(sha256) and self._given.get(robot_id) == sha256
+
+    def sent(self, robot_id: str) -> None:
+        """Forget it: a robot took a mission again, and what was sent last is wanted."""
+        self._given.pop(robot_id, None)
+
+    async def take_off(self, session: SessionInfo, robot_id: str, mission_id: str) -> str:
+        """Let the queue replace a mission that a person sent and nobody started; returns what comes now.
+
+        Raises:
+            NotSignedIn, NotAllowed: as for sending a mission.
+            OrderRefused: the robot does not hold it any more, it was started, or no queue waits for the robot.
+        """
+        parts = self._parts
+        parts.authorize(session, Permission.SEND_MISSION, robot_id)
+        robot = parts.fleet.robot(robot_id)
+        if robot is None or robot.farm_id != session.farm_id:
+            raise OrderRefused(UNKNOWN_ROBOT, "There is no such robot.")
+        held = held_unstarted(robot)
+        if held is None or held.mission_id != mission_id:
+            raise OrderRefused("not_held", f"{robot.name} does not hold it, or it was started. Look again.")
+        if not parts.store.entries(robot_id):
+            raise OrderRefused("nothing_waits", f"Nothing waits in the queue of {robot.name}: it can stay there.")
+        mission = parts.missions.known(mission_id)
+        name = mission_id if mission is None else mission.name
+        if mission is not None:
+            why = f"Taken off {robot.name}: the queue may send its own over it. Nothing moved."
+            await parts.database.run(parts.missions.note, session.farm_id, mission_id, session.user_name, why)
+        self._given[robot_id] = held.sha256
+        parts.on_changed(robot_id, session.user_name)
+        self._audit(session, robot, mission, name)
+        return f"{name} gives way. It stays on {robot.name} until the queue sends the next; nothing moves."
+
+    def _audit(self, session: SessionInfo, robot: Robot, mission: Mission | None, name: str) -> None:
+        self._parts.audit.append(
+            AuditEntry(
+                farm_id=session.farm_id,
+                actor=session.user_name,
+                device=session.device_name,
+                kind="queue",
+                outcome="taken_off",
+                robot_id=robot.id,
+                ref=name if mission is None else mission.id,
+                text=f"{name} may be replaced on {robot.name}.",
+                data={},
+            )
+        )
+
+
+def held_unstarted(robot: Robot) -> Order | None:
+    """Return the mission a robot holds and has not begun, ``None`` if there is none."""
+    order = robot.state.order if robot.state is not None else None
+    return order if order is not None and order.status is OrderStatus.LOADED else None
