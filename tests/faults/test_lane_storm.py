@@ -115,6 +115,7 @@ async def test_a_browser_that_takes_nothing_holds_up_nobody_and_skips_to_the_new
                 number = found.get("d", {}).get(TOPIC, {}).get("lease", {}).get("number", number)
         assert deltas < CHANGES
         await calm.works_until(lambda: True)
+        slow.transport.abort()
 
 
 async def test_a_browser_that_takes_nothing_at_all_is_closed(monkeypatch: pytest.MonkeyPatch) -> None:
