@@ -42,6 +42,7 @@ SCRIPTS = {
         "queue_entry", "queue_arm", "queue_blackouts", "queue_timeline", "queue_list", "queue_view", "missions_bulk",
         "mission_form", "mission_ways", "missions",
     ),
+    "demo": ("demo_panel",),
     "run": ("field_picture", "start_checks", "rest_sheet"),
 }  # fmt: skip
 """Scripts by file, in load order: each uses only names of those before it.
