@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -15,35 +15,34 @@ from playwright.sync_api import Browser, sync_playwright
 from tests.conftest import BROWSER_FLAGS, SOFTWARE_GL
 from tests.e2e.installation import ROOT, Installation
 from tests.e2e.person import Person
+from tests.e2e.test_farmer import send_mission
 from tests.find_browser import find_browser
 
 OUT = ROOT / "docs" / "screens"
 SIZES = {"landscape": (1280, 800), "portrait": (800, 1280), "desk": (1920, 1080)}
 THEMES = ("day", "night", "sunlight")
-ROBOT, MISSION, ROW = "weeder-03", "site-wheat-2-05", 14  # a section of the experimental site, half done
-SCREENS = {
-    "operate": f"/operate/{ROBOT}",
-    "fleet": "/fleet",
-    "maps": "/maps",
-    "missions": "/missions",
-    "alarms": "/alarms",
-}
-ADMIN_SCREENS = {"admin": "/admin"}
+ROBOT, MISSION = "weeder-01", "trial-strip"
+ROWS_DONE = 5  # of the working robot that Operate shows
 COLOURS = 96  # flat surfaces and text lose nothing visible, files shrink to a third
-SETTLE_MS = 2500
+SETTLE_MS = 1500
+Prepare = Callable[[Person], None]
+
+
+def _as_it_opens(_someone: Person) -> None:
+    """Leave the screen as it opens."""
 
 
 def main() -> int:
     """Write the pictures; return an exit code."""
     OUT.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
-        running = Installation.start(Path(folder) / "data")
+        running = Installation.start(Path(folder) / "data", fleet="full")
         try:
             path = find_browser()
             options: dict[str, Any] = {"executable_path": path} if path else {}
             browser = playwright.chromium.launch(args=[*BROWSER_FLAGS, *SOFTWARE_GL], **options)
-            for name in [*_signed_out(browser, running), *_screens(browser, running)]:
-                print(name)
+            for name in (one for part in PARTS for one in part(browser, running)):
+                print(name, flush=True)
             browser.close()
         finally:
             running.end()
@@ -58,17 +57,13 @@ def _signed_out(browser: Browser, running: Installation) -> Iterator[str]:
 
 
 def _screens(browser: Browser, running: Installation) -> Iterator[str]:
-    martha = _come(browser, running, "operator", "landscape")
-    martha.sign_in()
-    _start_mission(martha, running)
-    yield from _all_looks(martha, SCREENS)
-    yield from _situations(martha, running)
-    martha.context.close()
-    yield from _map_builder(browser, running)
-    jonas = _come(browser, running, "admin", "landscape")
-    jonas.sign_in()
-    yield from _all_looks(jonas, ADMIN_SCREENS)
-    jonas.context.close()
+    for name, (who, path, prepare) in SCREENS.items():
+        someone = _come(browser, running, who, "landscape")
+        someone.sign_in()
+        someone.open(path if path != WORKING else f"/operate/{_working(someone)}")
+        prepare(someone)
+        yield from _all_looks(someone, name)
+        someone.context.close()
 
 
 def _map_builder(browser: Browser, running: Installation) -> Iterator[str]:
@@ -101,35 +96,68 @@ def _map_builder(browser: Browser, running: Installation) -> Iterator[str]:
     pieter.context.close()
 
 
-def _all_looks(someone: Person, screens: dict[str, str]) -> Iterator[str]:
+def _all_looks(someone: Person, name: str) -> Iterator[str]:
+    """Shoot a screen as it stands in each size and theme; nothing of it is opened anew."""
     for size, (width, height) in SIZES.items():
         someone.page.set_viewport_size({"width": width, "height": height})
         for theme in THEMES:
-            someone.page.evaluate(f"localStorage.setItem('headland.theme', '{theme}')")
-            for screen, path in screens.items():
-                someone.page.goto(path)
-                yield _shoot(someone, f"{screen}-{size}-{theme}")
+            while someone.state("theme") != theme:
+                someone.hook("theme").click()
+            yield _shoot(someone, f"{name}-{size}-{theme}")
 
 
-def _start_mission(martha: Person, running: Installation) -> None:
-    martha.page.goto("/missions")
-    martha.hook(f"mission-row-{MISSION}").click()
-    martha.hook("plan-send").click()
-    martha.sees(f"mission-row-{MISSION}", "sent|accepted", within_s=30)
+def _working(someone: Person) -> str:
+    """Wait for a weeder that is well under way; return its id."""
+    for _ in range(120):
+        robots = someone.context.request.get("/api/v1/robots").json()["robots"]
+        for robot in robots:
+            mission = robot.get("mission") or {}
+            if robot["id"].startswith("weeder") and mission.get("status") == "running" and mission["row"] >= ROWS_DONE:
+                return str(robot["id"])
+        someone.page.wait_for_timeout(1000)
+    raise RuntimeError("no weeder of the demo got to work within two minutes")
+
+
+def _plan(someone: Person) -> None:
+    someone.hook("mission-plan").click()
+    someone.hook("plan-preview").click()
+    someone.hook("plan-compare-spiral").locator("xpath=self::*[@data-state!='planning']").wait_for(timeout=120_000)
+
+
+def _queue(someone: Person) -> None:
+    for mission in (MISSION, "trial-strip-rows"):
+        someone.hook(f"mission-row-{mission}").click()
+        someone.hook("mission-add-to-queue").click()
+        someone.page.get_by_role("button", name="Add to queue").last.click()
+        someone.hook("queue-add").wait_for(state="detached")
+    someone.hook("missions-tab-queue").click()
+
+
+def _alarms(someone: Person) -> None:
+    rows = someone.page.locator("[data-testid^=alarm-row-]")
+    rows.first.wait_for(timeout=120_000)
+    rows.first.click()
+
+
+def _situations(browser: Browser, running: Installation) -> Iterator[str]:
+    """Show what a farmer meets on one robot, in the order in which she meets it."""
+    martha = _come(browser, running, "operator", "landscape")
+    martha.sign_in()
+    send_mission(martha)
     martha.operate(ROBOT)
-    running.simulator("POST", "/_world", {"speed": 20})
+    martha.hook("mission-checks").click()
+    yield _shoot(martha, "operate-checks")
+    martha.hook("start-sheet").get_by_role("button", name="Close").click()
     martha.slide("mission-start")
     martha.page.wait_for_function(
-        f"() => Number(document.querySelector('[data-testid=value-row]')?.dataset.value) >= {ROW}", timeout=300_000
+        "() => Number(document.querySelector('[data-testid=value-row]')?.dataset.value) >= 1", timeout=300_000
     )
-    running.simulator("POST", "/_world", {"speed": 1})
-
-
-def _situations(martha: Person, running: Installation) -> Iterator[str]:
-    width, height = SIZES["landscape"]
-    martha.page.set_viewport_size({"width": width, "height": height})
-    martha.page.evaluate("localStorage.setItem('headland.theme', 'day')")
-    martha.page.goto(f"/operate/{ROBOT}")
+    martha.press("mission-pause")
+    martha.sees("robot-mode", "paused")
+    martha.hook("mission-change").click()
+    martha.sees("rest-said", "ready", within_s=60)
+    yield _shoot(martha, "operate-change-the-rest")
+    martha.hook("rest-sheet").get_by_role("button", name="Close").click()
     running.fault(ROBOT, "silence", http=True, deaf=True)
     martha.sees("link-banner", "robot-lost", within_s=10)
     yield _shoot(martha, "operate-no-link")
@@ -139,6 +167,7 @@ def _situations(martha: Person, running: Installation) -> Iterator[str]:
     running.mend(ROBOT)
     martha.sees("stop", "standstill", within_s=20)
     yield _shoot(martha, "operate-stop-latched")
+    martha.context.close()
 
 
 def _come(browser: Browser, running: Installation, name: str, size: str) -> Person:
@@ -155,6 +184,21 @@ def _shoot(someone: Person, name: str) -> str:
     flat = picture.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
     flat.save(OUT / f"{name}.png", optimize=True)
     return f"{name}.png"
+
+
+WORKING = "a weeder at work"
+SCREENS: dict[str, tuple[str, str, Prepare]] = {
+    "fleet": ("supervisor", "/fleet", _as_it_opens),
+    "alarms": ("supervisor", "/alarms", _alarms),
+    "operate": ("operator", WORKING, _as_it_opens),
+    "maps": ("planner", "/maps", _as_it_opens),
+    "missions": ("operator", "/missions", _as_it_opens),
+    "plan": ("planner", "/missions", _plan),
+    "queue": ("planner", "/missions", _queue),
+    "admin": ("admin", "/admin", _as_it_opens),
+}
+"""Screen to who opens it, where, and what they do there before it is shown."""
+PARTS = (_signed_out, _screens, _map_builder, _situations)
 
 
 if __name__ == "__main__":
