@@ -298,3 +298,31 @@ def test_journal_and_statistics_open_and_the_chart_has_a_table(look: Look, farm:
     expect(page.get_by_test_id("alarm-statistics")).to_contain_text("Position not exact")
     page.get_by_test_id("alarm-chart-table").click()
     expect(page.get_by_role("columnheader", name="From")).to_be_visible()
+
+
+@pytest.mark.long
+def test_an_admin_adds_a_web_address_and_a_test_shows_the_real_answer(look: Look, farm: Theatre) -> None:
+    page = look("/admin", role="admin")
+    page.get_by_test_id("admin-tab-notifications").click()
+    expect(page.get_by_text("Nobody is told outside the console")).to_be_visible()
+    page.get_by_test_id("notify-add-webhook").click()
+    page.get_by_test_id("notify-name").fill("On call")
+    page.get_by_role("button", name="Save").last.click()
+    expect(page.get_by_test_id("notify-problem")).to_contain_text("Address")
+    page.get_by_test_id("notify-url").fill("https://calls.example/alarm")
+    page.get_by_test_id("notify-secret").fill("not shown again")
+    page.get_by_role("button", name="Save").last.click()
+    [order] = farm.until_orders("notifications")
+    [channel] = order["channels"]
+    assert (channel["url"], channel["secret"]) == ("https://calls.example/alarm", "not shown again")
+    assert (channel["priorities"], channel["steps"]) == ([1, 2], ["raised", "escalated"])
+    page.get_by_test_id(f"notify-test-{channel['id']}").click()
+    expect(page.get_by_test_id(f"notify-last-{channel['id']}")).to_have_text(
+        "Test failed: The other side answered 403."
+    )
+    page.get_by_test_id(f"notify-edit-{channel['id']}").click()
+    expect(page.get_by_test_id("notify-secret")).to_have_value("")
+    page.get_by_test_id("notify-priority-2").uncheck()
+    page.get_by_role("button", name="Save").last.click()
+    changed = farm.until_orders("notifications", 2)[1]["channels"][0]
+    assert (changed["id"], changed["secret"], changed["priorities"]) == (channel["id"], None, [1])
