@@ -1,4 +1,4 @@
-// The list of alarms: draws only what is in sight, and holds still under a pointer.
+// The list of alarms: a long one draws only what is in sight, and all hold still under a pointer.
 (() => {
   "use strict";
   const { el, icon, alarm, text, attr, toggle } = HL;
@@ -6,6 +6,7 @@
   const ROW_PX = { wide: 57, compact: 68 };
   const WIDE_PX = 900;
   const SPARE = 4; // rows drawn beyond the edge
+  const FEW = 120; // so many are all drawn: screen readers and search in the page find them
   const CALM_MS = 1500; // after a finger left
 
   class Row {
@@ -137,8 +138,9 @@
     draw() {
       const { isCompact } = this.view ?? {};
       const px = isCompact ? ROW_PX.compact : ROW_PX.wide;
-      const from = Math.max(0, Math.floor(this.box.scrollTop / px) - SPARE);
-      const until = Math.min(this.shown.length, Math.ceil((this.box.scrollTop + this.box.clientHeight) / px) + SPARE);
+      const isFew = this.shown.length <= FEW;
+      const from = isFew ? 0 : Math.max(0, Math.floor(this.box.scrollTop / px) - SPARE);
+      const until = isFew ? this.shown.length : Math.min(this.shown.length, Math.ceil((this.box.scrollTop + this.box.clientHeight) / px) + SPARE);
       HL.style(this.place, "height", `${this.shown.length * px}px`);
       attr(this.box, "aria-rowcount", this.shown.length);
       const live = new Set();
