@@ -193,6 +193,30 @@ def test_five_hundred_alarms_of_a_flood_stand_under_their_causes(look: Look, the
     expect(page.locator(".al-row[aria-rowindex='500']")).to_be_visible()
 
 
+@pytest.mark.long
+def test_a_flood_that_grows_keeps_the_worst_on_top_and_its_answer_in_reach(look: Look, theatre: Theatre) -> None:
+    theatre.play("running")
+    theatre.alarms(put={"link-lost.weeder-01": {"group": 500}}, flood={"since": 0, "count": 10})
+    page = opened(look)
+    for batch in range(1, 21):
+        follows = {
+            f"follows-{batch}-{n}.weeder-01": {"first": "link-lost.weeder-01", "place": batch * 25 + n, "group": 500,
+                                               "priority": 3, "ago_s": 0}
+            for n in range(25)
+        }  # fmt: skip
+        theatre.alarms(put=follows, flood={"since": 0, "count": batch * 25})
+        if batch == 10:
+            theatre.alarms(put={STOP: {**ALARMS[STOP], "first": STOP, "place": 1, "group": 1, "ago_s": 0}})
+    expect(page.get_by_test_id("alarm-flood")).to_contain_text("Flood: 500 alarms in 10 min.")
+    expect(page.get_by_role("table", name="Alarms")).to_have_attribute("aria-rowcount", "2")
+    assert rows(page) == [STOP, "link-lost.weeder-01"]
+    expect(page.get_by_test_id("alarm-row-link-lost.weeder-01")).to_contain_text("First out, 1 of 500")
+    page.get_by_test_id(f"alarm-ack-{STOP}").tap()
+    expect(page.get_by_test_id(f"alarm-row-{STOP}")).to_have_attribute("data-state", "acknowledged")
+    page.get_by_test_id("alarm-ack-link-lost.weeder-01").tap()
+    expect(page.get_by_test_id("toast")).to_contain_text("501 acknowledged")
+
+
 def test_the_first_touch_turns_the_sound_on_and_silence_leaves_the_list(look: Look, farm: Theatre) -> None:
     page = opened(look)
     sound = page.get_by_test_id("alarm-sound")
