@@ -25,11 +25,13 @@
       this.after = el("span", { class: "h-2 h-ell" });
       this.lasting = el("span", { class: "for", role: "cell" });
       this.button = el("button", { type: "button", class: "h-btn", "data-testid": `alarm-ack-${id}`, onclick: (event) => (event.stopPropagation(), act.answer(this.id, this.folds)) });
+      this.asideSign = icon("snooze");
+      this.aside = el("button", { type: "button", class: "h-btn q ico", "data-testid": `alarm-shelve-${id}`, onclick: (event) => (event.stopPropagation(), this.aside.getAttribute("aria-disabled") !== "true" && act.putAside(this.id)) }, this.asideSign);
       this.node = el("div", { class: "al-row", role: "row", tabindex: "-1", "data-testid": `alarm-row-${id}`, onclick: () => act.choose(this.id) },
         this.sign, this.raised, this.robot,
         el("span", { class: "what", role: "cell" }, this.below, this.fold, el("span", { class: "h-ell" }, this.name, this.under)),
         el("span", { class: "state", role: "cell" }, this.stateSign, this.stateWord),
-        el("span", { class: "seq", role: "cell" }, this.chip, this.after), this.lasting, el("span", { class: "act", role: "cell" }, this.button));
+        el("span", { class: "seq", role: "cell" }, this.chip, this.after), this.lasting, el("span", { class: "act", role: "cell" }, act.putAside ? this.aside : "", this.button));
       this.folds = [];
     }
 
@@ -58,6 +60,7 @@
       this.paintSequence(said, follows, folds, isOpen);
       text(this.lasting, isGone ? "–" : W.lasting(one));
       this.paintButton(isGone ? null : W.answer(one), pending, may);
+      this.paintAside(one, isGone, pending);
     }
 
     paintSequence(said, follows, folds, isOpen) {
@@ -72,6 +75,18 @@
       attr(this.fold, "aria-label", isOpen ? "Fold what follows" : `Show ${folds.length} that follow`);
     }
 
+    // shelves from the list; where it cannot, it says why
+    paintAside(one, isGone, pending) {
+      const isShelved = one.state === "shelved";
+      attr(this.aside, "hidden", isGone || one.state === "out_of_service");
+      const why = pending || (one.priority === 1 && !isShelved ? "not for priority 1" : "");
+      const words = isShelved ? "Bring back" : "Shelve";
+      text(this.asideSign, isShelved ? "undo" : "snooze");
+      attr(this.aside, "aria-disabled", why ? "true" : null);
+      attr(this.aside, "aria-label", why ? `${words}: ${why}` : words);
+      attr(this.aside, "title", why ? `${words}: ${why}` : words);
+    }
+
     paintButton(answer, pending, may) {
       attr(this.button, "hidden", !answer);
       if (!answer) return;
@@ -83,7 +98,7 @@
     }
   }
 
-  // act: {choose(id), answer(id, folds), fold(id)}
+  // act: {choose(id), answer(id, folds), fold(id), putAside(id) for those who may}
   class Rows {
     constructor(act, hook = "alarm-list") {
       this.act = act;
