@@ -169,7 +169,16 @@
         made.paint(row, { ...this.view, isChosen: row.id === this.view.chosen, firstTitle: this.view.titleOf(row.one), isOpen: this.view.open.has(row.id) });
         if (made.node.parentNode !== this.place) this.place.append(made.node);
       }
-      for (const [id, made] of this.made) if (!live.has(id) && !made.node.contains(document.activeElement)) (made.node.remove(), this.made.delete(id));
+      for (const [id, made] of this.made) if (!live.has(id)) this.drop(id, made);
+    }
+
+    // a row that is only scrolled away keeps the focus; of one that ended it goes to the list
+    drop(id, made) {
+      const hasFocus = made.node.contains(document.activeElement);
+      if (hasFocus && this.shown.some((row) => row.id === id)) return;
+      if (hasFocus) this.box.focus({ preventScroll: true });
+      made.node.remove();
+      this.made.delete(id);
     }
 
     // rows that a person can see now, wholly or in part
