@@ -3,6 +3,7 @@
   "use strict";
   const LIMIT_MS = 6000;
   const SAID_MS = 20000;
+  const MOST = 500; // ids the server takes at once
   const WORDS = { acknowledge: "Acknowledging", clear: "Clearing", shelve: "Shelving", unshelve: "Bringing it back", "out-of-service": "Taking it out of service", "in-service": "Putting it back into service", diagnose: "Checking" };
   const pending = new Map(); // id -> verb
   const said = new Map(); // id -> {isOk, text, at}
@@ -33,20 +34,30 @@
     return answer;
   }
 
+  function tell(results, refused) {
+    const failed = results.filter((one) => one.code !== "ok");
+    for (const one of failed) note(one.id, false, one.text || "Refused.");
+    const taken = results.length - failed.length;
+    const words = [taken ? `${taken} acknowledged` : "", failed.length ? `${failed.length} not: ${failed[0].text || "refused"}` : "", refused].filter(Boolean).join(", ");
+    HL.toast(words || "Nothing acknowledged.", failed.length || refused ? "block" : "done_all");
+  }
+
   // several at once: each has its own answer
   async function acknowledge(ids) {
     const wanted = ids.filter((id) => !pending.has(id));
     if (!wanted.length) return;
     for (const id of wanted) pending.set(id, "acknowledge");
     HL.repaint();
-    const answer = await call("POST", "/alarms/acknowledge", { ids: wanted });
+    const results = [];
+    let refused = "";
+    for (let at = 0; at < wanted.length && !refused; at += MOST) {
+      const some = wanted.slice(at, at + MOST);
+      const answer = await call("POST", "/alarms/acknowledge", { ids: some });
+      results.push(...(answer.results ?? []));
+      if (!answer.ok) refused = answer.text || "The server refused it.";
+    }
     for (const id of wanted) pending.delete(id);
-    const results = answer.results ?? [];
-    const failed = results.filter((one) => one.code !== "ok");
-    for (const one of failed) note(one.id, false, one.text || "Refused.");
-    const taken = results.length - failed.length;
-    if (!answer.ok) HL.toast(answer.text || "Not acknowledged.", "block");
-    else HL.toast([taken ? `${taken} acknowledged` : "", failed.length ? `${failed.length} not: ${failed[0].text ?? "refused"}` : ""].filter(Boolean).join(", "), failed.length ? "block" : "done_all");
+    tell(results, refused);
     HL.repaint();
   }
 

@@ -55,8 +55,7 @@
       if (found) Acts.send(this.id, found[1]);
     }
     putAside() {
-      if (this.one.state === "shelved") Acts.send(this.id, "unshelve");
-      else HL.alarmShelving.shelve(this.id, this.one);
+      HL.alarmShelving.toggle(this.id, this.one);
     }
     service() {
       if (this.one.state === "out_of_service") Acts.send(this.id, "in-service");
@@ -68,7 +67,7 @@
       this.one = one;
       this.loaded = null;
       this.key = "";
-      attr(this.shelve.node, "data-testid", `alarm-shelve-${id}`);
+      if (!this.may.shelve) attr(this.shelve.node, "data-testid", `alarm-shelve-${id}`); // else the row has this name
       this.body.replaceChildren(HL.el("div", { class: "h-skeleton" }, ...["100%", "80%", "92%"].map((width) => { const bar = el("i"); bar.style.width = width; return bar; })));
       await this.load();
     }

@@ -1,67 +1,34 @@
-// Admin: who is told about alarms outside the console. Secrets go in and never come back; a test shows the real answer.
+// Admin: who is told about alarms outside the console, and after how long without an answer. A test shows the real answer.
 (() => {
   "use strict";
   const { el, icon, text, attr } = HL;
   const { table, empty, when } = HL.records;
+  const { edit, KINDS } = HL.alarmChannels;
   const PATH = "/alarms/notifications";
-  const TEST_MS = 20000;
-  const LEVELS = { 1: "Priority 1", 2: "Priority 1 and 2", 3: "Priority 1 to 3", 4: "All" };
-  const KINDS = { webhook: "Web address", smtp: "E-mail" };
+  const TEST_MS = 25000;
+  const LEVELS = ["1", "2", "3", "4"];
 
   const button = (label, onclick, hook, look = "") => el("button", { type: "button", class: `h-btn ${look}`.trim(), "data-testid": hook, onclick }, ...[label].flat());
-  const list = (words) => words.split(/[\s,;]+/).filter(Boolean);
+  const known = ({ health: _health, secret: _mask, ...one }) => ({ ...one, secret: null }); // null keeps the secret
 
-  // [key, label, attributes]; secrets are of type password and sent only when something was written
-  const FIELDS = {
-    webhook: [["name", "Name", { required: true, maxlength: "80" }], ["url", "Address", { required: true, type: "url", placeholder: "https://…" }], ["secret", "Secret that signs it", { type: "password" }]],
-    smtp: [["name", "Name", { required: true, maxlength: "80" }], ["host", "Mail server", { required: true }], ["port", "Port", { type: "number", min: "1", max: "65535", placeholder: "587" }], ["user", "User", {}], ["secret", "Password", { type: "password" }], ["sender", "From", { type: "email", required: true }], ["to", "To, with commas", { required: true }]],
-  };
-
-  function input(channel, [key, label, options]) {
-    const isSecret = options.type === "password";
-    const node = el("input", { class: "h-input", name: key, autocomplete: isSecret ? "new-password" : "off", "data-testid": `notify-${key}`, ...options });
-    if (isSecret && channel?.has_secret) node.placeholder = "kept, not shown. Write to replace it";
-    else if (!isSecret && channel) node.value = Array.isArray(channel[key]) ? channel[key].join(", ") : channel[key] ?? "";
-    return [key, node, el("label", { class: "h-field" }, label, node)];
+  function lastWords({ sent, failed, waiting, dropped, last_error: error, last_sent: at }) {
+    const counts = [waiting ? `${waiting} wait` : "", dropped ? `${dropped} given up` : ""].filter(Boolean).join(", ");
+    const words = error ? `Failed ${failed}×: ${error}` : at ? `Delivered ${sent}, last ${when(at)}` : "Nothing sent since the start";
+    return counts ? `${words}. ${counts}.` : words;
   }
-
-  function values(inputs) {
-    const found = {};
-    for (const [key, node] of inputs) {
-      const value = node.value.trim();
-      if (key === "secret" && !value) continue; // what is kept stays
-      if (key === "to") found.to = list(value);
-      else if (node.type === "number") found[key] = value ? Number(value) : undefined;
-      else found[key] = value;
-    }
-    return found;
-  }
-
-  function edit(kind, channel, save) {
-    const inputs = FIELDS[kind].map((field) => input(channel, field));
-    const level = el("select", { class: "h-select", "data-testid": "notify-level" }, ...Object.entries(LEVELS).map(([value, label]) => el("option", { value }, label)));
-    level.value = String(channel?.priority ?? 2);
-    const isOn = el("input", { type: "checkbox", "data-testid": "notify-on" });
-    isOn.checked = channel?.is_on ?? true;
-    const problem = el("div", { class: "h-error", role: "alert", "data-testid": "notify-problem" });
-    const done = async (close) => {
-      const bad = inputs.find(([, node]) => !node.checkValidity());
-      if (bad) return text(problem, `${bad[2].firstChild.textContent}: ${bad[1].validationMessage}`), bad[1].focus();
-      const answer = await save({ ...channel, kind, ...values(inputs), priority: Number(level.value), is_on: isOn.checked });
-      if (answer.ok) return close();
-      text(problem, answer.text || "Not saved.");
-      return undefined;
-    };
-    HL.sheet({ title: `${channel ? "Change" : "Add"}: ${KINDS[kind]}`, hook: "notify-sheet", body: [...inputs.map(([, , label]) => label), el("label", { class: "h-field" }, "Tell about", level), el("label", { class: "h-check" }, isOn, "Switched on"), problem], buttons: [["Leave it", (close) => close()], ["Save", done, true]] });
-  }
-
-  const last = (one) => (one ? `${one.ok ? "Delivered" : "Failed"} ${when(one.at)}${one.text ? `: ${one.text}` : ""}` : "Nothing sent yet");
 
   class Panel {
     constructor(place) {
       this.rows = el("div");
-      this.limit = el("p", { class: "h-2" });
-      place.append(el("h2", {}, "Notifications"), el("p", { class: "h-2" }, "Alarms are told on to a web address or by e-mail when they come. What is told leaves this farm: it names robot, alarm and time, nothing else."), this.rows, el("div", { class: "h-row" }, button([icon("add", "m"), "Add web address"], () => this.edit("webhook"), "notify-add-webhook"), button([icon("outgoing_mail", "m"), "Add e-mail"], () => this.edit("smtp"), "notify-add-smtp")), this.limit);
+      this.hosts = el("p", { class: "h-2" });
+      this.limits = LEVELS.map((level) => el("input", { class: "h-input", type: "number", min: "10", max: "86400", placeholder: "never", "data-testid": `notify-after-${level}` }));
+      this.problem = el("div", { class: "h-error", role: "alert" });
+      place.append(
+        el("h2", {}, "Notifications"), el("p", { class: "h-2" }, "Alarms are told on to a web address or by e-mail. The message leaves this farm: robot, alarm, what to do and the time."),
+        this.rows, el("div", { class: "h-row h-wrap" }, button([icon("add", "m"), "Add web address"], () => this.edit("webhook"), "notify-add-webhook"), button([icon("outgoing_mail", "m"), "Add e-mail"], () => this.edit("email"), "notify-add-email")), this.hosts,
+        el("h2", {}, "When nobody answers"), el("p", { class: "h-2" }, "After so many seconds an alarm counts as not answered: it is marked, said again and told on. Empty is never."),
+        el("form", { class: "h-card h-sec", "data-testid": "notify-limits", onsubmit: (event) => (event.preventDefault(), this.saveLimits()) }, el("div", { class: "h-form" }, ...this.limits.map((input, i) => el("label", { class: "h-field" }, `Priority ${LEVELS[i]}, seconds`, input)), el("button", { class: "h-btn pri", type: "submit" }, "Save")), this.problem),
+      );
       this.load();
     }
 
@@ -71,37 +38,45 @@
 
     draw(answer) {
       this.channels = answer.channels ?? [];
-      text(this.limit, answer.rate_limit ? `At most ${answer.rate_limit.count} in ${answer.rate_limit.minutes} min each; what is more is told as a number in the next one.` : "");
+      this.after = answer.escalate_after_s ?? {};
+      this.limits.forEach((input, i) => (input.value = this.after[LEVELS[i]] ?? ""));
+      text(this.hosts, answer.hosts?.length ? `Only these hosts are allowed: ${answer.hosts.join(", ")}.` : answer.private_allowed ? "" : "Addresses in private networks are not allowed here; the settings of the server can change that.");
       if (!this.channels.length) return empty("Nobody is told outside the console", "Add a web address or an e-mail below.");
-      return table(["Name", "Kind", "To", "Tells about", "State", "Last", ""], this.channels.map((one) => this.row(one)));
+      return table(["Name", "Kind", "To", "About", "At most", "State", "Last", ""], this.channels.map((one) => this.row(one)));
     }
 
     row(one) {
-      const said = el("span", { "data-testid": `notify-last-${one.id}`, role: "status" }, last(one.last));
+      const said = el("span", { "data-testid": `notify-last-${one.id}`, role: "status" }, lastWords(one.health));
       const test = button("Test", async () => {
         attr(test, "disabled", true);
         text(said, "Sending …");
         const answer = await HL.port.api("POST", `${PATH}/${encodeURIComponent(one.id)}/test`, {}, TEST_MS);
         attr(test, "disabled", null);
-        text(said, answer.ok && answer.is_delivered !== false ? `Delivered: ${answer.text || "it was taken"}` : `Failed: ${answer.text || "no answer"}`);
+        text(said, answer.ok && answer.data.ok ? `Test delivered. ${answer.text}` : `Test failed: ${answer.text || "no answer"}`);
       }, `notify-test-${one.id}`);
-      const to = one.kind === "webhook" ? one.url : `${(one.to ?? []).join(", ")} by ${one.host}`;
-      return { hook: `notify-row-${one.id}`, cells: [one.name, KINDS[one.kind] ?? one.kind, to, LEVELS[one.priority], one.is_on ? "on" : "off", said, el("div", { class: "acts" }, test, button("Change", () => this.edit(one.kind, one), `notify-edit-${one.id}`), button("Remove", () => this.remove(one), `notify-remove-${one.id}`))] };
+      const to = one.kind === "webhook" ? one.url : `${one.recipients.join(", ")} by ${one.host}`;
+      const about = `Priority ${one.priorities.join(", ")}${one.robots.length ? `; ${one.robots.join(", ")}` : ""}`;
+      return { hook: `notify-row-${one.id}`, cells: [one.name, KINDS[one.kind], `${to}${one.secret ? ", with a secret" : ""}`, about, `${one.per_hour} an hour`, one.is_on ? "on" : "off", said, el("div", { class: "acts" }, test, button("Change", () => this.edit(one.kind, one), `notify-edit-${one.id}`), button("Remove", () => this.remove(one), `notify-remove-${one.id}`))] };
     }
 
-    edit(kind, channel = null) {
-      edit(kind, channel, (changed) => this.save(channel ? this.channels.map((one) => (one === channel ? changed : one)) : [...this.channels, changed]));
+    edit(kind, old = null) {
+      edit(kind, old, (changed) => this.save(old ? this.channels.map((one) => (one === old ? changed : known(one))) : [...this.channels.map(known), changed]));
     }
 
     remove(one) {
-      HL.sheet({ title: `Remove ${one.name}?`, body: [el("p", { class: "h-2 h-t16" }, "It is told nothing any more. Its secret is forgotten.")], buttons: [["Keep it", (close) => close()], ["Remove", async (close) => ((await this.save(this.channels.filter((other) => other !== one))).ok ? close() : close()), true]] });
+      const gone = async (close) => ((await this.save(this.channels.filter((other) => other !== one).map(known))), close());
+      HL.sheet({ title: `Remove ${one.name}?`, body: [el("p", { class: "h-2 h-t16" }, "It is told nothing any more, and its secret is forgotten.")], buttons: [["Keep it", (close) => close()], ["Remove", gone, true]] });
     }
 
-    async save(channels) {
-      const wire = channels.map(({ last: _last, has_secret: _has, ...one }) => one);
-      const answer = await HL.port.api("PUT", PATH, { channels: wire });
-      if (answer.ok) HL.toast("Saved", "check");
-      else HL.toast(`Not saved: ${answer.text || "no answer"}`, "block");
+    async saveLimits() {
+      const after = Object.fromEntries(this.limits.map((input, i) => [LEVELS[i], input.value ? Number(input.value) : null]));
+      const answer = await this.save(this.channels.map(known), after);
+      text(this.problem, answer.ok ? "" : answer.text);
+    }
+
+    async save(channels, after = this.after) {
+      const answer = await HL.port.api("PUT", PATH, { channels, escalate_after_s: after });
+      HL.toast(answer.ok ? "Saved" : `Not saved: ${answer.text || "no answer"}`, answer.ok ? "check" : "block");
       if (answer.ok) this.load();
       return answer;
     }

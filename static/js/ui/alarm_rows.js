@@ -1,4 +1,4 @@
-// The list of alarms: draws only what is in sight, and holds still under a pointer.
+// The list of alarms: a long one draws only what is in sight, and all hold still under a pointer.
 (() => {
   "use strict";
   const { el, icon, alarm, text, attr, toggle } = HL;
@@ -6,6 +6,7 @@
   const ROW_PX = { wide: 57, compact: 68 };
   const WIDE_PX = 900;
   const SPARE = 4; // rows drawn beyond the edge
+  const FEW = 120; // so many are all drawn: screen readers and search in the page find them
   const CALM_MS = 1500; // after a finger left
 
   class Row {
@@ -24,11 +25,13 @@
       this.after = el("span", { class: "h-2 h-ell" });
       this.lasting = el("span", { class: "for", role: "cell" });
       this.button = el("button", { type: "button", class: "h-btn", "data-testid": `alarm-ack-${id}`, onclick: (event) => (event.stopPropagation(), act.answer(this.id, this.folds)) });
+      this.asideSign = icon("snooze");
+      this.aside = el("button", { type: "button", class: "h-btn q ico", "data-testid": `alarm-shelve-${id}`, onclick: (event) => (event.stopPropagation(), this.aside.getAttribute("aria-disabled") !== "true" && act.putAside(this.id)) }, this.asideSign);
       this.node = el("div", { class: "al-row", role: "row", tabindex: "-1", "data-testid": `alarm-row-${id}`, onclick: () => act.choose(this.id) },
         this.sign, this.raised, this.robot,
         el("span", { class: "what", role: "cell" }, this.below, this.fold, el("span", { class: "h-ell" }, this.name, this.under)),
         el("span", { class: "state", role: "cell" }, this.stateSign, this.stateWord),
-        el("span", { class: "seq", role: "cell" }, this.chip, this.after), this.lasting, el("span", { class: "act", role: "cell" }, this.button));
+        el("span", { class: "seq", role: "cell" }, this.chip, this.after), this.lasting, el("span", { class: "act", role: "cell" }, act.putAside ? this.aside : "", this.button));
       this.folds = [];
     }
 
@@ -57,6 +60,7 @@
       this.paintSequence(said, follows, folds, isOpen);
       text(this.lasting, isGone ? "–" : W.lasting(one));
       this.paintButton(isGone ? null : W.answer(one), pending, may);
+      this.paintAside(one, isGone, pending);
     }
 
     paintSequence(said, follows, folds, isOpen) {
@@ -71,6 +75,18 @@
       attr(this.fold, "aria-label", isOpen ? "Fold what follows" : `Show ${folds.length} that follow`);
     }
 
+    // shelves from the list; where it cannot, it says why
+    paintAside(one, isGone, pending) {
+      const isShelved = one.state === "shelved";
+      attr(this.aside, "hidden", isGone || one.state === "out_of_service");
+      const why = pending || (one.priority === 1 && !isShelved ? "not for priority 1" : "");
+      const words = isShelved ? "Bring back" : "Shelve";
+      text(this.asideSign, isShelved ? "undo" : "snooze");
+      attr(this.aside, "aria-disabled", why ? "true" : null);
+      attr(this.aside, "aria-label", why ? `${words}: ${why}` : words);
+      attr(this.aside, "title", why ? `${words}: ${why}` : words);
+    }
+
     paintButton(answer, pending, may) {
       attr(this.button, "hidden", !answer);
       if (!answer) return;
@@ -82,7 +98,7 @@
     }
   }
 
-  // act: {choose(id), answer(id, folds), fold(id)}
+  // act: {choose(id), answer(id, folds), fold(id), putAside(id) for those who may}
   class Rows {
     constructor(act, hook = "alarm-list") {
       this.act = act;
@@ -137,8 +153,9 @@
     draw() {
       const { isCompact } = this.view ?? {};
       const px = isCompact ? ROW_PX.compact : ROW_PX.wide;
-      const from = Math.max(0, Math.floor(this.box.scrollTop / px) - SPARE);
-      const until = Math.min(this.shown.length, Math.ceil((this.box.scrollTop + this.box.clientHeight) / px) + SPARE);
+      const isFew = this.shown.length <= FEW;
+      const from = isFew ? 0 : Math.max(0, Math.floor(this.box.scrollTop / px) - SPARE);
+      const until = isFew ? this.shown.length : Math.min(this.shown.length, Math.ceil((this.box.scrollTop + this.box.clientHeight) / px) + SPARE);
       HL.style(this.place, "height", `${this.shown.length * px}px`);
       attr(this.box, "aria-rowcount", this.shown.length);
       const live = new Set();
@@ -152,7 +169,16 @@
         made.paint(row, { ...this.view, isChosen: row.id === this.view.chosen, firstTitle: this.view.titleOf(row.one), isOpen: this.view.open.has(row.id) });
         if (made.node.parentNode !== this.place) this.place.append(made.node);
       }
-      for (const [id, made] of this.made) if (!live.has(id) && !made.node.contains(document.activeElement)) (made.node.remove(), this.made.delete(id));
+      for (const [id, made] of this.made) if (!live.has(id)) this.drop(id, made);
+    }
+
+    // a row that is only scrolled away keeps the focus; of one that ended it goes to the list
+    drop(id, made) {
+      const hasFocus = made.node.contains(document.activeElement);
+      if (hasFocus && this.shown.some((row) => row.id === id)) return;
+      if (hasFocus) this.box.focus({ preventScroll: true });
+      made.node.remove();
+      this.made.delete(id);
     }
 
     // rows that a person can see now, wholly or in part

@@ -17,7 +17,8 @@
       this.filter = new HL.AlarmFilter(() => this.refresh(true));
       this.kpis = new HL.AlarmKpis();
       this.notes = new HL.AlarmNotes(this.filter);
-      this.rows = new HL.AlarmRows({ choose: (id) => this.choose(id), answer: (id, folds) => this.answer(id, folds), fold: (id) => this.fold(id) });
+      this.rows = new HL.AlarmRows({ choose: (id) => this.choose(id), answer: (id, folds) => this.answer(id, folds), fold: (id) => this.fold(id), putAside: this.may.shelve && ((id) => this.putAside(id)) });
+      toggle(this, "can-shelve", this.may.shelve);
       this.detail = new HL.AlarmDetail(this.may, { close: () => this.choose("") });
       this.journal = new HL.AlarmJournal(() => this.filter.value());
       this.statistics = new HL.AlarmStatistics();
@@ -144,6 +145,11 @@
       const below = folds.filter((kid) => all[kid] && Order.isUnseen(all[kid]));
       if (below.length) Acts.acknowledge([id, ...below]);
       else Acts.send(id, found[1]);
+    }
+
+    putAside(id) {
+      const one = HL.alarms.all()[id];
+      if (one) HL.alarmShelving.toggle(id, one);
     }
 
     fold(id) {

@@ -52,9 +52,14 @@
     ask({ title: `Shelve ${one.title}, ${one.name}`, line: "It makes no sound and leaves the list. It comes back by itself.", extra: [times.node], reasons: WHY_SHELF, go: "Shelve", verb: "shelve", id, body: () => time[1], hook: "alarm-shelve-sheet" });
   }
 
+  function toggle(id, one) {
+    if (one.state === "shelved") HL.alarmActs.send(id, "unshelve");
+    else shelve(id, one);
+  }
+
   function takeOut(id, one) {
     ask({ title: `Take ${one.title}, ${one.name}, out of service`, line: "It is not shown at all until somebody puts it back. For what takes longer than a shift.", extra: [], reasons: WHY_OUT, go: "Take out of service", verb: "out-of-service", id, body: () => ({}), hook: "alarm-out-sheet" });
   }
 
-  HL.alarmShelving = { shelve, takeOut };
+  HL.alarmShelving = { toggle, takeOut };
 })();

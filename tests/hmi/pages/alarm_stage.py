@@ -33,6 +33,7 @@ CHECK = {
     ],
     "conclusion": "The robot's radio is silent, others are heard.",
 }
+HEALTH = {"waiting": 0, "sent": 0, "failed": 0, "dropped": 0, "last_error": "", "last_sent": None}
 PEOPLE = {"operator": "Martha Keller", "supervisor": "Anna Ostermeier", "admin": "Jonas Weber"}
 
 
@@ -68,6 +69,7 @@ class AlarmStage:
         self.old_s = 0.0
         self.refusal = ""
         self.journal: list[dict[str, Any]] = []
+        self.channels: list[dict[str, Any]] = []
 
     def put(self, alarm_id: str, one: dict[str, Any] | None) -> None:
         """Set an entry, ``None`` when it is normal again."""
@@ -171,6 +173,26 @@ def router(stage: AlarmStage, note: Callable[[dict[str, Any]], None]) -> APIRout
     @routes.get("/api/v1/alarms/journal.csv")
     async def table() -> PlainTextResponse:
         return PlainTextResponse("at,alarm\n")
+
+    @routes.get("/api/v1/alarms/notifications")
+    async def notifications() -> dict[str, Any]:
+        return {
+            "channels": [{**one, "health": HEALTH} for one in stage.channels],
+            "escalate_after_s": {"1": 60, "2": 300, "3": 1800, "4": None},
+            "private_allowed": False,
+            "hosts": [],
+        }
+
+    @routes.put("/api/v1/alarms/notifications")
+    async def change(request: Request) -> dict[str, Any]:
+        body = await request.json()
+        note({"method": "PUT", "path": "alarms/notifications", **body})
+        stage.channels = [{**one, "secret": "kept"} for one in body["channels"]]
+        return await notifications()
+
+    @routes.post("/api/v1/alarms/notifications/{channel}/test")
+    async def try_channel(channel: str) -> dict[str, Any]:
+        return {"ok": False, "text": "The other side answered 403."}
 
     @routes.get("/api/v1/alarms/{alarm_id}")
     async def one(alarm_id: str) -> JSONResponse:

@@ -111,9 +111,8 @@ def test_the_detail_says_what_to_do_and_whom_to_call(look: Look, farm: Theatre) 
     expect(page.locator(".al-check[data-state=unknown]")).to_contain_text("Cannot be told from here")
     page.keyboard.press("Escape")
     page.get_by_test_id(f"alarm-row-{STOP}").click()
-    shelve = page.get_by_test_id(f"alarm-shelve-{STOP}")
-    expect(shelve).to_contain_text("not for priority 1")
-    expect(shelve).to_have_attribute("aria-disabled", "true")
+    expect(page.get_by_test_id("alarm-shelve")).to_contain_text("not for priority 1")
+    expect(page.get_by_test_id(f"alarm-shelve-{STOP}")).to_have_attribute("aria-disabled", "true")
 
 
 @pytest.mark.long
@@ -191,6 +190,30 @@ def test_five_hundred_alarms_of_a_flood_stand_under_their_causes(look: Look, the
     assert page.locator(".al-rows .al-row").count() < 40
     page.locator(".al-box").evaluate("(box) => (box.scrollTop = box.scrollHeight)")
     expect(page.locator(".al-row[aria-rowindex='500']")).to_be_visible()
+
+
+@pytest.mark.long
+def test_a_flood_that_grows_keeps_the_worst_on_top_and_its_answer_in_reach(look: Look, theatre: Theatre) -> None:
+    theatre.play("running")
+    theatre.alarms(put={"link-lost.weeder-01": {"group": 500}}, flood={"since": 0, "count": 10})
+    page = opened(look)
+    for batch in range(1, 21):
+        follows = {
+            f"follows-{batch}-{n}.weeder-01": {"first": "link-lost.weeder-01", "place": batch * 25 + n, "group": 500,
+                                               "priority": 3, "ago_s": 0}
+            for n in range(25)
+        }  # fmt: skip
+        theatre.alarms(put=follows, flood={"since": 0, "count": batch * 25})
+        if batch == 10:
+            theatre.alarms(put={STOP: {**ALARMS[STOP], "first": STOP, "place": 1, "group": 1, "ago_s": 0}})
+    expect(page.get_by_test_id("alarm-flood")).to_contain_text("Flood: 500 alarms in 10 min.")
+    expect(page.get_by_role("table", name="Alarms")).to_have_attribute("aria-rowcount", "2")
+    assert rows(page) == [STOP, "link-lost.weeder-01"]
+    expect(page.get_by_test_id("alarm-row-link-lost.weeder-01")).to_contain_text("First out, 1 of 500")
+    page.get_by_test_id(f"alarm-ack-{STOP}").tap()
+    expect(page.get_by_test_id(f"alarm-row-{STOP}")).to_have_attribute("data-state", "acknowledged")
+    page.get_by_test_id("alarm-ack-link-lost.weeder-01").tap()
+    expect(page.get_by_test_id("toast")).to_contain_text("501 acknowledged")
 
 
 def test_the_first_touch_turns_the_sound_on_and_silence_leaves_the_list(look: Look, farm: Theatre) -> None:
@@ -298,3 +321,31 @@ def test_journal_and_statistics_open_and_the_chart_has_a_table(look: Look, farm:
     expect(page.get_by_test_id("alarm-statistics")).to_contain_text("Position not exact")
     page.get_by_test_id("alarm-chart-table").click()
     expect(page.get_by_role("columnheader", name="From")).to_be_visible()
+
+
+@pytest.mark.long
+def test_an_admin_adds_a_web_address_and_a_test_shows_the_real_answer(look: Look, farm: Theatre) -> None:
+    page = look("/admin", role="admin")
+    page.get_by_test_id("admin-tab-notifications").click()
+    expect(page.get_by_text("Nobody is told outside the console")).to_be_visible()
+    page.get_by_test_id("notify-add-webhook").click()
+    page.get_by_test_id("notify-name").fill("On call")
+    page.get_by_role("button", name="Save").last.click()
+    expect(page.get_by_test_id("notify-problem")).to_contain_text("Address")
+    page.get_by_test_id("notify-url").fill("https://calls.example/alarm")
+    page.get_by_test_id("notify-secret").fill("not shown again")
+    page.get_by_role("button", name="Save").last.click()
+    [order] = farm.until_orders("notifications")
+    [channel] = order["channels"]
+    assert (channel["url"], channel["secret"]) == ("https://calls.example/alarm", "not shown again")
+    assert (channel["priorities"], channel["steps"]) == ([1, 2], ["raised", "escalated"])
+    page.get_by_test_id(f"notify-test-{channel['id']}").click()
+    expect(page.get_by_test_id(f"notify-last-{channel['id']}")).to_have_text(
+        "Test failed: The other side answered 403."
+    )
+    page.get_by_test_id(f"notify-edit-{channel['id']}").click()
+    expect(page.get_by_test_id("notify-secret")).to_have_value("")
+    page.get_by_test_id("notify-priority-2").uncheck()
+    page.get_by_role("button", name="Save").last.click()
+    changed = farm.until_orders("notifications", 2)[1]["channels"][0]
+    assert (changed["id"], changed["secret"], changed["priorities"]) == (channel["id"], None, [1])
