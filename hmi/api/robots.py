@@ -15,6 +15,7 @@ from hmi.api.body import Body, Id, Name, Secret
 from hmi.api.errors import not_found
 from hmi.api.orders import RobotId
 from hmi.clock import Clock
+from hmi.commands.audit_line import audit_line
 from hmi.commands.lease_service import LeaseService
 from hmi.commands.lease_words import asked_of, owner_of
 from hmi.commands.ports import AuditSink
@@ -24,7 +25,6 @@ from hmi.presenters import fleet as fleet_rows
 from hmi.presenters.operate import Context, MissionTitle, present
 from hmi.presenters.start_checks import MissionFacts
 from hmi.security.session_info import SessionInfo
-from hmi.store.audit_chain import AuditEntry
 from hmi.store.database import Database
 from hmi.store.robots import RegisteredRobot, Robots
 
@@ -191,17 +191,7 @@ async def _changing(
         parts.on_registry()
         told = {k: "***" if k == "http_token" else v for k, v in (data or {}).items()}
         parts.audit.append(
-            AuditEntry(
-                session.farm_id,
-                session.user_name,
-                session.device_name,
-                "robot",
-                outcome,
-                robot_id,
-                robot_id,
-                f"{robot_id} {outcome}",
-                told,
-            )
+            audit_line(session, "robot", outcome, f"{robot_id} {outcome}", ref=robot_id, robot_id=robot_id, data=told)
         )
 
 

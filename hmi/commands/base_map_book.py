@@ -13,13 +13,13 @@ from hmi.base_maps.errors import BadBaseMap
 from hmi.base_maps.facts import MadeBaseMap
 from hmi.base_maps.files import BaseMapFiles
 from hmi.clock import Clock
+from hmi.commands.audit_line import audit_line
 from hmi.commands.base_map_work import FAILED, WAITING, WORKING, Work, WorkList, written
 from hmi.commands.ports import AuditSink, LaneEvent
 from hmi.domain.ids import new_id
 from hmi.domain.role import Permission
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
-from hmi.store.audit_chain import AuditEntry
 from hmi.store.base_maps import BaseMapRecords, StoredBaseMap
 from hmi.store.database import Database
 from hmi.store.errors import AlreadyExists, NotFound, StoreError
@@ -275,17 +275,7 @@ class BaseMapBook:
         self._parts.on_event({"kind": "base_map", "what": what, "id": base_map_id})
 
     def _audit(self, session: SessionInfo, outcome: str, text: str, ref: str) -> None:
-        self._parts.audit.append(
-            AuditEntry(
-                farm_id=session.farm_id,
-                actor=session.user_name,
-                device=session.device_name,
-                kind="map",
-                outcome=outcome,
-                text=text,
-                ref=ref,
-            )
-        )
+        self._parts.audit.append(audit_line(session, "map", outcome, text, ref=ref))
 
 
 def _progress(work: Work, share: float) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from datetime import timedelta
 
 from hmi.clock import Clock
+from hmi.commands.audit_line import audit_line
 from hmi.commands.ports import AuditSink, FleetReader
 from hmi.domain.checklist import Item, items_of
 from hmi.domain.ids import new_id
@@ -15,7 +16,6 @@ from hmi.domain.robot import Family, Robot
 from hmi.domain.role import Permission
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
-from hmi.store.audit_chain import AuditEntry
 from hmi.store.checklists import Checklist, Checklists
 from hmi.store.database import Database
 from hmi.store.errors import NotFound
@@ -97,18 +97,10 @@ class ChecklistDesk:
 
     async def _note(self, session: SessionInfo, robot: Robot, record: Checklist) -> None:
         texts = [one.text for one in items_of(_family(robot))]
+        text = f"{robot.name}: {len(texts)} checks ticked."
+        data = {"ticked": list(record.ticked), "valid_until": record.valid_until.isoformat()}
         self._audit.append(
-            AuditEntry(
-                farm_id=session.farm_id,
-                actor=session.user_name,
-                device=session.device_name,
-                kind="checklist",
-                outcome="ticked",
-                robot_id=robot.id,
-                ref=record.id,
-                text=f"{robot.name}: {len(texts)} checks ticked.",
-                data={"ticked": list(record.ticked), "valid_until": record.valid_until.isoformat()},
-            )
+            audit_line(session, "checklist", "ticked", text, ref=record.id, robot_id=robot.id, data=data)
         )
         order = robot.state.order if robot.state is not None else None
         mission = self._missions.known(order.mission_id) if order is not None else None

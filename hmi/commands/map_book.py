@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hmi.clock import Clock
+from hmi.commands.audit_line import audit_line
 from hmi.commands.ports import AuditSink, LaneEvent
 from hmi.domain.ids import new_id
 from hmi.domain.map_log import FeatureChange, MapFeatures, Transaction
@@ -22,7 +23,6 @@ from hmi.mapping.feature import MapFeature, as_geojson, parse_feature
 from hmi.mapping.operations import apply
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
-from hmi.store.audit_chain import AuditEntry
 from hmi.store.database import Database
 from hmi.store.errors import NotFound
 from hmi.store.maps import MapDraft, Maps, MapVersion
@@ -212,17 +212,7 @@ class MapBook:
         self._parts.on_event({"kind": "map", "what": what, **more})
 
     def _audit(self, session: SessionInfo, outcome: str, text: str, data: dict[str, Any]) -> None:
-        self._parts.audit.append(
-            AuditEntry(
-                farm_id=session.farm_id,
-                actor=session.user_name,
-                device=session.device_name,
-                kind="map",
-                outcome=outcome,
-                text=text,
-                data=data,
-            )
-        )
+        self._parts.audit.append(audit_line(session, "map", outcome, text, data=data))
 
 
 def _clean(changes: Iterable[FeatureChange], there: MapFeatures) -> list[FeatureChange]:

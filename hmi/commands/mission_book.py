@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from hmi.clock import Clock
+from hmi.commands.audit_line import audit_line
 from hmi.commands.map_watch import MapStamp, MapWatch
 from hmi.commands.plan_wish import FAR_M, PlanOrder, metres, wish_for
 from hmi.commands.ports import AuditSink, FleetReader, StoredMission
@@ -22,7 +23,6 @@ from hmi.domain.robot import Robot
 from hmi.domain.role import Permission
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
-from hmi.store.audit_chain import AuditEntry
 from hmi.store.database import Database
 from hmi.store.errors import NotFound
 from hmi.store.features import Feature, Features
@@ -299,18 +299,9 @@ class MissionBook:
         return wish_for(order, mission_id, field, features, None if robot is None else robot.factsheet)
 
     def _audit(self, session: SessionInfo, mission: Mission, outcome: str, data: dict[str, Any]) -> None:
+        text, robot_id = f"{mission.name} {outcome}.", mission.robot_id
         self._parts.audit.append(
-            AuditEntry(
-                farm_id=session.farm_id,
-                actor=session.user_name,
-                device=session.device_name,
-                kind="mission",
-                outcome=outcome,
-                robot_id=mission.robot_id,
-                ref=mission.id,
-                text=f"{mission.name} {outcome}.",
-                data=data,
-            )
+            audit_line(session, "mission", outcome, text, ref=mission.id, robot_id=robot_id, data=data)
         )
 
 

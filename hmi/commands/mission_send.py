@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from hmi.commands.audit_line import audit_line
 from hmi.commands.gate import Gate
 from hmi.commands.ports import AuditSink, LaneEvent, MissionSource, MissionStore, StoredMission
 from hmi.commands.refusal import BUSY, HAS_PROGRESS, HASH_MISMATCH, UNKNOWN_MISSION, OrderRefused
@@ -14,7 +15,6 @@ from hmi.domain.command import OrderFailed, OrderSender, Outcome
 from hmi.domain.robot import Robot
 from hmi.domain.role import Permission
 from hmi.security.session_info import SessionInfo
-from hmi.store.audit_chain import AuditEntry
 from hmi.store.errors import StoreError
 
 Proof = Callable[[], Mapping[str, Any]]
@@ -109,16 +109,8 @@ class MissionSender:
     def _settle(self, actor: SessionInfo, robot_id: str, mission_id: str, result: MissionSent) -> MissionSent:
         data = {"mission_id": mission_id, "code": result.code, "sha256": result.sha256}
         self._audit.append(
-            AuditEntry(
-                farm_id=actor.farm_id,
-                actor=actor.user_name,
-                device=actor.device_name,
-                kind="mission",
-                outcome=result.outcome.value,
-                robot_id=robot_id,
-                ref=mission_id,
-                text=result.text,
-                data=data,
+            audit_line(
+                actor, "mission", result.outcome.value, result.text, ref=mission_id, robot_id=robot_id, data=data
             )
         )
         event = {"kind": "mission", "robot": robot_id, "outcome": result.outcome.value, "text": result.text}

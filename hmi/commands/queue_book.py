@@ -9,6 +9,7 @@ from datetime import datetime
 from typing import Any
 
 from hmi.clock import Clock
+from hmi.commands.audit_line import audit_line
 from hmi.commands.mission_book import MissionBook
 from hmi.commands.ports import AuditSink
 from hmi.commands.refusal import UNKNOWN_MISSION, UNKNOWN_ROBOT, OrderRefused
@@ -21,7 +22,6 @@ from hmi.domain.queue.repeat import Repeat
 from hmi.domain.role import Permission
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
-from hmi.store.audit_chain import AuditEntry
 from hmi.store.database import Database
 from hmi.store.missions import Mission, Missions
 from hmi.store.queue import QueueStore
@@ -240,8 +240,7 @@ class QueueBook:
     def _write(
         self, session: SessionInfo, outcome: str, robot_id: str | None, ref: str, text: str, data: dict[str, Any]
     ) -> None:
-        who = (session.user_name, session.device_name)
-        self._parts.audit.append(AuditEntry(session.farm_id, *who, "queue", outcome, robot_id, ref, text, data))
+        self._parts.audit.append(audit_line(session, "queue", outcome, text, ref=ref, robot_id=robot_id, data=data))
 
 
 _STATE = {

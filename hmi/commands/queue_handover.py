@@ -11,13 +11,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from hmi.commands.audit_line import audit_line
 from hmi.commands.ports import AuditSink, FleetReader
 from hmi.commands.refusal import UNKNOWN_ROBOT, OrderRefused
 from hmi.domain.robot import Order, OrderStatus, Robot
 from hmi.domain.role import Permission
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
-from hmi.store.audit_chain import AuditEntry
 from hmi.store.database import Database
 from hmi.store.missions import Mission, Missions
 from hmi.store.queue import QueueStore
@@ -83,19 +83,8 @@ class QueueHandover:
         return f"{name} gives way. It stays on {robot.name} until the queue sends the next; nothing moves."
 
     def _audit(self, session: SessionInfo, robot: Robot, mission: Mission | None, name: str) -> None:
-        self._parts.audit.append(
-            AuditEntry(
-                farm_id=session.farm_id,
-                actor=session.user_name,
-                device=session.device_name,
-                kind="queue",
-                outcome="taken_off",
-                robot_id=robot.id,
-                ref=name if mission is None else mission.id,
-                text=f"{name} may be replaced on {robot.name}.",
-                data={},
-            )
-        )
+        text, ref = f"{name} may be replaced on {robot.name}.", name if mission is None else mission.id
+        self._parts.audit.append(audit_line(session, "queue", "taken_off", text, ref=ref, robot_id=robot.id))
 
 
 def held_unstarted(robot: Robot) -> Order | None:

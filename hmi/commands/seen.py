@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from hmi.commands.audit_line import audit_line
 from hmi.commands.gate import Gate
 from hmi.commands.ports import AuditSink
 from hmi.domain.role import Permission
 from hmi.security.session_info import SessionInfo
-from hmi.store.audit_chain import AuditEntry
 
 
 class SeenService:
@@ -22,15 +22,5 @@ class SeenService:
             OrderRefused: no right, or no such robot.
         """
         robot = self._gate.right(actor, Permission.WATCH, robot_id)
-        self._audit.append(
-            AuditEntry(
-                farm_id=actor.farm_id,
-                actor=actor.user_name,
-                device=actor.device_name,
-                kind="seen",
-                outcome="seen",
-                robot_id=robot.id,
-                ref=stop_id,
-                text=f"{actor.user_name} saw {robot.name} standing still.",
-            )
-        )
+        text = f"{actor.user_name} saw {robot.name} standing still."
+        self._audit.append(audit_line(actor, "seen", "seen", text, ref=stop_id, robot_id=robot.id))

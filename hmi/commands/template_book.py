@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from hmi.commands.audit_line import audit_line
 from hmi.commands.ports import AuditSink
 from hmi.domain.role import Permission
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
-from hmi.store.audit_chain import AuditEntry
 from hmi.store.database import Database
 from hmi.store.templates import PlanTemplate, Templates
 
@@ -50,15 +50,7 @@ class TemplateBook:
 
     def _note(self, session: SessionInfo, template: PlanTemplate, outcome: str) -> None:
         self._audit.append(
-            AuditEntry(
-                farm_id=session.farm_id,
-                actor=session.user_name,
-                device=session.device_name,
-                kind="template",
-                outcome=outcome,
-                robot_id=None,
-                ref=template.id,
-                text=f"Planning template {template.name} {outcome}.",
-                data={},
+            audit_line(
+                session, "template", outcome, f"Planning template {template.name} {outcome}.", ref=template.id, data={}
             )
         )

@@ -65,7 +65,9 @@
       this.checks.onLeave = () => this.end(); // whoever goes to another screen frees the planner
       this.notes = el("div", { class: "p-notes" });
       this.side = el("aside", { class: "p-side", "aria-label": "Numbers of the plan", hidden: true }, this.numbers, this.notes, this.compare.node, this.checks);
-      return el("div", { class: "p-plan" }, this.form, this.picture.node, this.side, this.dock());
+      this.strip = new HL.planner.QueueStrip(() => this.actions.queue?.());
+      this.strip.enter();
+      return el("div", { class: "p-plan" }, this.form, this.picture.node, this.side, this.strip.node, this.dock());
     }
 
     dock() {
@@ -84,6 +86,7 @@
       this.inputs.get("field_id").addEventListener("change", () => this.newField());
       this.inputs.get("robot_id").addEventListener("change", () => (this.inputs.offerField() ? this.newField() : this.outline()));
       this.inputs.offerField();
+      if (!this.inputs.isKept) this.inputs.offerWidth();
       this.form.addEventListener("input", () => this.changed());
       this.treatment.follow(this.inputs.fieldPlace);
       this.steps.treatment.fold(this.treatment.summary());
@@ -192,6 +195,7 @@
       this.scrubber.load(path.duration);
       this.numbers.replaceChildren(HL.planner.cards(statistics), HL.planner.energy(statistics));
       this.notes.replaceChildren(...(statistics.notes ?? []).map((note) => el("div", { class: "h-row h-t14 h-b" }, icon("warning", "m"), note)));
+      this.strip.follow(this.inputs.robot, statistics);
       this.checks.set({ robot: this.inputs.get("robot_id").value, name: this.inputs.robot?.name ?? "The robot", statistics });
     }
 
@@ -219,6 +223,7 @@
     words() {
       text(this.sendWord, `Send to ${this.inputs.robot?.name ?? "robot"}`);
       this.inputs.offerSpacing();
+      this.strip.follow(this.inputs.robot, this.drawn?.statistics ?? null);
       HL.port.follow(this.inputs.get("robot_id").value || null);
     }
 
@@ -272,6 +277,7 @@
     end() {
       this.cancel();
       this.scrubber.pause();
+      this.strip.leave();
       HL.port.follow(null);
     }
   }

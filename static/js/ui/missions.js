@@ -256,7 +256,7 @@
       if (!this.isConnected || !this.form) return;
       if (!places.ok || !robots.ok) return this.detail.replaceChildren(el("div", { class: "h-card h-notice", role: "alert" }, icon("cloud_off", "l"), el("b", { class: "h-t18 h-b" }, "Fields did not load"), el("button", { type: "button", class: "h-btn", onclick: () => this.plan() }, icon("refresh", "m"), "Try again")));
       if (!places.fields.length) return this.detail.replaceChildren(empty("No fields yet", "Draw or import a field first."));
-      this.form = new HL.MissionForm({ fields: places.fields, homes: places.homes, areas: places.areas, robots: list(robots, "robots").filter((one) => one.is_registered !== false) }, { close: () => this.close(), stored: (mission, isSending) => this.stored(mission, isSending) }, this.may.send);
+      this.form = new HL.MissionForm({ fields: places.fields, homes: places.homes, areas: places.areas, robots: list(robots, "robots").filter((one) => one.is_registered !== false) }, { close: () => this.close(), queue: () => this.tab("queue"), stored: (mission, isSending) => this.stored(mission, isSending) }, this.may.send);
       this.detail.replaceChildren(this.form.node);
     }
 

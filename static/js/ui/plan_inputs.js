@@ -108,7 +108,9 @@
     }
 
     recall() {
-      this.fill(HL.draft.get(DRAFT) || {});
+      const kept = HL.draft.get(DRAFT);
+      this.isKept = Boolean(kept);
+      this.fill(kept || {});
     }
 
     fill(kept) {

@@ -212,3 +212,38 @@ def test_every_view_shows_on_every_screen(plan: Callable[..., tuple[Page, Played
         page.get_by_test_id(f"plan-view-{view}").click()
         expect(page.get_by_test_id("plan-picture")).to_have_attribute("data-view", view)
     expect(page.get_by_test_id("plan-send")).to_be_enabled()
+
+
+QUEUE = {
+    "ok": True,
+    "now_utc": "2026-05-20T14:36:40.900+00:00",
+    "zone": "UTC",
+    "frozen": None,
+    "weather": None,
+    "robots": [{"robot_id": "weeder-07", "name": "Weeder 07", "revision": 1, "is_unattended_allowed": False,
+                "arming": None, "disarmed": None, "now": None, "holds": None}],
+    "entries": [{"id": "q-1", "robot_id": "weeder-07", "mission_id": "m-9", "name": "Hangacker 5", "status": "queued",
+                 "state": "open", "duration_s": 3600, "waiting": None}],
+    "ended": [],
+    "blackouts": [],
+}  # fmt: skip
+
+
+@pytest.mark.long
+def test_on_a_high_screen_the_robots_queue_stands_below_with_the_plan_at_its_end(
+    plan: Callable[..., tuple[Page, PlayedPlans]],
+) -> None:
+    page, _ = plan("landscape")
+    expect(page.get_by_test_id("plan-queue-strip")).to_be_hidden()
+    page.route("**/api/v1/queue", lambda route: route.fulfill(content_type="application/json", body=json.dumps(QUEUE)))
+    page.set_viewport_size({"width": 1920, "height": 1080})
+    page.get_by_test_id("plan-preview").click()
+    strip = page.get_by_test_id("plan-queue-strip")
+    expect(strip.get_by_test_id("queue-bar-q-1")).to_contain_text("Hangacker 5")
+    expect(strip.get_by_test_id("queue-bar-this-plan")).to_be_visible()
+    queued, planned = (strip.get_by_test_id(f"queue-bar-{one}").bounding_box() for one in ("q-1", "this-plan"))
+    assert queued is not None
+    assert planned is not None
+    assert planned["x"] >= queued["x"] + queued["width"] - 1
+    strip.get_by_test_id("plan-queue-open").click()
+    expect(page.get_by_test_id("missions")).to_have_attribute("data-tab", "queue")
