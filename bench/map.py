@@ -28,11 +28,14 @@ CONDITIONS = "Chromium, WebGL in software, 1280x800, 10 updates/s, all robots mo
 
 SETUP = """(count) => {
   const robots = {};
+  const places = {};
   for (let i = 0; i < count; i += 1) {
     const family = ['weeder', 'planter', 'uav'][i % 3];
-    robots[`r-${i}`] = { name: `Robot ${i}`, family, mode: 'auto', t: headland.now(), ...place(i, 0) };
+    robots[`r-${i}`] = { name: `Robot ${i}`, family, mode: 'auto' };
+    places[`r-${i}`] = { t: headland.now(), ...place(i, 0) };
   }
   lane.put('fleet', { robots });
+  lane.put('poses', { robots: places });
   function place(i, step) {
     const side = Math.ceil(Math.sqrt(count));
     const turn = step / 10 + i;
