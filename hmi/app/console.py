@@ -11,6 +11,7 @@ from hmi.api.metrics import ConsoleMetrics
 from hmi.app.base_maps import BaseMapDesk
 from hmi.app.chores import Chores
 from hmi.app.edge import Edge
+from hmi.app.fleet import FleetDesk
 from hmi.app.maps import MapDesk
 from hmi.app.missions import MissionDesk
 from hmi.app.queue import QueueDesk
@@ -71,6 +72,7 @@ class Console:
             self.authorize,
             self._lane_event,
         )
+        self.fleet = FleetDesk(settings, clock, records, edge.fleet, self.desk, self.authorize, self._lane_event)
         self.stops = StopDesk(
             edge.sender,
             clock,
@@ -102,6 +104,7 @@ class Console:
         await console.missions.prepare()
         await console.base_maps.prepare()
         await console.queue.prepare()
+        await console.fleet.prepare()
         return console
 
     async def start(self) -> None:
@@ -115,6 +118,7 @@ class Console:
         self.stops.start()
         self.missions.start()
         self.queue.start()
+        self.fleet.start()
         self.chores.start()
 
     async def stop(self) -> None:
@@ -122,6 +126,7 @@ class Console:
         await self.chores.stop()
         for undo in self._undo:
             undo()
+        await self.fleet.stop()
         await self.queue.stop()
         await self.missions.stop()
         await self.maps.stop()
