@@ -45,8 +45,8 @@ class FleetMissionBody(Body):
     """One mission for robots, or one each."""
 
     mission_id: Id | None = None
-    robots: Annotated[list[Id], Field(max_length=MOST_ROBOTS)] = []
-    pairs: Annotated[list[RobotMission], Field(max_length=MOST_ROBOTS)] = []
+    robots: Annotated[list[Id], Field(default_factory=list, max_length=MOST_ROBOTS)]
+    pairs: Annotated[list[RobotMission], Field(default_factory=list, max_length=MOST_ROBOTS)]
 
 
 class GroupBody(Body):

@@ -144,7 +144,8 @@ class Console:
     def client_frame(self, session: SessionInfo, lane_id: str, frame: Here | Drive) -> None:
         """Take a ``here`` or ``drive`` frame of a browser."""
         if isinstance(frame, Here):
-            self.desk.pulse.here(session, frame.robot, frame.tick)
+            for robot_id in frame.each():
+                self.desk.pulse.here(session, robot_id, frame.tick)
             return
         verdict = self.desk.drive.setpoint(session, lane_id, DriveFrame(frame.robot, frame.v, frame.w, frame.tick))
         if not verdict.is_forwarded and self._is_new_refusal(lane_id, verdict.code):

@@ -124,8 +124,10 @@ export class Intake {
       robot.name = row.name ?? id;
       robot.family = row.family ?? 'other';
       robot.mode = row.mode ?? 'unknown';
-      robot.text = (typeof row.why === 'string' ? row.why : row.why?.text) ?? row.text ?? '';
-      robot.level = row.level ?? null;
+      if (robot.isOut === undefined) { // until the list beside the map has spoken, see setFleet of live_map.js
+        robot.text = row.why || row.text || '';
+        robot.level = row.level ?? null;
+      }
       robot.order = row.mission ?? null;
       if (!robot.pose) robot.setPose(places[id], now);
     }

@@ -35,7 +35,7 @@ from hmi.security.session_info import SessionInfo
 from hmi.settings import Settings
 from hmi.store.fleet import FleetStore
 from tests.components import map_field
-from tests.hmi.pages import maps_stage, maps_stage_routes
+from tests.hmi.pages import fleet_stage, maps_stage, maps_stage_routes
 
 SHA = "ab" * 32
 NAMES = {Role.OPERATOR: "Martha Keller", Role.SUPERVISOR: "Anna Ostermeier", Role.ADMIN: "Jonas Weber"}
@@ -264,6 +264,7 @@ def build(stage: Stage) -> FastAPI:
     async def mission(robot: str) -> dict[str, Any]:
         return stage.mission
 
+    app.include_router(fleet_stage.router(fleet_stage.FleetStage()))
     app.include_router(maps_stage_routes.router(maps_stage.MapStage(), stage.sessions))
 
     @app.post("/stage/{scene}")
