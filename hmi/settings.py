@@ -99,6 +99,20 @@ class Settings(BaseSettings):
         "to the console, e.g. https://farm.example. Its own is always allowed.",
     )
 
+    notify_private: bool = Field(
+        False,
+        description="Whether alarm notifications may go to this machine and to private networks, e.g. a mail server "
+        "of the farm. Off: public addresses only. Link-local and cloud metadata addresses are never allowed.",
+    )
+    notify_hosts: list[str] = Field(
+        default_factory=list,
+        description="If any are named, alarm notifications go to these hosts only: hooks.example, or .farm.example.",
+    )
+    shift_ends: list[str] = Field(
+        default_factory=lambda: ["06:00", "14:00", "22:00"],
+        description="Times of day when shifts end, on the farm's clock; an alarm can be shelved until then.",
+    )
+
     base_map_mb: int = Field(
         4096, ge=1, description="Room for the base maps of a farm in the data folder, MB. What is over it is refused."
     )
@@ -122,6 +136,13 @@ class Settings(BaseSettings):
         if value is not None and not value.startswith(("http://", "https://")):
             raise ValueError("stop_public_url must start with http:// or https://")
         return value.rstrip("/") if value else None
+
+    @field_validator("shift_ends")
+    @classmethod
+    def _times(cls, value: list[str]) -> list[str]:
+        if not all(re.fullmatch(r"([01]\d|2[0-3]):[0-5]\d", one) for one in value):
+            raise ValueError("shift_ends must be times such as 06:00")
+        return sorted(value)
 
     @field_validator("time_zone")
     @classmethod

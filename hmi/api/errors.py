@@ -19,6 +19,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse
 
 from hmi.commands.refusal import OrderRefused
+from hmi.domain.alarm.life import AlarmRefused
 from hmi.security.errors import BadAccount, SecurityError, TooManyTries
 from hmi.store.errors import AlreadyExists, DatabaseUnavailable, NotFound, StopListNotWritten, StoreError
 
@@ -78,6 +79,7 @@ def install(app: FastAPI) -> None:
         ApiError: _api_error,
         SecurityError: _security_error,
         OrderRefused: _order_refused,
+        AlarmRefused: _alarm_refused,
         StoreError: _store_error,
         RequestValidationError: _invalid,
         HTTPException: _http_error,
@@ -107,6 +109,10 @@ async def _security_error(_request: Request, error: SecurityError) -> JSONRespon
 
 async def _order_refused(_request: Request, error: OrderRefused) -> JSONResponse:
     return answer(REFUSAL_STATUS.get(error.code, 409), error.code, error.text)
+
+
+async def _alarm_refused(_request: Request, error: AlarmRefused) -> JSONResponse:
+    return answer(409, error.code, error.text)
 
 
 async def _store_error(_request: Request, error: StoreError) -> JSONResponse:

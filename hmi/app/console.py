@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from hmi.api.health import KeeperReport
 from hmi.api.metrics import ConsoleMetrics
+from hmi.app.alarms import AlarmRoom
 from hmi.app.base_maps import BaseMapDesk
 from hmi.app.chores import Chores
 from hmi.app.edge import Edge
@@ -42,7 +43,17 @@ class Console:
         self.missions = MissionDesk(settings, clock, records, edge.fleet, self.authorize, self._lane_event)
         self.maps = MapDesk(settings, clock, records, edge.fleet, self.authorize, self._lane_event)
         self.base_maps = BaseMapDesk(settings, records, clock, self.authorize, self._lane_event)
-        self.hub = LiveHub(edge.fleet, edge.ticks, clock, self.missions.title_of, self.missions.facts.of)
+        self.alarms = AlarmRoom(
+            settings,
+            clock,
+            records,
+            edge.fleet,
+            self.authorize,
+            self.missions.facts.of,
+            self._lane_event,
+            lambda: edge.coordinator.is_broker_up,
+        )
+        self.hub = LiveHub(edge.fleet, edge.ticks, clock, self.missions.title_of, self.missions.facts.of, self.alarms)
         self.keeper = KeeperReport(settings.data)
         self.metrics = ConsoleMetrics()
         self.desk = CommandDesk(
@@ -81,9 +92,11 @@ class Console:
             self.desk.leases,
             on_stop=self.queue.stopped,
             on_stop_all=self.queue.freeze.stop_all,
+            on_move=self._stop_moved,
         )
+        self.alarms.weather = self.queue.weather
         self.chores = Chores(records, self.hub, self.keeper, clock)
-        see = [records.recorder.see, self.missions.tracking.see]
+        see = [records.recorder.see, self.missions.tracking.see, self.alarms.see]
         self._witness = FleetWitness(edge.fleet, clock, self.stops.service.on_return, see)
         self._undo: list[Callable[[], None]] = []
         self._refusals: dict[tuple[str, str], float] = {}
@@ -105,12 +118,14 @@ class Console:
         await console.base_maps.prepare()
         await console.queue.prepare()
         await console.fleet.prepare()
+        await console.alarms.prepare()
         return console
 
     async def start(self) -> None:
         """Start writers, the broker connection, the live lane and everything that watches."""
         self.records.start()
         self.sync_registry()
+        self.alarms.start()
         self._listen()
         await self.edge.start()
         await self.hub.start()
@@ -123,6 +138,7 @@ class Console:
 
     async def stop(self) -> None:
         """End everything in the opposite order; what is queued is written."""
+        await self.alarms.stop()
         await self.chores.stop()
         for undo in self._undo:
             undo()
@@ -162,7 +178,8 @@ class Console:
         hear = self.edge.coordinator.listeners
         hear.on_ack += [self._acknowledged, self.stops.service.on_ack]
         hear.on_safety += [self._safety, self.stops.service.on_safety]
-        hear.on_event += [self.records.recorder.see_event, self._robot_event]
+        hear.on_event += [self.records.recorder.see_event, self.alarms.see_event, self._robot_event]
+        hear.on_trouble.append(self.alarms.trouble)
         self.desk.ledger.when_settled(self.metrics.observe)
         self.desk.ledger.when_settled(self.missions.acts.settled)
         self._undo = [
@@ -172,6 +189,10 @@ class Console:
 
     def _acknowledged(self, answer: Any) -> None:
         self.desk.ledger.acknowledged(answer)
+
+    def _stop_moved(self, robot_ids: Sequence[str]) -> None:
+        for robot_id in robot_ids:
+            self.alarms.stop_moved(robot_id, self.stops.service.attempts_at(robot_id))
 
     def _safety(self, robot_id: str, safety: SafetyState) -> None:
         robot = self.edge.fleet.robot(robot_id)
@@ -193,6 +214,7 @@ class Console:
         self.hub.event(event)
         if event.get("kind") == "map" and event.get("what") == "published":
             self.missions.facts.map_published()
+            self.alarms.ground.map_published()
         if event.get("kind") == "lease":
             self.show_lease(str(event["robot"]))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import secrets
 
 from hmi.clock import Clock
@@ -12,8 +11,6 @@ from hmi.ingest.coordinator import EdgeCoordinator, mqtt_link
 from hmi.ingest.sender import EdgeSender
 from hmi.settings import Settings
 from hmi.store.fleet import FleetStore
-
-log = logging.getLogger(__name__)
 
 
 class Edge:
@@ -26,7 +23,6 @@ class Edge:
         ca_file = str(settings.broker_ca) if settings.broker_ca else None
         link = mqtt_link(settings.broker_url, f"headland-console-{self.boot}", ca_file=ca_file)
         self.coordinator = EdgeCoordinator(link, self.fleet, clock)
-        self.coordinator.listeners.on_trouble.append(lambda code, text: log.warning("%s: %s", code, text))
         self.sender = EdgeSender(_Broker(self.coordinator), self.fleet.address)
         self.coordinator.listeners.on_ack.append(self._acknowledged)
 

@@ -11,7 +11,7 @@ from typing import Any, Literal
 from hmi.clock import Clock
 from hmi.commands.lease_service import LeaseService
 from hmi.commands.ports import AuditSink
-from hmi.commands.stop import StopService
+from hmi.commands.stop import MovedOn, StopService
 from hmi.domain.command import OrderSender
 from hmi.domain.stop import StopTarget
 from hmi.domain.stop_token import StopToken
@@ -27,6 +27,7 @@ class StopDesk:
     Args:
         on_stop: told robot and person of each new press, after it was sent.
         on_stop_all: told press and person of each STOP ALL, after it was sent.
+        on_move: told the robots at which a press moved on.
     """
 
     def __init__(
@@ -39,10 +40,11 @@ class StopDesk:
         *,
         on_stop: Callable[[str, str], None] = lambda _robot_id, _by: None,
         on_stop_all: Callable[[str, str], None] = lambda _stop_id, _by: None,
+        on_move: MovedOn = lambda _robots: None,
     ) -> None:
         self._audit, self._robots, self._leases = audit, robots, leases
         self._on_stop, self._on_stop_all = on_stop, on_stop_all
-        self.service = StopService(sender, clock, self, on_press=self._pressed)
+        self.service = StopService(sender, clock, self, on_press=self._pressed, on_move=on_move)
         self._task: asyncio.Task[None] | None = None
 
     def stop_targets(self) -> Mapping[str, StopTarget]:

@@ -149,6 +149,7 @@ def _api(console: Console) -> ApiServices:
             console.base_maps.routes(),
             console.queue.routes(),
             *console.fleet.routes(),
+            *console.alarms.routes(),
         ],
     )
 

@@ -6,6 +6,7 @@ It keeps nothing on disk: the gateway's outbox and the browser's own repeats sur
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, Protocol
 
@@ -22,6 +23,8 @@ FRESH_SPEED_S = 1.0  # an older speed proves nothing about how fast it is now
 MAX_HTTP_REPEATS = 3  # copies waiting for one robot's HTTP answer before a repeat is left out
 
 Pressed = Callable[[str, str, str], None]
+MovedOn = Callable[[Sequence[str]], None]
+log = logging.getLogger(__name__)
 
 
 class StopRegistry(Protocol):
@@ -42,15 +45,23 @@ class StopService:
         clock: where the time comes from.
         registry: names, limits, and what ``all`` means.
         on_press: told robot id, stop id and person of each new press, after it was sent: a stop revokes the lease.
+        on_move: told the robots at which a press moved on, such as to NOT CONFIRMED, at once.
     """
 
     def __init__(
-        self, sender: OrderSender, clock: Clock, registry: StopRegistry, *, on_press: Pressed | None = None
+        self,
+        sender: OrderSender,
+        clock: Clock,
+        registry: StopRegistry,
+        *,
+        on_press: Pressed | None = None,
+        on_move: MovedOn = lambda _robots: None,
     ) -> None:
         self._sender = sender
         self._clock = clock
         self._registry = registry
         self._on_press = on_press
+        self._on_move = on_move
         self._book = StopBook()
         self._wake = asyncio.Event()
         self._speeds: dict[str, tuple[float, float]] = {}
@@ -86,19 +97,23 @@ class StopService:
         self.pulse()
         return self._book.steps(self._clock.mono_s(), stop_id)
 
+    def attempts_at(self, robot_id: str) -> list[StopAttempt]:
+        """Return the presses at a robot that are not reset, oldest first."""
+        return self._book.attempts_at(robot_id)
+
     def on_ack(self, ack: Acknowledgement) -> None:
         """Take a robot's answer; those to other orders are ignored."""
         if ack.kind != "stop":
             return
         at_s = ack.stamp.source_s if ack.stamp else None
         answer = StopAnswer(ack.is_accepted, ack.code, ack.text, ack.speed_mps, at_s=at_s)
-        self._book.answered(ack.ref, ack.robot_id, answer, self._clock.mono_s())
+        self._moved(self._book.answered(ack.ref, ack.robot_id, answer, self._clock.mono_s()))
 
     def on_safety(self, robot_id: str, safety: SafetyState) -> None:
         """Take what a robot's safety controller says."""
         now_s = self._clock.mono_s()
         self._speeds[robot_id] = (safety.stamp.received_s, safety.speed_mps)
-        self._book.reported(robot_id, _report(safety), now_s)
+        self._moved(self._book.reported(robot_id, _report(safety), now_s))
 
     def on_return(self, robot_id: str) -> None:
         """The robot is back after it was silent: what it has not confirmed goes first."""
@@ -108,10 +123,10 @@ class StopService:
     def pulse(self) -> None:
         """Send what is due and let limits run out; ``run`` does this in time."""
         now_s = self._clock.mono_s()
-        self._book.tick(now_s)
+        self._moved(self._book.tick(now_s))
         if now_s >= self._next_sweep_s:
             self._next_sweep_s = now_s + SWEEP_S
-            self._book.forget_strangers({*self._registry.stop_targets(), *self._speeds}, now_s)
+            self._moved(self._book.forget_strangers({*self._registry.stop_targets(), *self._speeds}, now_s))
         for attempt in self._book.due(now_s):
             self._send(attempt, now_s)
 
@@ -150,6 +165,14 @@ class StopService:
         if ack is not None:
             self._book.carried_by_http(order.stop_id, order.robot_id, left_s)
             self.on_ack(ack)
+
+    def _moved(self, attempts: Sequence[StopAttempt]) -> None:
+        if not attempts:
+            return
+        try:
+            self._on_move(list(dict.fromkeys(one.robot_id for one in attempts)))
+        except Exception:  # whoever is told must never stand between a person and STOP
+            log.exception("somebody could not be told how a STOP went on")
 
     def _speed(self, robot_id: str, now_s: float) -> float | None:
         heard_s, speed_mps = self._speeds.get(robot_id, (float("-inf"), 0.0))

@@ -242,7 +242,8 @@ class LinkHealth:
     """How well the robot is heard.
 
     ``heard_s`` is when the newest heartbeat was true; ``rtt_s`` the console-robot round trip, measured at
-    ``rtt_at_s``; ``rtt_max_s`` the largest of the last minute.
+    ``rtt_at_s``; ``rtt_max_s`` the largest of the last minute. ``wall_offset_s`` is how far its wall
+    clock is ahead of ours.
     """
 
     is_online: bool
@@ -254,6 +255,7 @@ class LinkHealth:
     rtt_max_s: float | None
     is_broker_up: bool
     rtt_at_s: float | None = None
+    wall_offset_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

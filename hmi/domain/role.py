@@ -41,6 +41,9 @@ class Permission(StrEnum):
     MANAGE_USERS = "manage_users"
     READ_AUDIT = "read_audit"
     READ_DIAGNOSTICS = "read_diagnostics"
+    ACKNOWLEDGE_ALARM = "acknowledge_alarm"
+    SHELVE_ALARM = "shelve_alarm"
+    MANAGE_ALARMS = "manage_alarms"
 
 
 _WATCH = frozenset({Permission.WATCH, Permission.STOP, Permission.READ_DIAGNOSTICS})
@@ -55,6 +58,7 @@ _OPERATE = _WATCH | {
     Permission.RESET,
     Permission.SEND_MISSION,
     Permission.ENROL_DEVICE,
+    Permission.ACKNOWLEDGE_ALARM,
 }
 _SUPERVISE = _OPERATE | {
     Permission.TAKE_LEASE,
@@ -64,6 +68,7 @@ _SUPERVISE = _OPERATE | {
     Permission.DISPATCH,
     Permission.MANAGE_WALLS,
     Permission.READ_AUDIT,
+    Permission.SHELVE_ALARM,
 }
 
 PERMISSIONS: dict[Role, frozenset[Permission]] = {

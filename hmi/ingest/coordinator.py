@@ -280,7 +280,14 @@ class EdgeCoordinator:
             if trip_s is not None:
                 stamp = clock.confirm(message, stamp.received_s, trip_s)
                 self._store.put_round_trip(message.robot, max(0.0, trip_s - message.echo_held_ms / 1000))
-        self._store.put_heartbeat(message.robot, boot=message.boot, challenge=message.challenge, heard_s=stamp.source_s)
+        made_at = self._clock.utc().timestamp() - (self._clock.mono_s() - stamp.source_s)
+        self._store.put_heartbeat(
+            message.robot,
+            boot=message.boot,
+            challenge=message.challenge,
+            heard_s=stamp.source_s,
+            wall_offset_s=message.wall_ms / 1000 - made_at if message.wall_ms else None,
+        )
 
     def _to_console(self, clock: RobotClock, message: up.Header, stamp: Stamp) -> Callable[[int], float]:
         return lambda mono_ms: clock.console_s(message.boot, mono_ms, stamp.source_s)

@@ -14,6 +14,7 @@ MAX_TOPICS = 64
 MAX_HERE = 100  # robots one frame keeps control of
 FLEET = "fleet"
 POSES = "poses"
+ALARMS = "alarms"
 ROBOT = "robot/"
 
 RobotId = Annotated[str, msgspec.Meta(pattern=ID_PATTERN + r"(?!\n)")]
@@ -76,7 +77,7 @@ def decode_client(text: str | bytes) -> ClientFrame:
 
 def is_topic(topic: str) -> bool:
     """Say whether a browser may ask for this topic."""
-    return topic in (FLEET, POSES) or (topic.startswith(ROBOT) and is_id(topic.removeprefix(ROBOT)))
+    return topic in (FLEET, POSES, ALARMS) or (topic.startswith(ROBOT) and is_id(topic.removeprefix(ROBOT)))
 
 
 def encode(frame: Mapping[str, Any]) -> str:

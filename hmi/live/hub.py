@@ -8,14 +8,14 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import Any, Protocol
 
 from hmi.clock import Clock
 from hmi.domain.freshness import TickRing
 from hmi.domain.robot import Robot
 from hmi.live import frames
 from hmi.live.outbox import Outbox
-from hmi.live.topics import FleetTopic, PosesTopic, RobotNumbers, RobotTopic
+from hmi.live.topics import AlarmsTopic, FleetTopic, PosesTopic, RobotNumbers, RobotTopic
 from hmi.presenters.operate import Context, MissionTitle
 from hmi.presenters.start_checks import MissionFacts
 from hmi.store.fleet import ALL_PARTS, FleetStore, Part
@@ -33,6 +33,37 @@ FactsOf = Callable[[str], MissionFacts | None]
 _NO_PARTS: frozenset[Part] = frozenset()
 
 
+class AlarmSource(Protocol):
+    """Where the entries of topic ``alarms`` come from; answers from memory."""
+
+    @property
+    def revision(self) -> int:
+        """Grows with every change."""
+        ...
+
+    def entries_since(self, revision: int) -> dict[str, dict[str, Any] | None]:
+        """Return the entries that changed after a revision, ``None`` for one that is normal again."""
+        ...
+
+    def summary(self) -> dict[str, Any]:
+        """Return counts, flood, and when the supervision last looked."""
+        ...
+
+
+class NoAlarms:
+    """Nothing watches."""
+
+    revision = 0
+
+    def entries_since(self, revision: int) -> dict[str, dict[str, Any] | None]:
+        """See ``AlarmSource``."""
+        return {}
+
+    def summary(self) -> dict[str, Any]:
+        """See ``AlarmSource``."""
+        return {"counts": {}, "flood": None, "checked": None}
+
+
 class LiveHub:
     """Between the fleet store and the lanes.
 
@@ -42,6 +73,7 @@ class LiveHub:
         clock: the console's clocks.
         title_of: mission id to what people call it; answers from memory.
         facts_of: mission id to what the start checks need; answers from memory.
+        alarms: what topic ``alarms`` shows.
         crowd: robots beyond which places go out twice a second and not ten times.
     """
 
@@ -52,6 +84,7 @@ class LiveHub:
         clock: Clock,
         title_of: TitleOf = lambda _mission_id: None,
         facts_of: FactsOf = lambda _mission_id: None,
+        alarms: AlarmSource | None = None,
         *,
         crowd: int = CROWD,
     ) -> None:
@@ -67,9 +100,10 @@ class LiveHub:
         self._online: dict[str, bool] = {}
         self._reviewed: dict[str, float] = {}
         self._beats_seen = self._numbers_told = 0
+        self._alarms, self._alarm_source = AlarmsTopic(), alarms or NoAlarms()
         self._listeners: dict[str, set[Outbox]] = {}
-        self._seen = self._fleet_seen = self._poses_seen = 0
-        self._fleet_due_s = float("-inf")
+        self._seen = self._fleet_seen = self._poses_seen = self._alarms_seen = 0
+        self._fleet_due_s = self._alarms_due_s = float("-inf")
         self._revision = 0
         self._changed = asyncio.Event()
         self._tasks: list[asyncio.Task[None]] = []
@@ -172,6 +206,9 @@ class LiveHub:
             self._fleet_due_s = now_s + FLEET_S - TICK_S / 2  # a beat that comes a little early still counts
             self._send(frames.FLEET, self._update_fleet(now_s))
             self._send_beats(now_s)
+        if frames.ALARMS in self._listeners and now_s >= self._alarms_due_s:
+            self._alarms_due_s = now_s + FLEET_S - TICK_S / 2
+            self._send(frames.ALARMS, self._update_alarms())
         if frames.POSES in self._listeners and now_s >= self._poses_due_s:
             if len(self._numbers) > self._crowd:
                 self._poses_due_s = now_s + CROWD_POSES_S - TICK_S / 2
@@ -203,6 +240,12 @@ class LiveHub:
             frame = self._fleet.beats(self._revision, now_s, heard)
             for lane in self._listeners[frames.FLEET]:
                 lane.delta(frame)
+
+    def _update_alarms(self) -> str | None:
+        source = self._alarm_source
+        changed = source.entries_since(self._alarms_seen)
+        self._alarms_seen = source.revision
+        return self._alarms.update(changed, source.summary())
 
     def _send_poses(self, now_s: float) -> None:
         moved = self._store.moved_since(self._poses_seen)
@@ -254,6 +297,9 @@ class LiveHub:
         """Bring a topic up to date that nobody listened to until now."""
         if name == frames.FLEET:
             self._update_fleet(self._clock.mono_s())
+        elif name == frames.ALARMS:
+            self._alarms, self._alarms_seen = AlarmsTopic(), 0
+            self._update_alarms()
         elif name.startswith(frames.ROBOT):
             robot_id = name.removeprefix(frames.ROBOT)
             topic = self._robots[robot_id] = RobotTopic(robot_id)
@@ -263,6 +309,8 @@ class LiveHub:
     def _whole(self, name: str) -> str:
         if name == frames.FLEET:
             return self._fleet.whole(self._store.beats())
+        if name == frames.ALARMS:
+            return self._alarms.whole()
         if name == frames.POSES:
             return self._poses.whole((one.robot_id for one in self._store.beats()), self._store.places())
         return self._robots[name.removeprefix(frames.ROBOT)].whole()

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from hmi.domain.robot import Pose, Robot
-from hmi.live.frames import FLEET, POSES, ROBOT, piece
+from hmi.live.frames import ALARMS, FLEET, POSES, ROBOT, piece
 from hmi.presenters import fleet, operate
 from hmi.presenters.units import heading_deg, milliseconds
 from hmi.store.fleet import Beat, Part
@@ -129,6 +129,39 @@ class FleetTopic:
             self._whole = '"robots":{' + ",".join(f'"{i}":{t}' for i, t in self._entries.items()) + "}"
         beats = {o.robot_id: [milliseconds(o.heard_s), milliseconds(o.rtt_s)] for o in heard if self.has(o.robot_id)}
         return "{" + self._whole + ',"beats":' + piece(beats) + "}"
+
+
+class AlarmsTopic:
+    """Topic ``alarms``: an entry for each alarm and a summary; deltas carry only the entries that changed."""
+
+    name = ALARMS
+
+    def __init__(self) -> None:
+        self._entries: dict[str, str] = {}
+        self._summary = "null"
+
+    def update(self, changed: Mapping[str, dict[str, Any] | None], summary: dict[str, Any]) -> str | None:
+        """Take over changed entries; return the delta as JSON, ``None`` if nothing changed."""
+        moved = []
+        for alarm_id, entry in changed.items():
+            text = piece(entry)
+            if entry is None:
+                if self._entries.pop(alarm_id, None) is None:
+                    continue
+            elif self._entries.get(alarm_id) == text:
+                continue
+            else:
+                self._entries[alarm_id] = text
+            moved.append(f'"{alarm_id}":{text}')
+        before, self._summary = self._summary, piece(summary)
+        if not moved and self._summary == before:
+            return None
+        return '{"alarms":{' + ",".join(moved) + '},"summary":' + self._summary + "}"
+
+    def whole(self) -> str:
+        """Return every entry as JSON."""
+        entries = ",".join(f'"{i}":{t}' for i, t in self._entries.items())
+        return '{"alarms":{' + entries + '},"summary":' + self._summary + "}"
 
 
 _HEAD = struct.Struct("<4sIdI")

@@ -32,6 +32,9 @@ _DOING: dict[Permission, str] = {
     Permission.MANAGE_USERS: "Changing people",
     Permission.READ_AUDIT: "Reading the audit log",
     Permission.READ_DIAGNOSTICS: "Reading diagnostics",
+    Permission.ACKNOWLEDGE_ALARM: "Acknowledging alarms",
+    Permission.SHELVE_ALARM: "Shelving",
+    Permission.MANAGE_ALARMS: "Changing alarm settings",
 }
 _SMALLEST_FIRST = (Role.VIEWER, Role.OPERATOR, Role.PLANNER, Role.DISPATCHER, Role.SUPERVISOR, Role.ADMIN)
 _UNREGISTERED_MAY = frozenset(

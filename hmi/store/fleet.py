@@ -113,6 +113,7 @@ class _Record:
     is_gone: bool = False
     rtt_s: float | None = None
     rtt_at_s: float | None = None
+    wall_offset_s: float | None = None
     rtts: deque[tuple[float, float]] = field(default_factory=deque)
     factsheet: domain.Factsheet | None = None
     telemetry: domain.Telemetry | Callable[[], domain.Telemetry] | None = None
@@ -281,9 +282,12 @@ class FleetStore:
             record.nodes = {**record.nodes, value.name: value}
             self._touch(record, Part.NODES)
 
-    def put_heartbeat(self, robot_id: str, *, boot: str, challenge: str, heard_s: float) -> None:
+    def put_heartbeat(
+        self, robot_id: str, *, boot: str, challenge: str, heard_s: float, wall_offset_s: float | None = None
+    ) -> None:
         """Take a heartbeat; ``heard_s`` is when it was made, so that a held one does not count as hearing."""
         record = self._records[robot_id]
+        record.wall_offset_s = wall_offset_s
         record.boot, record.challenge, record.heard_s = boot, challenge, heard_s
         record.active_s = self._mono_s()
         record.is_gone = False
@@ -386,4 +390,5 @@ class FleetStore:
             rtt_max_s=max((rtt for _, rtt in record.rtts), default=None),
             is_broker_up=self._is_broker_up,
             rtt_at_s=record.rtt_at_s,
+            wall_offset_s=record.wall_offset_s,
         )

@@ -15,6 +15,7 @@
   const COMMAND_LIMIT_MS = 3000;
   const OFFSET_WINDOW = 600;                            // one minute of ticks: follows clock drift
   const AT_MOST_M_JUMP_MS = 5000;
+  const LISTS = { fleet: 'robots', alarms: 'alarms' };  // topics whose deltas carry only entries that changed
 
   const config = global.HEADLAND || {};
   const listeners = new Map();   // topic -> Set of fn(state, topic, changed)
@@ -100,16 +101,16 @@
 
   function merge(topic, groups) {
     const held = state.get(topic) || {};
-    if (topic === 'fleet') {
-      const robots = Object.assign({}, held.robots);
-      for (const [id, entry] of Object.entries(groups.robots || {})) {
-        if (entry === null) delete robots[id]; else robots[id] = take(id, entry, robots[id]);
+    const list = LISTS[topic];
+    const next = Object.assign({}, held, groups);
+    if (list) {
+      const entries = next[list] = Object.assign({}, held[list]);
+      for (const [id, entry] of Object.entries(groups[list] || {})) {
+        if (entry === null) delete entries[id]; else entries[id] = topic === 'fleet' ? take(id, entry, entries[id]) : entry;
       }
-      state.set(topic, { robots });
-    } else {
-      state.set(topic, Object.assign({}, held, groups));
     }
-    tell(topic, state.get(topic), Object.keys(topic === 'fleet' ? groups.robots || {} : groups));
+    state.set(topic, next);
+    tell(topic, next, Object.keys(list ? groups[list] || {} : groups));
   }
 
   // An entry says what changes slowly; when the robot was heard comes in beats and is kept from the one before.
@@ -254,7 +255,7 @@
 
   // Robots are asked for by name; the lists come as long as anybody listens to them.
   function subscribe() {
-    const lists = ['fleet', 'poses'].filter(function (topic) { return listeners.has(topic) && listeners.get(topic).size > 0; });
+    const lists = ['fleet', 'poses', 'alarms'].filter(function (topic) { return listeners.has(topic) && listeners.get(topic).size > 0; });
     const topics = Array.from(new Set(asked.concat(lists)));
     for (const topic of Array.from(state.keys())) if (topic !== 'tick' && !topics.includes(topic)) state.delete(topic);
     const text = JSON.stringify(topics);

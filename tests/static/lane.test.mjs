@@ -368,3 +368,17 @@ test('what is no JSON is ignored', () => {
   w.socket.onmessage({ data: new ArrayBuffer(3) });
   assert.equal(w.headland.link(), 'ok');
 });
+
+test('an alarm that is normal again leaves the list, the others and the summary stay', () => {
+  const w = new World();
+  const heard = [];
+  w.headland.on('alarms', (state, topic, changed) => heard.push(changed && Array.from(changed)));
+  w.connect();
+  assert.ok(w.sent('sub').at(-1).topics.includes('alarms'));
+  const summary = { counts: { 1: [0, 0] }, flood: null, checked: 1 };
+  w.socket.say({ k: 'snap', rev: 5, d: { alarms: { alarms: { 'link-lost.weeder-01': { priority: 2 }, 'disk-full.console': { priority: 2 } }, summary } } });
+  w.socket.say({ k: 'delta', rev: 6, d: { alarms: { alarms: { 'link-lost.weeder-01': null }, summary: { ...summary, checked: 2 } } } });
+  assert.equal(JSON.stringify(w.headland.state('alarms').alarms), '{"disk-full.console":{"priority":2}}');
+  assert.equal(w.headland.state('alarms').summary.checked, 2);
+  assert.deepEqual(heard, [null, ['link-lost.weeder-01']]);
+});

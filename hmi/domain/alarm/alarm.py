@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
 
+from hmi.domain.alarm.priority import Priority
+
 CONSOLE = "console"
 """Source of alarms about the console itself."""
 
@@ -47,6 +49,11 @@ class AlarmKey:
     source: str
     detail: str = ""
 
+    @property
+    def id(self) -> str:
+        """The name of the alarm outside: ``link-lost.weeder-07``, ``node-failed.weeder-07.planner``."""
+        return ".".join(part for part in (self.code, self.source, self.detail) if part)
+
 
 @dataclass(frozen=True, slots=True)
 class Shelf:
@@ -79,6 +86,8 @@ class Alarm:
         seen_by, seen_at: who acknowledged the present occurrence.
         suppressed_by: keys of causes that make this alarm say nothing new, or names of designed states.
         occurrences: how often it was raised since it was last normal.
+        priority: where the source itself says how urgent it is; else that of its type counts.
+        advice: what the source itself says can be done.
     """
 
     key: AlarmKey
@@ -93,6 +102,8 @@ class Alarm:
     suppressed_by: frozenset[str] = frozenset()
     out_of_service: OutOfService | None = None
     occurrences: int = 0
+    priority: Priority | None = None
+    advice: str = ""
 
     @property
     def is_active(self) -> bool:

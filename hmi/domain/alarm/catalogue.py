@@ -25,6 +25,9 @@ class AlarmType:
         on_s, off_s: how long the condition lasts, and is gone, before it counts.
         follows_from: codes of types that this one is a consequence of.
         limit: of the measured value behind it, in ``unit``.
+        suppressed_by: codes that, while they hold at the console, keep this type silent by design.
+        is_robot_code: whether a robot may report it under this code.
+        diagnosis: names of what a guided check looks at.
     """
 
     code: str
@@ -40,6 +43,9 @@ class AlarmType:
     follows_from: frozenset[str] = frozenset()
     limit: Limit | None = None
     unit: str = ""
+    suppressed_by: frozenset[str] = frozenset()
+    is_robot_code: bool = False
+    diagnosis: tuple[str, ...] = ()
 
 
 @cache
@@ -51,8 +57,8 @@ def catalogue() -> dict[str, AlarmType]:
     """
     types = {code: _type(code, entry) for code, entry in tomllib.loads(SOURCE.read_text("utf-8")).items()}
     for one in types.values():
-        if unknown := one.follows_from - types.keys():
-            raise ValueError(f"{one.code} follows from {sorted(unknown)}, which are not in the catalogue")
+        if unknown := (one.follows_from | one.suppressed_by) - types.keys():
+            raise ValueError(f"{one.code} names {sorted(unknown)}, which are not in the catalogue")
         if one.code in _all_causes(one.code, types):
             raise ValueError(f"{one.code} follows from itself")
     return types
@@ -73,6 +79,9 @@ def _type(code: str, entry: dict[str, Any]) -> AlarmType:
             steps=tuple(given.pop("steps")),
             is_latching=given.pop("latching", False),
             follows_from=frozenset(given.pop("follows_from", ())),
+            suppressed_by=frozenset(given.pop("suppressed_by", ())),
+            is_robot_code=given.pop("robot", False),
+            diagnosis=tuple(given.pop("diagnosis", ())),
             limit=None if limit is None else Limit(limit, deadband),
             **given,
         )

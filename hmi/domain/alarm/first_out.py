@@ -31,6 +31,14 @@ def first_outs(alarms: Sequence[Alarm], follows_from: FollowsFrom) -> list[First
 
     Each alarm is in exactly one group; chains of consequences end in one group under the first of them.
     """
+    by_source: dict[str, list[Alarm]] = {}
+    for one in alarms:
+        by_source.setdefault(one.key.source, []).append(one)
+    found = [group for some in by_source.values() for group in _of_one_source(some, follows_from)]
+    return sorted(found, key=lambda group: _came(group.first))
+
+
+def _of_one_source(alarms: Sequence[Alarm], follows_from: FollowsFrom) -> list[FirstOut]:
     ordered = sorted((one for one in alarms if one.raised_at is not None), key=_came)
     causes = [_cause(ordered, index, follows_from(one.key.code)) for index, one in enumerate(ordered)]
     roots = [_root(index, causes) for index in range(len(ordered))]
@@ -61,7 +69,7 @@ def _cause(ordered: Sequence[Alarm], index: int, causes: frozenset[str]) -> int 
     assert mine.raised_at is not None
     best: int | None = None
     for other, alarm in enumerate(ordered):
-        if other == index or alarm.key.code not in causes or alarm.key.source != mine.key.source:
+        if other == index or alarm.key.code not in causes:
             continue
         assert alarm.raised_at is not None
         if alarm.raised_at - JITTER <= mine.raised_at <= alarm.raised_at + FOLLOWS_WITHIN:

@@ -92,3 +92,7 @@ class Chatter:
             self.is_chattering = False
             self._raised.clear()
         return self.is_chattering
+
+    def is_remembered(self, now_s: float) -> bool:
+        """Say whether a change was so lately that the next one could make it chatter."""
+        return now_s - self._last_s < CHATTER_S

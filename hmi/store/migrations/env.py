@@ -5,6 +5,7 @@ from __future__ import annotations
 from alembic import context
 
 from hmi.store import (  # noqa: F401 - so that their tables are known
+    alarm_tables,
     base_map_tables,
     fleet_tables,
     map_tables,

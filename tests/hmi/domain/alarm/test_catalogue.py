@@ -23,4 +23,12 @@ def test_what_a_robot_of_the_edge_contract_reports_has_words() -> None:
 
 def test_critical_is_only_what_may_hurt_somebody_or_blinds_everybody() -> None:
     critical = {code for code, one in catalogue().items() if one.priority is Priority.CRITICAL}
-    assert critical == {"stop-not-confirmed", "moves-after-stop", "outside-fence", "gateway-down", "broker-lost"}
+    assert critical == {
+        "stop-not-confirmed",
+        "moves-after-stop",
+        "tool-on-unasked",
+        "outside-fence",
+        "gateway-down",
+        "broker-lost",
+        "all-silent",
+    }

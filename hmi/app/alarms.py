@@ -1,0 +1,268 @@
+"""Alarms in the console: supervision, live alarms and everybody who hears of them, plugged together."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from datetime import datetime, timedelta
+from typing import Any
+
+from fastapi import APIRouter
+
+from hmi.api.alarm_records import AlarmRecordRoutes, alarm_record_routes
+from hmi.api.alarms import AlarmRoutes, alarm_routes
+from hmi.app.console_health import ConsoleHealth
+from hmi.app.farm_ground import FarmGround
+from hmi.app.notifications import NotificationRoom
+from hmi.app.queue import farm_zone
+from hmi.app.records import Records
+from hmi.clock import Clock
+from hmi.commands.alarm_desk import AlarmDesk
+from hmi.commands.ports import LaneEvent
+from hmi.commands.weather import WeatherBoard
+from hmi.domain.alarm.alarm import CONSOLE
+from hmi.domain.alarm.catalogue import catalogue
+from hmi.domain.alarm.conditions import Change, Conditions
+from hmi.domain.alarm.finding import NOTHING, Finding, detail_of
+from hmi.domain.alarm.live_alarm import LiveAlarm, Step
+from hmi.domain.alarm.shift import ShiftBook
+from hmi.domain.event import RobotEvent
+from hmi.domain.robot import Robot
+from hmi.domain.role import Permission, may
+from hmi.domain.stop import StopAttempt, StopState
+from hmi.ingest.supervision.console import ConsoleRules, Health
+from hmi.ingest.supervision.rules import rules_of
+from hmi.ingest.supervision.view import MissionOf, Rule
+from hmi.ingest.supervision.watch import Watch
+from hmi.presenters import alarms as shown
+from hmi.presenters.diagnosis import Scene
+from hmi.security.authorization import Authorize
+from hmi.settings import Settings
+from hmi.store.alarm_journal import AlarmJournal
+from hmi.store.alarm_records import AlarmRecords
+from hmi.store.alarms import AlarmStore
+from hmi.store.fleet import FleetStore
+
+ROUND_S = 1.0
+STATION_SILENT = timedelta(minutes=30)
+log = logging.getLogger(__name__)
+
+
+class AlarmRoom:
+    """Everything of alarms of one farm; also the source of lane topic ``alarms``."""
+
+    def __init__(
+        self,
+        settings: Settings,
+        clock: Clock,
+        records: Records,
+        fleet: FleetStore,
+        authorize: Authorize,
+        mission_of: MissionOf,
+        on_event: LaneEvent,
+        is_broker_up: Callable[[], bool],
+    ) -> None:
+        self._clock, self._fleet, self._on_event, self._records = clock, fleet, on_event, records
+        self._types = catalogue()
+        self.store = AlarmStore(clock, self._types)
+        self._kept = AlarmRecords(records.database, settings.farm_id, self._words)
+        self.store.listeners += [self._kept.take, self._told]
+        conditions = Conditions(self._types.__getitem__)
+        self.ground = FarmGround(records.features, records.database, settings.farm_id)
+        self.watch = Watch(fleet, clock, conditions, self._rules, mission_of, self._apply)
+        self.desk = AlarmDesk(self.store, records.audit, authorize, clock, self._is_robot, self._shift_end)
+        self.journal = AlarmJournal(records.database, settings.farm_id)
+        writers = {"Alarm journal": self._kept.health, "History": records.recorder.health}
+        writers["Audit"] = lambda: records.audit.health().writer
+        self._console = ConsoleRules()
+        self._health_of = ConsoleHealth(records, settings.data, clock, is_broker_up, writers, settings.farm_id)
+        self._health = Health(is_broker_up=True)
+        self.notifications = NotificationRoom(settings, clock, records, authorize, self.store)
+        self._shifts = ShiftBook(settings.shift_ends, farm_zone(settings.time_zone))
+        self._stations: dict[str, str] = {}
+        self.weather: WeatherBoard | None = None
+        self._task: asyncio.Task[None] | None = None
+
+    # ---- lane ----
+
+    @property
+    def revision(self) -> int:
+        """See ``AlarmSource``."""
+        return self.store.revision
+
+    def entries_since(self, revision: int) -> dict[str, dict[str, Any] | None]:
+        """See ``AlarmSource``."""
+        changed = self.store.since(revision)
+        return {i: None if one is None else shown.entry(one, self.name_of(one.alarm.key.source))
+                for i, one in changed.items()}  # fmt: skip
+
+    def summary(self) -> dict[str, Any]:
+        """See ``AlarmSource``."""
+        flood, now_s = self.store.flood(), self._clock.mono_s()
+        since = None if flood is None else (self._clock.utc() - timedelta(seconds=now_s - flood[0]), flood[1])
+        return shown.summary(self.store.counts(), since, self.store.checked_s)
+
+    def name_of(self, source: str) -> str:
+        """Return what people call a robot, a station or the console."""
+        entry = self._fleet.registration(source)
+        return shown.name_of(source, entry.name if entry is not None else self._stations.get(source))
+
+    # ---- life ----
+
+    def routes(self) -> list[APIRouter]:
+        """Return the REST routes; the records first, for their fixed addresses go before ``/alarms/{id}``."""
+        records = self._records
+        about = AlarmRecordRoutes(
+            store=self.store,
+            journal=self.journal,
+            history=records.history,
+            audit=records.audit,
+            database=records.database,
+            clock=self._clock,
+            name_of=self.name_of,
+            scene_of=self._scene,
+            contact_of=self._contact,
+            operators=self._operators,
+        )
+        live = AlarmRoutes(self.store, self.desk, self._clock, self.name_of)
+        return [self.notifications.routes(), alarm_routes(live), alarm_record_routes(about)]
+
+    async def prepare(self) -> None:
+        """Take over the alarms of before the restart, and read the farm's ground."""
+        for alarm, escalated_at in await self._records.database.run(self._kept.load):
+            kind = self._types.get(alarm.key.code)
+            if kind is None:
+                log.warning("alarm %s is not in the catalogue any more", alarm.key.id)
+                continue
+            self.store.restore(replace(alarm, is_latching=kind.is_latching), escalated_at)
+        await self.ground.load()
+        await self.notifications.desk.load()
+
+    def start(self) -> None:
+        """Begin to look once a second; the registry must be known, and nothing heard yet."""
+        for live in self.store.all():
+            if live.alarm.is_active:
+                self.watch.restore(live.alarm)
+        self._kept.start()
+        self.notifications.post.start()
+        self._task = asyncio.create_task(self._rounds(), name="alarms")
+
+    async def stop(self) -> None:
+        """End; what is to be kept is written."""
+        if self._task is not None:
+            self._task.cancel()
+            await asyncio.gather(self._task, return_exceptions=True)
+        await self.notifications.post.stop()
+        await self.ground.close()
+        await self._health_of.close()
+        await asyncio.to_thread(self._kept.close)
+
+    # ---- what is heard ----
+
+    def see(self, robot: Robot) -> None:
+        """Look at a robot that changed."""
+        self.watch.see(robot)
+
+    def see_event(self, event: RobotEvent) -> None:
+        """Take an event of a robot."""
+        self.watch.see_event(event)
+
+    def stop_moved(self, robot_id: str, attempts: Sequence[StopAttempt]) -> None:
+        """Take how the presses at a robot went on; an alarm is raised in the same moment."""
+        failed = [one for one in attempts if one.state is StopState.NOT_CONFIRMED]
+        if not failed:
+            self.watch.report(robot_id, "stop", NOTHING)
+            return
+        oldest = failed[0]
+        text = f"{oldest.by} pressed STOP. {oldest.text}".strip()
+        self.watch.report(robot_id, "stop", (Finding("stop-not-confirmed", text),))
+
+    def trouble(self, code: str, text: str) -> None:
+        """Take what the connection to the robots reports."""
+        log.warning("%s: %s", code, text)
+        self._console.trouble(code, text, self._clock.mono_s())
+
+    async def round(self, late_s: float = 0.0) -> None:
+        """Look at everything once."""
+        self._health = await self._health_of.gather(late_s)
+        now_s = self._clock.mono_s()
+        self.watch.report(CONSOLE, "console", self._console.look(self._health, now_s))
+        self.watch.report(CONSOLE, "notifications", self.notifications.findings())
+        self._look_at_gateway()
+        self._look_at_weather()
+        self.watch.sweep()
+        self.store.pass_time()
+        self._kept.mend(self.store.all())
+
+    async def _rounds(self) -> None:
+        loop, late_s = asyncio.get_running_loop(), 0.0
+        while True:
+            try:
+                await self.round(late_s)
+            except Exception:  # the next round must come whatever one value is
+                log.exception("a round of the supervision failed")
+            due_s = loop.time() + ROUND_S
+            await asyncio.sleep(ROUND_S)
+            late_s = loop.time() - due_s
+
+    def _look_at_gateway(self) -> None:
+        told = self._health_of.not_confirmed
+        for robot_id in self._fleet.registered_ids():
+            found = (Finding("stop-not-confirmed", told[robot_id]),) if robot_id in told else NOTHING
+            self.watch.report(robot_id, "gateway", found)
+
+    def _look_at_weather(self) -> None:
+        latest = self.weather.latest if self.weather is not None else None
+        if latest is None:
+            return
+        source = detail_of(latest.station) or "station"
+        self._stations[source] = latest.station
+        is_silent = self._clock.utc() - latest.at > STATION_SILENT
+        text = "Nothing for half an hour. Rain and wind are not known."
+        self.watch.report(source, "weather", (Finding("sensor-silent", text),) if is_silent else NOTHING)
+
+    def _rules(self) -> Sequence[Rule]:
+        return rules_of(self._types, lambda: self.ground.now)
+
+    def _apply(self, changes: list[Change]) -> None:
+        if changes:
+            self.store.apply(changes)
+
+    def _told(self, step: Step) -> None:
+        name = self.name_of(step.live.alarm.key.source)
+        self._on_event(shown.event(step, name))
+        self.notifications.tell(step, name)
+
+    def _words(self, live: LiveAlarm) -> tuple[str, str]:
+        return self.name_of(live.alarm.key.source), shown.title_of(live)
+
+    def _is_robot(self, source: str) -> bool:
+        return source != CONSOLE and self._fleet.registration(source) is not None
+
+    def _shift_end(self) -> datetime:
+        return self._shifts.end_after(self._clock.utc())
+
+    def _contact(self, source: str) -> dict[str, str] | None:
+        entry = self._fleet.registration(source)
+        if entry is None or not entry.contact_name:
+            return None
+        return {"name": entry.contact_name, "phone": entry.contact_phone or ""}
+
+    def _operators(self) -> int:
+        return len({one.user_id for one in self._records.sessions.all() if may(one.role, Permission.ACKNOWLEDGE_ALARM)})
+
+    def _scene(self, source: str) -> Scene:
+        robots = [one for one in self._fleet.robots() if one.is_registered]
+        health = self._health
+        return Scene(
+            now_s=self._clock.mono_s(),
+            robot=next((one for one in robots if one.id == source), None),
+            others=[one for one in robots if one.id != source],
+            is_broker_up=health.is_broker_up,
+            parts=health.parts,
+            disk=health.disk_free,
+            is_database_up=health.is_database_up,
+            writers=health.writers,
+        )

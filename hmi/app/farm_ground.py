@@ -1,0 +1,46 @@
+"""The farm's edge in memory, for the fence: read at the start and after each published map."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+
+from hmi.ingest.supervision.fence import Ground
+from hmi.store.database import Database
+from hmi.store.errors import StoreError
+from hmi.store.features import Features
+
+log = logging.getLogger(__name__)
+
+
+class FarmGround:
+    """Answers at once with what was read last; ``now`` is ``None`` for a farm without an edge."""
+
+    def __init__(self, features: Features, database: Database, farm_id: str) -> None:
+        self._features, self._database, self._farm_id = features, database, farm_id
+        self._reading: asyncio.Task[None] | None = None
+        self.now: Ground | None = None
+
+    async def load(self) -> None:
+        """Read it."""
+        try:
+            farms = await self._database.run(self._features.all, self._farm_id, ("farm",))
+        except StoreError as error:
+            log.warning("the farm's edge could not be read: %s", error)
+            return
+        if not farms:
+            self.now = None
+            return
+        geometry = farms[0].geometry
+        rings = geometry["coordinates"] if geometry["type"] == "Polygon" else geometry["coordinates"][0]
+        self.now = Ground.of([(float(p[0]), float(p[1])) for p in rings[0]])
+
+    def map_published(self) -> None:
+        """Read it again, beside."""
+        self._reading = asyncio.get_running_loop().create_task(self.load(), name="farm ground")
+
+    async def close(self) -> None:
+        """End what is being read."""
+        if self._reading is not None:
+            self._reading.cancel()
+            await asyncio.gather(self._reading, return_exceptions=True)

@@ -1,0 +1,60 @@
+"""Does the battery last: for anything at all, and for what is left of the mission?"""
+
+from __future__ import annotations
+
+from hmi.domain.alarm.finding import NOTHING, Finding, Findings
+from hmi.domain.alarm.steady import Limit
+from hmi.domain.robot import OrderStatus
+from hmi.ingest.supervision.view import View
+
+RESERVE = 0.1  # what should be left at the end, to get home; the start check asks for the same
+LOW, VERY_LOW, EMPTY = Limit(0.2, 0.02, True), Limit(0.1, 0.02, True), Limit(0.005, 0.01, True)
+_LEVELS = (("battery-empty", EMPTY), ("battery-very-low", VERY_LOW), ("battery-low", LOW))
+UNDER_WAY = (OrderStatus.RUNNING, OrderStatus.PAUSED)
+
+
+class Battery:
+    """Charge against limits, and against what the rest of the mission needs; silent while it charges."""
+
+    codes = frozenset({"battery-empty", "battery-very-low", "battery-low", "battery-short"})
+
+    def __init__(self) -> None:
+        self._passed: set[str] = set()
+
+    def look(self, view: View) -> Findings | None:
+        """See ``Rule``."""
+        telemetry = view.robot.telemetry
+        battery = telemetry.battery if telemetry is not None else None
+        if battery is None:
+            return None
+        if battery.is_charging:
+            self._passed.clear()
+            return NOTHING
+        soc = battery.soc
+        if soc > 0.5 and not self._passed and view.mission is None:
+            return NOTHING
+        level = self._level(soc)
+        short = self._short(view, soc)
+        if level is None:
+            return NOTHING if short is None else (short,)
+        found = Finding(level, f"{100 * soc:.0f} % left.")
+        return (found,) if short is None else (found, short)
+
+    def _level(self, soc: float) -> str | None:
+        for code, limit in _LEVELS:
+            if limit.is_passed(soc, was_passed=code in self._passed):
+                self._passed = {code}
+                return code
+        self._passed.clear()
+        return None
+
+    def _short(self, view: View, soc: float) -> Finding | None:
+        order = view.robot.state.order if view.robot.state is not None else None
+        needed = view.mission.battery_share if view.mission is not None else None
+        if order is None or needed is None or order.status not in UNDER_WAY or order.area_m2 <= 0:
+            return None
+        rest = needed * max(0.0, 1 - order.area_done_m2 / order.area_m2)
+        if soc - rest >= RESERVE:
+            return None
+        text = f"{100 * soc:.0f} % now; the rest needs {100 * rest:.0f} % and {100 * RESERVE:.0f} % stay in reserve."
+        return Finding("battery-short", text)

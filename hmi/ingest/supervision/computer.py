@@ -1,0 +1,48 @@
+"""The robot's computer: does its clock run right, was it restarted?"""
+
+from __future__ import annotations
+
+from hmi.domain.alarm.catalogue import AlarmType
+from hmi.domain.alarm.finding import NOTHING, Finding, Findings
+from hmi.ingest.supervision.view import View
+
+SHOWN_S = 3.0  # a restart is a moment; the condition holds long enough to be noticed once
+
+
+class Computer:
+    """Wall clock against the console's, and changes of boot.
+
+    Args:
+        clock_wrong: its limit is in seconds.
+    """
+
+    codes = frozenset({"clock-wrong", "restarted"})
+
+    def __init__(self, clock_wrong: AlarmType) -> None:
+        assert clock_wrong.limit is not None
+        self._limit, self._was_wrong = clock_wrong.limit, False
+        self._boot: str | None = None
+        self._restarted_s = float("-inf")
+
+    def look(self, view: View) -> Findings | None:
+        """See ``Rule``."""
+        link = view.robot.link
+        if link.boot is None:
+            return None
+        if link.boot != self._boot:
+            if self._boot is not None:
+                self._restarted_s = view.now_s
+            self._boot = link.boot
+        offset_s = link.wall_offset_s
+        off = None if offset_s is None else abs(offset_s)
+        self._was_wrong = self._limit.is_passed(off, was_passed=self._was_wrong)
+        is_new = view.now_s - self._restarted_s < SHOWN_S
+        if not is_new and not self._was_wrong:
+            return NOTHING
+        found = []
+        if is_new:
+            found.append(Finding("restarted", "It was switched off or started anew.", since_s=self._restarted_s))
+        if self._was_wrong and offset_s is not None:
+            way = "ahead of" if offset_s > 0 else "behind"
+            found.append(Finding("clock-wrong", f"{abs(offset_s):.0f} s {way} the console."))
+        return tuple(found)

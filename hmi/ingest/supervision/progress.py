@@ -1,0 +1,63 @@
+"""Does the mission move on, and as fast as it was planned?"""
+
+from __future__ import annotations
+
+from collections import deque
+
+from hmi.domain.alarm.catalogue import AlarmType
+from hmi.domain.alarm.finding import NOTHING, Finding, Findings
+from hmi.domain.robot import Mode, Order, OrderStatus
+from hmi.ingest.supervision.view import View
+
+SAMPLE_S, WINDOW_S = 60.0, 900.0
+SLOW_SHARE = 0.5  # half as fast as planned over a quarter of an hour is no turn and no short wait
+
+
+class Progress:
+    """No step along the path for a while, or much less of the field than planned.
+
+    Args:
+        stalled: its limit is in seconds.
+    """
+
+    codes = frozenset({"stalled", "behind-plan"})
+
+    def __init__(self, stalled: AlarmType) -> None:
+        assert stalled.limit is not None
+        self._limit_s = stalled.limit.at
+        self._place: tuple[object, ...] = ()
+        self._since_s = 0.0
+        self._shares: deque[tuple[float, float]] = deque()
+
+    def look(self, view: View) -> Findings | None:
+        """See ``Rule``."""
+        state = view.robot.state
+        if state is None:
+            return None
+        order = state.order
+        if order is None or state.mode is not Mode.AUTO or order.status is not OrderStatus.RUNNING:
+            self._place = ()
+            self._shares.clear()
+            return NOTHING
+        place = (order.mission_id, order.row, order.segment, round(order.segment_s_m, 1))
+        if place != self._place:
+            self._place, self._since_s = place, view.now_s
+        if view.now_s - self._since_s < self._limit_s:
+            return self._pace(view, order)
+        why = f" {state.hold.text}" if state.hold is not None else ""
+        return (Finding("stalled", f"Not moved on along its path for {self._limit_s / 60:.0f} min.{why}"),)
+
+    def _pace(self, view: View, order: Order) -> Findings:
+        if order.area_m2 <= 0 or view.mission is None or not view.mission.duration_s:
+            return NOTHING
+        share, shares = order.area_done_m2 / order.area_m2, self._shares
+        if not shares or view.now_s - shares[-1][0] >= SAMPLE_S:
+            shares.append((view.now_s, share))
+        while len(shares) > 1 and view.now_s - shares[1][0] >= WINDOW_S:
+            shares.popleft()
+        span_s = view.now_s - shares[0][0]
+        planned, done = span_s / view.mission.duration_s, share - shares[0][1]
+        if span_s < WINDOW_S or done >= SLOW_SHARE * planned or share + planned > 1:
+            return NOTHING
+        text = f"{100 * done:.1f} % of the field in the last {span_s / 60:.0f} min; planned {100 * planned:.1f} %."
+        return (Finding("behind-plan", text),)

@@ -1,0 +1,187 @@
+"""The post office: a bounded queue for each channel, tries again later, and keeps to the rate.
+
+What comes faster than a channel's rate goes as one message that lists it. Nothing here ever holds up an alarm.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections import deque
+from collections.abc import Awaitable, Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from datetime import datetime
+
+from hmi.clock import Clock
+from hmi.domain.alarm.priority import Priority
+from hmi.notifications.channel import Channel
+from hmi.notifications.errors import NotDelivered, NotificationError
+from hmi.notifications.message import Message, Told, merged
+
+WAIT_S = (2.0, 10.0, 30.0, 120.0, 300.0)
+MAX_WAITING = 200
+BURST = 5.0
+CRITICAL_BURST = 10.0  # what is critical may overdraw the rate by so many messages
+TEST_LIMIT_S = 20.0
+Deliver = Callable[[Channel, Message], Awaitable[None]]
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class ChannelHealth:
+    """How a channel does; counts are since the start of the console."""
+
+    waiting: int
+    sent: int
+    failed: int
+    dropped: int
+    last_error: str
+    last_sent_at: datetime | None
+    failing_since_s: float | None
+
+
+@dataclass(slots=True)
+class _Box:
+    channel: Channel
+    tokens: float
+    filled_s: float
+    waiting: deque[Message] = field(default_factory=deque)
+    retry: Message | None = None
+    tries: int = 0
+    due_s: float = 0.0
+    sent: int = 0
+    failed: int = 0
+    dropped: int = 0
+    last_error: str = ""
+    last_sent_at: datetime | None = None
+    failing_since_s: float | None = None
+
+    def fill(self, now_s: float) -> None:
+        """Let the allowance grow with time."""
+        grown = (now_s - self.filled_s) * self.channel.per_hour / 3600
+        self.tokens, self.filled_s = min(BURST, self.tokens + grown), now_s
+
+
+class PostOffice:
+    """Takes messages on the event loop and sends them in a task of its own.
+
+    Args:
+        deliver: sends once.
+    """
+
+    def __init__(self, clock: Clock, deliver: Deliver) -> None:
+        self._clock, self._deliver = clock, deliver
+        self._boxes: dict[str, _Box] = {}
+        self._wake = asyncio.Event()
+        self._task: asyncio.Task[None] | None = None
+
+    def set_channels(self, channels: Iterable[Channel]) -> None:
+        """Use these from now on; what waits for one that is gone is forgotten."""
+        now_s = self._clock.mono_s()
+        before, self._boxes = self._boxes, {}
+        for one in channels:
+            box = before.get(one.id) or _Box(one, BURST, now_s)
+            box.channel = one
+            box.due_s = 0.0  # it may work now
+            self._boxes[one.id] = box
+        self._wake.set()
+
+    def channels(self) -> list[Channel]:
+        """Return the channels in use."""
+        return [box.channel for box in self._boxes.values()]
+
+    def tell(self, farm: str, told: Told) -> None:
+        """Hand over one step of one alarm to every channel that wants it; never blocks, never fails."""
+        for box in self._boxes.values():
+            if not box.channel.wants(told.what, told.priority, told.source):
+                continue
+            if len(box.waiting) >= MAX_WAITING:
+                box.waiting.popleft()  # the newest is what matters
+                box.dropped += 1
+            box.waiting.append(Message(farm, (told,)))
+            self._wake.set()
+
+    async def test(self, channel: Channel, farm: str) -> str:
+        """Send a test once, outside queue and rate; return an empty text, or what went wrong."""
+        try:
+            await asyncio.wait_for(self._deliver(channel, Message(farm, (), is_test=True)), TEST_LIMIT_S)
+        except TimeoutError:
+            return f"No answer within {TEST_LIMIT_S:.0f} s."
+        except NotificationError as error:
+            return error.text
+        return ""
+
+    def health(self) -> dict[str, ChannelHealth]:
+        """Return how each channel does."""
+        return {
+            name: ChannelHealth(
+                len(box.waiting) + (box.retry is not None), box.sent, box.failed, box.dropped, box.last_error,
+                box.last_sent_at, box.failing_since_s,
+            )
+            for name, box in self._boxes.items()
+        }  # fmt: skip
+
+    def start(self) -> None:
+        """Begin to send."""
+        self._task = asyncio.create_task(self._run(), name="notifications")
+
+    async def stop(self) -> None:
+        """End; what waits is forgotten: an old alarm by mail helps nobody."""
+        if self._task is not None:
+            self._task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._task
+
+    async def _run(self) -> None:
+        while True:
+            self._wake.clear()
+            await self.send_due()
+            wait_s = self._next_s()
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self._wake.wait(), wait_s)
+
+    async def send_due(self) -> None:
+        """Send what may go now; channels do not wait for each other."""
+        ready = [box for box in self._boxes.values() if self._is_ready(box)]
+        await asyncio.gather(*(self._send(box) for box in ready))
+
+    def _is_ready(self, box: _Box) -> bool:
+        now_s = self._clock.mono_s()
+        box.fill(now_s)
+        if not (box.waiting or box.retry) or now_s < box.due_s or not box.channel.is_on:
+            return False
+        urgent = any(one.priority is Priority.CRITICAL for one in (*box.waiting, *([box.retry] if box.retry else [])))
+        return box.tokens >= 1 or (urgent and box.tokens > -CRITICAL_BURST)
+
+    async def _send(self, box: _Box) -> None:
+        waiting = [*([box.retry] if box.retry is not None else []), *box.waiting]
+        box.waiting.clear()
+        message = box.retry = waiting[0] if len(waiting) == 1 else merged(waiting)
+        box.tokens -= 1
+        try:
+            await self._deliver(box.channel, message)
+        except NotificationError as error:
+            self._failed(box, error)
+        except Exception as error:  # a mistake of ours must not silence the other channels
+            log.exception("channel %s failed", box.channel.id)
+            self._failed(box, NotDelivered(f"{type(error).__name__}.", is_lasting=True))
+        else:
+            box.retry, box.tries, box.failing_since_s, box.last_error = None, 0, None, ""
+            box.sent, box.last_sent_at = box.sent + 1, self._clock.utc()
+
+    def _failed(self, box: _Box, error: NotificationError) -> None:
+        now_s = self._clock.mono_s()
+        box.last_error = error.text
+        box.failing_since_s = now_s if box.failing_since_s is None else box.failing_since_s
+        log.warning("notification by %s: %s", box.channel.name, error.text)
+        is_lasting = not isinstance(error, NotDelivered) or error.is_lasting
+        if is_lasting or box.tries >= len(WAIT_S):
+            box.failed, box.retry, box.tries = box.failed + 1, None, 0
+            return
+        box.due_s = now_s + WAIT_S[box.tries]
+        box.tries += 1
+
+    def _next_s(self) -> float:
+        boxes: Sequence[_Box] = [box for box in self._boxes.values() if box.waiting or box.retry]
+        return 1.0 if boxes else 3600.0

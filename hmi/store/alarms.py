@@ -1,0 +1,288 @@
+"""All alarms that are not normal, or put aside, with a revision that tells what changed since when.
+
+Lives on the event loop; nothing here blocks or waits. Every step in the life of an alarm is told to ``listeners``,
+who keep the journal, tell the screens and notify people.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
+
+from hmi.clock import Clock
+from hmi.domain.alarm import life
+from hmi.domain.alarm.alarm import CONSOLE, Alarm, AlarmKey, Phase
+from hmi.domain.alarm.catalogue import AlarmType
+from hmi.domain.alarm.conditions import Change, Turn
+from hmi.domain.alarm.first_out import first_outs
+from hmi.domain.alarm.flood import Flood
+from hmi.domain.alarm.live_alarm import LiveAlarm, Step, What
+from hmi.domain.alarm.priority import Priority
+from hmi.store.errors import NotFound
+
+MAX_BACKDATE_S = 60.0  # a condition is noticed within seconds; an older beginning is a clock gone wrong
+MAX_ALARMS = 5000  # 1,000 robots with five each; what comes beyond is counted, not listed
+ESCALATE_AFTER_S: Mapping[Priority, float] = {
+    Priority.CRITICAL: 60.0,
+    Priority.HIGH: 300.0,
+    Priority.MEDIUM: 1800.0,
+}
+Listener = Callable[[Step], None]
+_END = {What.RETURNED, What.ACKNOWLEDGED, What.CLEARED}
+
+
+ESCALATION = "escalation"
+
+
+def escalation_of(stored: Mapping[str, float | None] | None) -> dict[Priority, float]:
+    """Return the limits of a stored setting; what it does not name stays as it is by default, null is never."""
+    given = {str(int(level)): ESCALATE_AFTER_S.get(level) for level in Priority} | dict(stored or {})
+    return {Priority(int(level)): float(after) for level, after in given.items() if after is not None}
+
+
+@dataclass(frozen=True, slots=True)
+class Person:
+    """Who acts on an alarm."""
+
+    name: str
+    device: str = ""
+
+
+class AlarmStore:
+    """Live alarms of one console.
+
+    Args:
+        types: the catalogue.
+    """
+
+    def __init__(self, clock: Clock, types: Mapping[str, AlarmType]) -> None:
+        self._clock, self._types = clock, types
+        self._live: dict[str, LiveAlarm] = {}
+        self._at: dict[str, set[str]] = {}
+        self._changed: dict[str, int] = {}
+        self._flood = Flood()
+        self.escalate_after_s: Mapping[Priority, float] = ESCALATE_AFTER_S
+        self.listeners: list[Listener] = []
+        self.revision = 0
+        self.checked_s = clock.mono_s()
+        self.dropped = 0
+
+    def get(self, alarm_id: str) -> LiveAlarm:
+        """Return one alarm; raises ``NotFound`` when it is normal or never was."""
+        try:
+            return self._live[alarm_id]
+        except KeyError:
+            raise NotFound(f"there is no alarm {alarm_id!r} now") from None
+
+    def find(self, alarm_id: str) -> LiveAlarm | None:
+        """Return one alarm, ``None`` when it is normal."""
+        return self._live.get(alarm_id)
+
+    def all(self) -> list[LiveAlarm]:
+        """Return every alarm that is not normal or put aside, oldest first."""
+        return sorted(self._live.values(), key=lambda one: one.raised_s)
+
+    def of(self, source: str) -> list[LiveAlarm]:
+        """Return the alarms of a robot, a station or the console."""
+        return [self._live[i] for i in sorted(self._at.get(source, ()))]
+
+    def since(self, revision: int) -> dict[str, LiveAlarm | None]:
+        """Return what changed after ``revision``; ``None`` is normal again."""
+        found: dict[str, LiveAlarm | None] = {}
+        for alarm_id in reversed(self._changed):
+            if self._changed[alarm_id] <= revision:
+                break
+            found[alarm_id] = self._live.get(alarm_id)
+        return found
+
+    def flood(self) -> tuple[float, int] | None:
+        """Return since when (monotonic seconds) more alarms come than a person reads, and how many; else ``None``."""
+        now_s = self._clock.mono_s()
+        count = self._flood.count(now_s)
+        return None if self._flood.since_s is None else (self._flood.since_s, count)
+
+    def counts(self) -> dict[Priority, tuple[int, int]]:
+        """Return for each priority how many are shown as active, and how many of all shown nobody has seen."""
+        active, unseen = dict.fromkeys(Priority, 0), dict.fromkeys(Priority, 0)
+        for one in self._live.values():
+            if one.alarm.is_annunciated:
+                active[one.priority] += one.alarm.is_active
+                unseen[one.priority] += one.alarm.needs_seeing
+        return {level: (active[level], unseen[level]) for level in Priority}
+
+    # ---- conditions ----
+
+    def apply(self, changes: Iterable[Change]) -> None:
+        """Take over what came and went."""
+        touched: set[str] = set()
+        for change in changes:
+            match change.turn:
+                case Turn.COMES:
+                    self._comes(change)
+                case Turn.GOES:
+                    self._goes(change)
+                case Turn.REWORDED:
+                    self._reworded(change)
+            touched.add(change.key.source)
+            if change.key.source == CONSOLE and change.turn is not Turn.REWORDED:
+                self._suppress_by(change.key.code, is_on=change.turn is Turn.COMES)
+        for source in touched:
+            self._regroup(source)
+
+    def restore(self, alarm: Alarm, escalated_at: datetime | None = None) -> bool:
+        """Take over an alarm from before a restart; ``False`` if the catalogue does not know it any more."""
+        kind = self._types.get(alarm.key.code)
+        if kind is None:
+            return False
+        since = alarm.raised_at or self._clock.utc()
+        age_s = max(0.0, (self._clock.utc() - since).total_seconds())
+        self._keep(LiveAlarm(alarm, kind, self._clock.mono_s() - age_s, escalated_at=escalated_at))
+        self._regroup(alarm.key.source)
+        return True
+
+    # ---- people ----
+
+    def acknowledge(self, alarm_id: str, by: Person) -> LiveAlarm:
+        """Note that somebody has seen it; raises ``NotFound``, ``AlarmRefused``."""
+        live, now = self.get(alarm_id), self._clock.utc()
+        seen = life.acknowledge(live.alarm, by.name, now)
+        return live if seen is live.alarm else self._step(What.ACKNOWLEDGED, live, seen, by)
+
+    def clear(self, alarm_id: str, by: Person) -> LiveAlarm:
+        """End one that latches; raises ``NotFound``, ``AlarmRefused``."""
+        live = self.get(alarm_id)
+        cleared = life.clear(live.alarm)
+        return live if cleared is live.alarm else self._step(What.CLEARED, live, cleared, by)
+
+    def shelve(self, alarm_id: str, by: Person, reason: str, until: datetime) -> LiveAlarm:
+        """Put one aside for a while; raises ``NotFound``, ``AlarmRefused``."""
+        live, now = self.get(alarm_id), self._clock.utc()
+        shelved = life.shelve(live.alarm, live.priority, by.name, reason, now, until)
+        return self._step(What.SHELVED, live, shelved, by, reason)
+
+    def unshelve(self, alarm_id: str, by: Person) -> LiveAlarm:
+        """Bring one back; raises ``NotFound``."""
+        live = self.get(alarm_id)
+        back = life.unshelve(live.alarm)
+        return live if back is live.alarm else self._step(What.UNSHELVED, live, back, by)
+
+    def take_out(self, alarm_id: str, by: Person, reason: str) -> LiveAlarm:
+        """Take one out of service; raises ``NotFound``, ``AlarmRefused``."""
+        live = self.get(alarm_id)
+        out = life.take_out(live.alarm, by.name, reason, self._clock.utc())
+        return self._step(What.OUT_OF_SERVICE, live, out, by, reason)
+
+    def put_back(self, alarm_id: str, by: Person) -> LiveAlarm:
+        """Put one back into service; raises ``NotFound``."""
+        live = self.get(alarm_id)
+        back = life.put_back(live.alarm)
+        return live if back is live.alarm else self._step(What.IN_SERVICE, live, back, by)
+
+    # ---- time and design ----
+
+    def pass_time(self) -> None:
+        """Bring back what lay on the shelf long enough, escalate what nobody answers; call it once a second."""
+        now, now_s = self._clock.utc(), self._clock.mono_s()
+        self.checked_s = now_s
+        self._flood.pass_time(now_s)
+        for live in list(self._live.values()):
+            back = life.pass_time(live.alarm, now)
+            if back is not live.alarm:
+                self._step(What.UNSHELVED, live, back)
+            elif self._waits_too_long(live, now_s):
+                self._step(What.ESCALATED, replace(live, escalated_at=now), live.alarm)
+
+    def _suppress_by(self, cause: str, *, is_on: bool) -> None:
+        """Say nothing more of what was raised already and follows by design from a cause at the console."""
+        for live in list(self._live.values()):
+            if is_on and cause in live.type.suppressed_by and cause not in live.alarm.suppressed_by:
+                self._step(What.SUPPRESSED, live, life.suppress(live.alarm, cause), text=cause)
+            elif not is_on and cause in live.alarm.suppressed_by:
+                self._step(What.UNSUPPRESSED, live, life.end_suppression(live.alarm, cause), text=cause)
+
+    def _waits_too_long(self, live: LiveAlarm, now_s: float) -> bool:
+        limit_s = self.escalate_after_s.get(live.priority)
+        is_waiting = live.escalated_at is None and live.alarm.is_annunciated and live.alarm.needs_seeing
+        return is_waiting and limit_s is not None and now_s - live.raised_s >= limit_s
+
+    def _comes(self, change: Change) -> None:
+        kind, finding = self._types[change.key.code], change.finding
+        live = self._live.get(change.key.id)
+        if live is None and len(self._live) >= MAX_ALARMS:
+            self.dropped += 1
+            return
+        now, now_s = self._clock.utc(), self._clock.mono_s()
+        since_s = finding.since_s if finding.since_s is not None else now_s
+        since_s = min(now_s, max(since_s, now_s - MAX_BACKDATE_S))
+        before = live.alarm if live is not None else Alarm(change.key, is_latching=kind.is_latching)
+        raised = life.condition_comes(before, now - timedelta(seconds=now_s - since_s), finding.text)
+        raised = replace(raised, priority=finding.priority, advice=finding.advice)
+        new = LiveAlarm(raised, kind, since_s, is_chattering=change.is_chattering)
+        if raised.is_annunciated:
+            self._flood.raised(now_s)
+        self._step(What.RAISED, new, raised)
+
+    def _goes(self, change: Change) -> None:
+        live = self._live.get(change.key.id)
+        if live is not None and live.alarm.is_active:
+            gone = life.condition_goes(live.alarm, self._clock.utc())
+            self._step(What.RETURNED, replace(live, is_chattering=False), gone)
+
+    def _reworded(self, change: Change) -> None:
+        live = self._live.get(change.key.id)
+        if live is None:
+            return
+        said = replace(live.alarm, text=change.finding.text or live.alarm.text, priority=change.finding.priority)
+        new = replace(live, alarm=said, is_chattering=change.is_chattering)
+        if new != live:
+            self._keep(new)
+
+    def _step(self, what: What, live: LiveAlarm, after: Alarm, by: Person | None = None, text: str = "") -> LiveAlarm:
+        now = self._clock.utc()
+        new = replace(live, alarm=after, escalated_at=None if what is What.RAISED else live.escalated_at)
+        if after.phase is Phase.NORMAL or not after.needs_seeing:
+            new = replace(new, escalated_at=None)
+        self._keep(new)
+        self._regroup(after.key.source)
+        new = self._live.get(new.id, new)
+        person = by or Person("")
+        step = Step(what, new, now, person.name, person.device, text)
+        for listener in self.listeners:
+            listener(step)
+        return new
+
+    def _keep(self, live: LiveAlarm) -> None:
+        alarm = live.alarm
+        is_kept = alarm.phase is not Phase.NORMAL or alarm.shelf is not None or alarm.out_of_service is not None
+        if is_kept:
+            self._live[live.id] = live
+            self._at.setdefault(alarm.key.source, set()).add(live.id)
+        elif self._live.pop(live.id, None) is not None:
+            self._at[alarm.key.source].discard(live.id)
+        self._touch(live.id)
+
+    def _touch(self, alarm_id: str) -> None:
+        self.revision += 1
+        self._changed.pop(alarm_id, None)
+        self._changed[alarm_id] = self.revision
+        if len(self._changed) > 2 * MAX_ALARMS:
+            gone = [i for i in self._changed if i not in self._live]
+            for one in gone[: MAX_ALARMS // 2]:
+                del self._changed[one]
+
+    def _regroup(self, source: str) -> None:
+        """Number the alarms of a source anew under what came first."""
+        here = {i: self._live[i] for i in self._at.get(source, ()) if self._live[i].alarm.phase is not Phase.NORMAL}
+        by_key: dict[AlarmKey, str] = {one.alarm.key: i for i, one in here.items()}
+        for group in first_outs([one.alarm for one in here.values()], self._follows_from):
+            members = [group.first, *group.follows]
+            for place, alarm in enumerate(members, 1):
+                live = here[by_key[alarm.key]]
+                new = replace(live, first=group.first.key.id, place=place, group=len(members))
+                if new != live:
+                    self._live[new.id] = new
+                    self._touch(new.id)
+
+    def _follows_from(self, code: str) -> frozenset[str]:
+        return self._types[code].follows_from

@@ -1,0 +1,81 @@
+"""What goes wrong with a robot becomes an alarm, at the right time and in the robot's own words."""
+
+from __future__ import annotations
+
+from backend_clients.edge import messages_up as up
+from hmi.domain.alarm.live_alarm import What
+from hmi.domain.alarm.priority import Priority
+from tests.hmi.alarms.rig import MARTHA, AlarmRig
+
+ROBOT = "weeder-01"
+RTK = up.Fault(code="rtk-float", level="medium", text="RTK is not fixed.", hint="Wait.")
+NOZZLE = up.Fault(code="nozzle_7", level="high", text="Nozzle 7 is blocked.", hint="Clean nozzle 7.")
+
+
+async def test_a_robot_that_falls_silent_raises_one_alarm_that_stays_until_somebody_saw_it() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        rig.run(3, ROBOT)
+        assert rig.states() == {}
+        rig.run(5)
+        assert rig.states() == {"link-lost.weeder-01": "unacknowledged"}
+        heard_s = rig.one("link-lost.weeder-01").raised_s
+        assert 4.0 < rig.clock.mono_s() - (heard_s - 3.5) <= 5.5
+        rig.run(5, ROBOT)
+        assert rig.states() == {"link-lost.weeder-01": "returned"}
+        rig.alarms.acknowledge("link-lost.weeder-01", MARTHA)
+        assert rig.states() == {}
+        assert [step.what for step in rig.steps] == [What.RAISED, What.RETURNED, What.ACKNOWLEDGED]
+
+
+async def test_a_robot_never_heard_since_the_start_has_lost_nothing() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        rig.run(30)
+        assert rig.states() == {}
+
+
+async def test_a_robot_nobody_registered_raises_nothing() -> None:
+    async with AlarmRig() as rig:
+        rig.run(2, ROBOT)
+        rig.say(rig.wire().state(faults=[RTK]))
+        rig.run(10)
+        assert rig.states() == {}
+
+
+async def test_values_that_stand_still_while_the_robot_is_heard_are_an_alarm_of_their_own() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        rig.run(2, ROBOT)
+        for _ in range(12):
+            rig.clock.advance(0.5)
+            rig.say(rig.wire().heartbeat())
+            rig.round()
+        assert rig.states() == {"values-old.weeder-01": "unacknowledged"}
+
+
+async def test_a_fault_that_the_catalogue_knows_becomes_its_type_with_the_robots_words() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        rig.run(1, ROBOT)
+        rig.say(rig.wire().state(faults=[RTK]))
+        assert rig.states() == {}
+        rig.run(3, ROBOT)
+        live = rig.one("rtk-float.weeder-01")
+        assert (live.alarm.text, live.priority) == ("RTK is not fixed.", Priority.MEDIUM)
+
+
+async def test_a_fault_nobody_has_words_for_keeps_the_robots_words_hint_and_level() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        rig.run(1, ROBOT)
+        rig.say(rig.wire().state(faults=[NOZZLE]))
+        live = rig.one("robot-fault.weeder-01.nozzle-7")
+        assert live.priority is Priority.HIGH
+        assert (live.alarm.text, live.alarm.advice) == ("Nozzle 7 is blocked.", "Clean nozzle 7.")
+        rig.say(rig.wire().state())
+        assert rig.states() == {"robot-fault.weeder-01.nozzle-7": "returned"}
+
+
+async def test_a_fault_stays_while_the_robot_is_silent_for_nobody_knows_better() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        rig.run(1, ROBOT)
+        rig.say(rig.wire().state(faults=[NOZZLE]))
+        rig.run(60)
+        assert set(rig.states().values()) == {"unacknowledged"}
+        assert "robot-fault.weeder-01.nozzle-7" in rig.states()
