@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 from urllib.parse import urlsplit
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
@@ -58,6 +58,9 @@ class Settings(BaseSettings):
     port: Port = Field(8080, description="Port of the console.")
     data: Path = Field(Path("data"), description="Folder for the database, keys, logs and uploads.")
     demo: bool = Field(False, description="Simulated robots and demo accounts. Set by `headland demo` only.")
+    demo_fleet: Literal["full", "small"] = Field(
+        "full", description="Robots of the demo: full is a farm of 24 at work, small three weeders that wait for you."
+    )
     secret: str = Field(
         DEFAULT_SECRET,
         min_length=8,

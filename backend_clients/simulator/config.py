@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
+from backend_clients.edge.messages_down import Mission
 from backend_clients.edge.topics import check_id
+from backend_clients.simulator.families import FAMILIES, lean
+from backend_clients.simulator.profile import Family, Profile
 
 DEFAULT_LAT_DEG, DEFAULT_LON_DEG = 40.312546, -3.480860  # published position of the experimental site
 
 
 @dataclass(frozen=True, slots=True)
-class WeederConfig:
-    """One simulated weeder.
+class RobotConfig:
+    """One simulated robot.
 
     Args:
         id: robot id, also its topic and its path below the simulator's HTTP address.
@@ -21,6 +25,8 @@ class WeederConfig:
         datum_lat_deg, datum_lon_deg: WGS84 origin of its ENU frame.
         x_m, y_m, theta_rad: where it stands at first start, which is its home too.
         soc: battery charge at first start, 0 to 1.
+        family: what machine it is.
+        is_lean: cheap enough for a thousand: it runs on rails, steps and reports at 2 Hz.
     """
 
     id: str
@@ -32,11 +38,34 @@ class WeederConfig:
     y_m: float = 0.0
     theta_rad: float = 0.0
     soc: float = 0.92
+    family: Family = "weeder"
+    is_lean: bool = False
 
     def __post_init__(self) -> None:
         check_id(self.id)
         if not self.token:
-            raise ValueError(f"weeder {self.id}: the HTTP token is empty")
+            raise ValueError(f"robot {self.id}: the HTTP token is empty")
+        if self.family not in FAMILIES:
+            raise ValueError(f"robot {self.id}: there is no family {self.family!r}; use {', '.join(FAMILIES)}")
+
+    @property
+    def profile(self) -> Profile:
+        """What its family can do."""
+        return lean(self.family) if self.is_lean else FAMILIES[self.family]
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """A mission a robot is busy with when the simulation begins.
+
+    Args:
+        done: share of its path that is behind it.
+        is_endless: it begins again as soon as it is done.
+    """
+
+    mission: Mission
+    done: float = 0.0
+    is_endless: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,23 +74,27 @@ class SimulatorConfig:
 
     Args:
         broker_url: ``mqtt://host:port``.
-        weeders: the robots to run.
+        robots: the robots to run.
         host, port: where robot HTTP listens; port 0 takes a free one.
         seed: makes the world's noise repeatable; boot ids and challenges never repeat.
         speed: missions run this many times faster than real time; driving by hand never does.
         state_dir: where latch, mission and progress survive a restart; ``None`` keeps nothing.
+        jobs: missions that robots are busy with when the simulation begins.
+        opening: situations that happen first, by robot; with it, more come and go on robots that have a job.
     """
 
     broker_url: str
-    weeders: tuple[WeederConfig, ...]
+    robots: tuple[RobotConfig, ...]
     host: str = "127.0.0.1"
     port: int = 0
     seed: int = 1
     speed: float = 1.0
     state_dir: Path | None = None
+    jobs: Mapping[str, Job] = field(default_factory=dict)
+    opening: Mapping[str, str] | None = None
 
     def __post_init__(self) -> None:
-        ids = [weeder.id for weeder in self.weeders]
+        ids = [robot.id for robot in self.robots]
         if len(set(ids)) != len(ids):
             raise ValueError(f"two simulated robots have the same id: {', '.join(sorted(ids))}")
         if not 0.1 <= self.speed <= 200:

@@ -1,87 +1,58 @@
-"""What the simulated laser weeder says it is: factsheet, software nodes, model and cameras."""
+"""What a simulated robot says it is: factsheet, software nodes and model."""
 
 from __future__ import annotations
 
 from typing import Any
 
 from backend_clients.edge import messages_up as up
-from backend_clients.simulator.config import WeederConfig
-from backend_clients.simulator.kinematics import LIMITS, TRACK_M
-from backend_clients.simulator.machine import BASE_TO_FRONT_M, HEIGHT_M, LENGTH_M, TOOL_WIDTH_M, WIDTH_M, Machine
-
-SOFTWARE = "simulated weeder 1"
-
-CAMERAS = [
-    up.Camera(id="front", label="Front", width_px=2048, height_px=1536),
-    up.Camera(id="rear", label="Tracks behind", width_px=2048, height_px=1536),
-    up.Camera(id="tof", label="Distance, pan-tilt head", width_px=352, height_px=264),
-]
-JOINTS = [
-    up.Joint(name="pan", lower=-1.57, upper=1.57, max_rate=1.0),
-    up.Joint(name="tilt", lower=-0.9, upper=0.5, max_rate=1.0),
-]
-FUNCTIONS = [
-    up.Function(name="localise", label="Know where it is", depends_on=["gnss"]),
-    up.Function(name="follow-path", label="Follow a path", depends_on=["localise", "guidance", "drive"]),
-    up.Function(name="see-people", label="See people in its way", depends_on=["perception"]),
-    up.Function(name="treat", label="Weed with the laser", depends_on=["follow-path", "see-people", "laser"]),
-    up.Function(name="manual-drive", label="Drive by hand", depends_on=["drive"]),
-]
-_NODES: list[tuple[str, float, float]] = [
-    ("gnss", 20.0, 2.0),
-    ("perception", 15.0, 41.0),
-    ("guidance", 20.0, 6.0),
-    ("drive", 50.0, 3.0),
-    ("laser", 30.0, 12.0),
-    ("supervisor", 10.0, 2.0),
-]
+from backend_clients.simulator.config import RobotConfig
+from backend_clients.simulator.machine import Machine
 
 
-def factsheet_fields(config: WeederConfig) -> dict[str, Any]:
+def factsheet_fields(config: RobotConfig) -> dict[str, Any]:
     """Return the factsheet of one robot without its header."""
+    profile = config.profile
     return {
-        "family": "weeder",
+        "family": profile.family,
         "name": config.name,
-        "model": "Laser weeder, tracked (simulated)",
-        "software": SOFTWARE,
+        "model": profile.model,
+        "software": profile.software,
         "datum": up.Datum(lat_deg=config.datum_lat_deg, lon_deg=config.datum_lon_deg),
-        "dimensions": up.Dimensions(
-            length_m=LENGTH_M, width_m=WIDTH_M, height_m=HEIGHT_M, base_to_front_m=BASE_TO_FRONT_M, track_m=TRACK_M
-        ),
-        "limits": LIMITS,
-        "tool": up.Tool(kind="laser", label="Laser", width_m=TOOL_WIDTH_M),
-        "cameras": CAMERAS,
-        "joints": JOINTS,
-        "functions": FUNCTIONS,
-        "behaviour": up.Behaviour(stop_effect="Laser off, tracks brake"),
+        "dimensions": profile.dimensions,
+        "limits": profile.motion.limits(),
+        "tool": profile.tool,
+        "cameras": list(profile.cameras),
+        "joints": list(profile.joints),
+        "functions": list(profile.functions),
+        "behaviour": up.Behaviour(stop_effect=profile.stop_effect, keep_out_m=profile.keep_out_m),
     }
 
 
 def node_fields(machine: Machine) -> list[dict[str, Any]]:
     """Return name, state, rate and load of each software node."""
-    troubled = {"laser": machine.is_cover_open, "gnss": False}
-    fields = []
-    for name, rate_hz, cpu_pct in _NODES:
-        is_off = troubled.get(name, False)
+    profile, fields = machine.profile, []
+    for node in profile.nodes:
+        is_off = node.name == profile.tool_node and machine.is_cover_open
         fields.append(
             {
-                "name": name,
+                "name": node.name,
                 "state": "stopped" if is_off else "started",
-                "rate_hz": 0.0 if is_off else rate_hz,
-                "cpu_pct": 0.0 if is_off else cpu_pct,
-                "text": "Laser cover is open" if is_off else "",
+                "rate_hz": 0.0 if is_off else node.rate_hz,
+                "cpu_pct": 0.0 if is_off else node.cpu_pct,
+                "text": f"{profile.words.cover} is open" if is_off else "",
             }
         )
     return fields
 
 
-def urdf(config: WeederConfig) -> str:
-    """Return a plain URDF of the machine: body, two tracks, laser box, camera head."""
-    side = TRACK_M / 2
+def urdf(config: RobotConfig) -> str:
+    """Return a plain URDF of the machine: body, what carries it, tool, camera head."""
+    size, profile = config.profile.dimensions, config.profile
+    side = size.track_m / 2
 
-    def link(name: str, size: tuple[float, float, float]) -> str:
-        box = " ".join(f"{value:g}" for value in size)
-        return f'<link name="{name}"><visual><geometry><box size="{box}"/></geometry></visual></link>'
+    def link(name: str, box: tuple[float, float, float]) -> str:
+        text = " ".join(f"{value:g}" for value in box)
+        return f'<link name="{name}"><visual><geometry><box size="{text}"/></geometry></visual></link>'
 
     def fixed(child: str, x: float, y: float, z: float) -> str:
         return (
@@ -89,15 +60,17 @@ def urdf(config: WeederConfig) -> str:
             f'<origin xyz="{x:g} {y:g} {z:g}"/></joint>'
         )
 
+    tool, carrier = profile.tool.kind, {"weeder": "track", "planter": "wheels", "uav": "rotors"}[profile.family]
+    tool_width_m = min(profile.tool.width_m, size.width_m)
     parts = [
-        link("base", (LENGTH_M, WIDTH_M * 0.6, HEIGHT_M * 0.5)),
-        link("track_left", (LENGTH_M, 0.3, 0.5)),
-        fixed("track_left", 0, side, -0.25),
-        link("track_right", (LENGTH_M, 0.3, 0.5)),
-        fixed("track_right", 0, -side, -0.25),
-        link("laser", (0.6, TOOL_WIDTH_M, 0.4)),
-        fixed("laser", -0.8, 0, -0.3),
+        link("base", (size.length_m, size.width_m * 0.6, size.height_m * 0.5)),
+        link(f"{carrier}_left", (size.length_m, 0.3, 0.5)),
+        fixed(f"{carrier}_left", 0, side, -0.25),
+        link(f"{carrier}_right", (size.length_m, 0.3, 0.5)),
+        fixed(f"{carrier}_right", 0, -side, -0.25),
+        link(tool, (0.6, tool_width_m, 0.4)),
+        fixed(tool, -0.8, 0, -0.3),
         link("camera_head", (0.2, 0.3, 0.2)),
-        fixed("camera_head", BASE_TO_FRONT_M - 0.2, 0, HEIGHT_M * 0.5),
+        fixed("camera_head", size.base_to_front_m - 0.2, 0, size.height_m * 0.5),
     ]
     return f'<?xml version="1.0"?>\n<robot name="{config.id}">{"".join(parts)}</robot>\n'

@@ -57,13 +57,27 @@ class LowBattery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, 
 class ToolInterlock(
     Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="tool-interlock", tag_field="fault"
 ):
-    """The laser cover is open."""
+    """The cover of the tool is open."""
 
 
 class PersonAhead(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="person-ahead", tag_field="fault"):
     """Somebody stands ``distance_m`` before the front of the machine."""
 
     distance_m: Annotated[float, Meta(ge=0, le=100)] = 3.0
+
+
+class WeedUnsure(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="weed-unsure", tag_field="fault"):
+    """A weeder cannot tell crop and weed apart."""
+
+
+class CraneLimit(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="crane-limit", tag_field="fault"):
+    """A planter's crane is outside its limit until it is driven by hand, or this fault is taken away."""
+
+
+class TrayEmpty(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="tray-empty", tag_field="fault"):
+    """A planter has ``left`` seedlings."""
+
+    left: Annotated[int, Meta(ge=0, le=1000)] = 0
 
 
 class HardwareStop(
@@ -88,6 +102,9 @@ Fault = (
     | LowBattery
     | ToolInterlock
     | PersonAhead
+    | WeedUnsure
+    | CraneLimit
+    | TrayEmpty
     | HardwareStop
     | WallClock
 )
@@ -101,6 +118,9 @@ NAMES: tuple[str, ...] = (
     "low-battery",
     "tool-interlock",
     "person-ahead",
+    "weed-unsure",
+    "crane-limit",
+    "tray-empty",
     "hardware-stop",
     "wall-clock",
 )
@@ -130,6 +150,10 @@ class Faults:
     def list(self) -> list[Fault]:
         """Return the active faults."""
         return list(self._active.values())
+
+    def is_on(self, name: str) -> bool:
+        """Say whether a fault is active."""
+        return name in self._active
 
     @property
     def silence(self) -> Silence | None:

@@ -9,7 +9,7 @@ from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.codec import mission_hash
 from backend_clients.errors import Refused
-from backend_clients.simulator.config import WeederConfig
+from backend_clients.simulator.config import RobotConfig
 from backend_clients.simulator.world import SimRobot
 from hmi.clock import FakeClock
 
@@ -35,7 +35,7 @@ def simulate_mission(
     mission: down.Mission,
     seed: int = 1,
     *,
-    robot: WeederConfig | None = None,
+    robot: RobotConfig | None = None,
     clock: FakeClock | None = None,
     sample_s: float = 1.0,
     max_duration_s: float = MAX_DURATION_S,
@@ -64,7 +64,7 @@ def simulate_mission(
         assert boot is not None
         t_s = clock.mono_s() - begin_s
         events += [boot.reporter.event(happening) for happening in machine.take_events()]
-        is_over = not boot.weeder.is_auto or t_s >= max_duration_s
+        is_over = not boot.brain.is_auto or t_s >= max_duration_s
         if t_s >= next_sample_s - 1e-9 or is_over:
             yield Sample(t_s, boot.reporter.telemetry(), boot.reporter.state(), tuple(events))
             events.clear()
@@ -81,9 +81,9 @@ def simulate_mission(
         machine.step(STEP_S)
 
 
-def _at_start(mission: down.Mission) -> WeederConfig:
+def _at_start(mission: down.Mission) -> RobotConfig:
     x_m, y_m = mission.home or mission.segments[0].points[0]
-    return WeederConfig(
+    return RobotConfig(
         mission.robot,
         mission.robot,
         "unused",

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from backend_clients.edge.messages_up import Fault, Hold
+from backend_clients.simulator.families import WEEDER
+from backend_clients.simulator.profile import Words
 
 _HOLDS: dict[str, tuple[str, str, str]] = {
     "stop_latched": ("A STOP was pressed.", "Check the area and reset the STOP.", "operator"),
@@ -28,6 +30,7 @@ _HOLDS: dict[str, tuple[str, str, str]] = {
     "rebooted": ("Paused: the robot was switched off or restarted.", "Resume the mission.", "operator"),
     "continued": ("Ready to go on where it was interrupted.", "Slide to resume.", "operator"),
     "manual": ("Paused for driving by hand.", "Resume the mission.", "operator"),
+    "low_charge": ("Paused to charge.", "Charged, somebody on the farm starts it again.", ""),
     "return_home": ("Paused to return home.", "Plan the way back to where it stopped.", "operator"),
     "moved_while_paused": (
         "It was moved since the pause.",
@@ -39,8 +42,19 @@ _HOLDS: dict[str, tuple[str, str, str]] = {
         "Clear the way; it goes on by itself after the horn.",
         "person at the machine",
     ),
-    "rtk_float": ("Its position is not exact enough to weed.", "It goes on by itself when RTK is fixed.", ""),
-    "tool_interlock": ("The laser cover is open.", "Close the cover at the machine.", "person at the machine"),
+    "rtk_float": ("Its position is not exact enough to work.", "It goes on by itself when RTK is fixed.", ""),
+    "tool_interlock": ("The {cover} is open.", "Close it at the machine.", "person at the machine"),
+    "weed_unsure": (
+        "It cannot tell crop and weed apart here.",
+        "Look at the row. It leaves these plants and goes on by itself after some minutes.",
+        "operator",
+    ),
+    "crane_limit": (
+        "The crane is outside its limit.",
+        "Retract the crane at the machine, or drive it by hand a little.",
+        "operator",
+    ),
+    "tray_empty": ("The seedling tray is empty.", "Load a tray at the machine.", "person at the machine"),
     "start_horn": ("The horn sounds before it moves.", "It moves in a moment.", ""),
 }
 
@@ -51,7 +65,16 @@ _FAULTS: dict[str, tuple[str, str, str]] = {
         "Somebody or something stands in front of the machine.",
         "Look at the camera; clear the way.",
     ),
-    "tool-interlock": ("high", "The laser cover is open, the laser cannot fire.", "Close the cover at the machine."),
+    "tool-interlock": ("high", "The {cover} is open, the {tool} cannot work.", "Close the cover at the machine."),
+    "weed-unsure": ("low", "It cannot tell crop and weed apart here.", "Look at the row."),
+    "crane-limit": (
+        "high",
+        "The crane is outside its limit: joint 3 at 97 %.",
+        "Retract the crane at the machine, or drive it by hand a little.",
+    ),
+    "tray-low": ("low", "Fewer than 15 seedlings are left.", "Bring a tray."),
+    "tray-empty": ("medium", "The seedling tray is empty.", "Load a tray at the machine."),
+    "reserve-near": ("medium", "The battery is near its reserve; it returns by itself.", "Let it return."),
     "rtk-float": (
         "medium",
         "RTK is not fixed, the position may be wrong by 0.35 m.",
@@ -63,13 +86,17 @@ _FAULTS: dict[str, tuple[str, str, str]] = {
 }
 
 
-def hold(code: str, *, detail: str = "") -> Hold:
+def hold(code: str, words: Words = WEEDER.words, *, detail: str = "") -> Hold:
     """Return the reason named ``code``; ``detail`` replaces its first sentence."""
     text, clears, who = _HOLDS[code]
-    return Hold(code=code, text=detail or text, clears=clears, who=who)
+    return Hold(code=code, text=detail or _named(text, words), clears=clears, who=who)
 
 
-def fault(code: str) -> Fault:
+def fault(code: str, words: Words = WEEDER.words) -> Fault:
     """Return the active error named ``code``."""
     level, text, hint = _FAULTS[code]
-    return Fault(code=code, level=level, text=text, hint=hint)  # type: ignore[arg-type]
+    return Fault(code=code, level=level, text=_named(text, words), hint=hint)  # type: ignore[arg-type]
+
+
+def _named(text: str, words: Words) -> str:
+    return text.format(cover=words.cover.lower(), tool=words.tool.lower())

@@ -17,7 +17,7 @@ from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.topics import Address, Down, is_id
 from backend_clients.errors import MalformedPayload, OversizedPayload, WireError
-from backend_clients.simulator.datasheet import CAMERAS, urdf
+from backend_clients.simulator.datasheet import urdf
 from backend_clients.simulator.unreadable_stop import read_anyway
 from backend_clients.simulator.world import Boot, SimRobot, World
 
@@ -122,7 +122,7 @@ class RobotEndpoint:
         return self._answer(robot, boot.desk.receive(order))
 
     async def _get_mission(self, request: Request, _robot: SimRobot, boot: Boot) -> Response:
-        run = boot.weeder.run
+        run = boot.brain.run
         if not is_id(request.path_params["mission_id"]) or run is None:
             return error(404, "no_mission", "The robot has no such mission.")
         if run.mission.mission_id != request.path_params["mission_id"]:
@@ -142,11 +142,11 @@ class RobotEndpoint:
         wanted = request.query_params.get("lines", "200")
         if not wanted.isascii() or not wanted.isdigit() or len(wanted) > 6:
             return error(400, "bad_request", "lines must be a number.")
-        text = boot.weeder.journal.tail(min(int(wanted), MAX_LOG_LINES))
+        text = boot.brain.journal.tail(min(int(wanted), MAX_LOG_LINES))
         return Response(text, media_type="text/plain; charset=utf-8")
 
     async def _map(self, _request: Request, _robot: SimRobot, boot: Boot) -> Response:
-        run = boot.weeder.run
+        run = boot.brain.run
         if run is None:
             return error(404, "no_map", "The robot has no map; it gets one with a mission.")
         geometry = {"type": "Polygon", "coordinates": run.mission.parcel}
@@ -159,8 +159,8 @@ class RobotEndpoint:
     async def _model(self, _request: Request, robot: SimRobot, _boot: Boot) -> Response:
         return Response(urdf(robot.config), media_type="application/xml")
 
-    async def _cameras(self, _request: Request, _robot: SimRobot, _boot: Boot) -> Response:
-        return Response(msgspec.json.encode(CAMERAS), media_type="application/json")
+    async def _cameras(self, _request: Request, robot: SimRobot, _boot: Boot) -> Response:
+        return Response(msgspec.json.encode(robot.config.profile.cameras), media_type="application/json")
 
     def _answer(self, robot: SimRobot, ack: up.Ack | None) -> Response:
         assert ack is not None  # these orders are always answered

@@ -1,6 +1,6 @@
-"""The body of a laser weeder: tracks, battery, laser, position sensor, and what stands before it.
+"""The body of a machine: drive, battery, tool, position sensor, and what stands before it.
 
-It knows nothing of missions or orders; ``world`` moves it, ``weeder`` commands it.
+It knows nothing of missions or orders; ``world`` moves it, ``brain`` commands it.
 """
 
 from __future__ import annotations
@@ -10,22 +10,15 @@ import random
 from dataclasses import dataclass, field
 
 from backend_clients.edge import messages_up as up
-from backend_clients.simulator.kinematics import SkidSteer, wrap_rad
+from backend_clients.simulator.families import WEEDER
+from backend_clients.simulator.kinematics import Base, wrap_rad
+from backend_clients.simulator.profile import Profile
 from backend_clients.simulator.tracking import Setpoint
 
-LENGTH_M, WIDTH_M, HEIGHT_M = 2.6, 1.7, 1.6
-BASE_TO_FRONT_M = 1.3
-TOOL_WIDTH_M = 1.5
-
-CAPACITY_J = 12e3 * 3600  # 12 kWh
-IDLE_W, LASER_W, DRIVE_W_PER_MPS = 180.0, 1500.0, 1600.0
-CHARGE_W = 3000.0
 NOISE_LIMIT_M = 0.015  # published RTK accuracy
 NOISE_TIME_S = 4.0  # RTK errors wander, they do not jump
 FLOAT_DRIFT_M = 0.35
-COLD_C, HOT_C, WARM_UP_S = 21.0, 58.0, 90.0
-WEEDS_PER_MIN = 110.0
-PROTECTIVE_FIELD_M = 4.0  # in front of the machine, over its width
+COLD_C, WARM_UP_S = 21.0, 90.0
 STANDSTILL_S = 0.5
 STOPPED = Setpoint(0.0, 0.0)
 
@@ -50,45 +43,48 @@ class Machine:
     """Truth about one machine; the fields from ``is_*`` on are switched by people and faults."""
 
     rng: random.Random
-    base: SkidSteer = field(default_factory=SkidSteer)
+    base: Base = field(default_factory=Base)
+    profile: Profile = WEEDER
     soc: float = 0.92
-    laser_on: bool = False
-    laser_temperature_c: float = COLD_C
-    weeds_per_min: float | None = None
+    tool_on: bool = False
+    tool_temperature_c: float = COLD_C
+    rate_per_min: float | None = None
     still_s: float = STANDSTILL_S
-    load_w: float = IDLE_W
+    load_w: float = 0.0
     person: tuple[float, float] | None = None
     is_hardware_stop: bool = False
     is_cover_open: bool = False
     is_rtk_float: bool = False
     is_charging: bool = False
+    is_airborne: bool = False
+    is_crane_at_limit: bool = False
+    is_unsure: bool = False
+    seedlings: int = 0
     ignores_brakes: bool = False
     last_moving: Setpoint = STOPPED
     error_x: Drift = field(default_factory=Drift)
     error_y: Drift = field(default_factory=Drift)
 
-    def step(self, dt_s: float, wanted: Setpoint, *, is_braking: bool, laser_on: bool) -> None:
-        """Live for ``dt_s``. The hardware stop and the laser cover act here, below any software."""
+    def step(self, dt_s: float, wanted: Setpoint, *, is_braking: bool, tool_on: bool) -> None:
+        """Live for ``dt_s``. The hardware stop and the tool's cover act here, below any software."""
         if self.ignores_brakes and is_braking and not self.is_hardware_stop:
-            wanted, is_braking, laser_on = self.last_moving, False, self.laser_on
+            wanted, is_braking, tool_on = self.last_moving, False, self.tool_on
         if self.is_hardware_stop or self.soc <= 0:
-            wanted, is_braking, laser_on = STOPPED, True, False
+            wanted, is_braking, tool_on = STOPPED, True, False
         elif wanted.v_mps or wanted.yaw_rate_radps:
             self.last_moving = wanted
-        self.laser_on = laser_on and not self.is_cover_open
+        self.tool_on = tool_on and not self.is_cover_open
         self.base.step(dt_s, wanted.v_mps, wanted.yaw_rate_radps, is_braking=is_braking)
         self.still_s = self.still_s + dt_s if self.base.is_still else 0.0
         self._step_energy(dt_s)
-        self._step_laser(dt_s)
-        limit = FLOAT_DRIFT_M if self.is_rtk_float else NOISE_LIMIT_M
-        for error in (self.error_x, self.error_y):
-            error.limit_m = limit
-            error.step(dt_s, self.rng)
+        self._step_tool(dt_s)
+        if not self.profile.motion.is_on_rails:
+            self._step_error(dt_s)
 
     @property
     def is_standing(self) -> bool:
         """Standstill as the safety controller means it: no motion for 0.5 s and the tool off."""
-        return self.still_s >= STANDSTILL_S and not self.laser_on
+        return self.still_s >= STANDSTILL_S and not self.tool_on
 
     def measured_pose(self) -> tuple[float, float, float]:
         """Return x, y, theta as the position sensor says."""
@@ -105,18 +101,21 @@ class Machine:
         dx, dy = self.person[0] - self.base.x_m, self.person[1] - self.base.y_m
         cos, sin = math.cos(self.base.theta_rad), math.sin(self.base.theta_rad)
         ahead, side = dx * cos + dy * sin, -dx * sin + dy * cos
-        if abs(side) > WIDTH_M / 2 + 0.5 or ahead < 0:
+        size = self.profile.dimensions
+        if abs(side) > size.width_m / 2 + 0.5 or ahead < 0:
             return None
-        return max(ahead - BASE_TO_FRONT_M, 0.0)
+        return max(ahead - size.base_to_front_m, 0.0)
 
     def is_way_blocked(self) -> bool:
         """Whether something stands inside the protective field."""
+        if self.person is None:
+            return False
         free_m = self.obstacle_m()
-        return free_m is not None and free_m < PROTECTIVE_FIELD_M
+        return free_m is not None and free_m < self.profile.protective_field_m
 
     def put_person_ahead(self, distance_m: float) -> None:
         """Let a person stand ``distance_m`` before the machine's front."""
-        reach = BASE_TO_FRONT_M + distance_m
+        reach = self.profile.dimensions.base_to_front_m + distance_m
         self.person = (
             self.base.x_m + reach * math.cos(self.base.theta_rad),
             self.base.y_m + reach * math.sin(self.base.theta_rad),
@@ -130,22 +129,32 @@ class Machine:
 
     def battery(self) -> up.Battery:
         """Return charge and the time left at the present load."""
-        remaining = None if self.is_charging else self.soc * CAPACITY_J / max(self.load_w, IDLE_W)
+        energy = self.profile.energy
+        remaining = None if self.is_charging else self.soc * energy.capacity_j / max(self.load_w, energy.idle_w)
         return up.Battery(soc=round(self.soc, 4), remaining_s=remaining, charging=self.is_charging)
 
-    def _step_energy(self, dt_s: float) -> None:
-        now_w = IDLE_W + DRIVE_W_PER_MPS * (abs(self.base.speed_mps) + 0.5 * abs(self.base.yaw_rate_radps))
-        now_w += LASER_W if self.laser_on else 0.0
-        self.load_w += (now_w - self.load_w) * min(dt_s / 20.0, 1.0)
-        gained_w = CHARGE_W if self.is_charging else -now_w
-        self.soc = min(max(self.soc + gained_w * dt_s / CAPACITY_J, 0.0), 1.0)
+    def _step_error(self, dt_s: float) -> None:
+        limit = FLOAT_DRIFT_M if self.is_rtk_float else NOISE_LIMIT_M
+        for error in (self.error_x, self.error_y):
+            error.limit_m = limit
+            error.step(dt_s, self.rng)
 
-    def _step_laser(self, dt_s: float) -> None:
-        goal = HOT_C if self.laser_on else COLD_C
-        self.laser_temperature_c += (goal - self.laser_temperature_c) * min(dt_s / WARM_UP_S, 1.0)
-        if not self.laser_on:
-            self.weeds_per_min = None
+    def _step_energy(self, dt_s: float) -> None:
+        energy, base = self.profile.energy, self.base
+        now_w = energy.idle_w + energy.drive_w_per_mps * (abs(base.speed_mps) + 0.5 * abs(base.yaw_rate_radps))
+        now_w += energy.tool_w if self.tool_on else 0.0
+        now_w += energy.hover_w if self.is_airborne else 0.0
+        self.load_w += (now_w - self.load_w) * min(dt_s / 20.0, 1.0)
+        gained_w = energy.charge_w if self.is_charging else -now_w
+        self.soc = min(max(self.soc + gained_w * dt_s / energy.capacity_j, 0.0), 1.0)
+
+    def _step_tool(self, dt_s: float) -> None:
+        goal = (self.profile.hot_c or COLD_C) if self.tool_on else COLD_C
+        self.tool_temperature_c += (goal - self.tool_temperature_c) * min(dt_s / WARM_UP_S, 1.0)
+        usual = self.profile.rate_per_min
+        if not self.tool_on or usual is None:
+            self.rate_per_min = None
             return
-        before = self.weeds_per_min if self.weeds_per_min is not None else WEEDS_PER_MIN
+        before = self.rate_per_min if self.rate_per_min is not None else usual
         wander = self.rng.gauss(0.0, 12.0 * math.sqrt(dt_s))
-        self.weeds_per_min = max(before + (WEEDS_PER_MIN - before) * min(dt_s / 10, 1.0) + wander, 5.0)
+        self.rate_per_min = max(before + (usual - before) * min(dt_s / 10, 1.0) + wander, 5.0)

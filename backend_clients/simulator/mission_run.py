@@ -10,16 +10,18 @@ from backend_clients.edge import messages_up as up
 from backend_clients.edge.codec import mission_hash
 from backend_clients.edge.messages_down import Mission, Segment
 from backend_clients.simulator.enu import EnuFrame, Point
+from backend_clients.simulator.families import WEEDER
 from backend_clients.simulator.journal import Journal
+from backend_clients.simulator.profile import Profile
 from backend_clients.simulator.route import Leg, Route
 from backend_clients.simulator.state_folder import SavedProgress
-from backend_clients.simulator.tracking import Tracker
+from backend_clients.simulator.tracking import tracker_on
 
-HOME_SPEED_MPS = 1.0
 AT_HOME_M = 0.5
 MOVED_LIMIT_M = 0.2
 REJOIN_AHEAD_M = 30.0
 ROLL_OUT_M = 2.0  # more than braking takes from full speed
+_DONE = {"weed": ("weeds", "treated"), "plant": ("trees", "planted"), "survey": ("", "searched")}
 
 
 class MissionRun:
@@ -29,21 +31,22 @@ class MissionRun:
         mission: the document as received.
         frame: the robot's ENU frame.
         home: where the robot goes when the mission names no home, in the robot's frame.
+        profile: what machine it is.
 
     Raises:
         RouteError: the path cannot be driven.
     """
 
-    def __init__(self, mission: Mission, frame: EnuFrame, home: Point) -> None:
-        self.mission = mission
+    def __init__(self, mission: Mission, frame: EnuFrame, home: Point, profile: Profile = WEEDER) -> None:
+        self.mission, self._profile = mission, profile
         self.sha256 = mission_hash(mission)
         self.home = frame.from_frame(mission.datum, [mission.home])[0] if mission.home else home
         segments = [replace(s, points=frame.from_frame(mission.datum, s.points)) for s in mission.segments]
         end = segments[-1].points[-1]
         if mission.at_end == "return_home" and math.dist(end, self.home) > AT_HOME_M:
-            segments.append(Segment(kind="exit", points=[end, self.home], speed_mps=HOME_SPEED_MPS))
-        self.route = Route(segments)
-        self.tracker = Tracker(self.route)
+            segments.append(Segment(kind="exit", points=[end, self.home], speed_mps=profile.home_speed_mps))
+        self.route = Route(segments, profile.motion)
+        self.tracker = tracker_on(self.route)
         self.status: up.OrderStatus = "loaded"
         self.is_supervised = True
         self.row = 0
@@ -52,7 +55,7 @@ class MissionRun:
         self.pause_code = ""
         self.pause_pose: Point | None = None
         self._open_row = 0  # where the tool's work is counted now; 0 is the headland
-        self._row_weeds = 0.0
+        self._row_count = 0.0
         self._row_treated_m = 0.0
         self._must_be_on_path = False
 
@@ -68,9 +71,9 @@ class MissionRun:
 
     def begin(self, *, is_supervised: bool) -> None:
         """Run from the first point."""
-        self.tracker = Tracker(self.route)
+        self.tracker = tracker_on(self.route)
         self.row, self.treated_m, self.driven_m = 0, 0.0, 0.0
-        self._row_weeds, self._row_treated_m, self._open_row = 0.0, 0.0, 0
+        self._row_count, self._row_treated_m, self._open_row = 0.0, 0.0, 0
         self.run(is_supervised=is_supervised)
 
     def run(self, *, is_supervised: bool) -> None:
@@ -102,9 +105,9 @@ class MissionRun:
 
     def take_over(self, base: MissionRun, s_m: float) -> None:
         """Go on with the progress of ``base`` at ``s_m`` of this path; its state stays what it was."""
-        self.tracker = Tracker(self.route, s_m)
+        self.tracker = tracker_on(self.route, s_m)
         self.row, self.treated_m, self.driven_m = base.row, base.treated_m, base.driven_m
-        self._row_weeds, self._row_treated_m, self._open_row = base._row_weeds, base._row_treated_m, base._open_row
+        self._row_count, self._row_treated_m, self._open_row = base._row_count, base._row_treated_m, base._open_row
         self.status, self.is_supervised = base.status, base.is_supervised
         self.pause_code, self.pause_pose = base.pause_code, base.pause_pose
 
@@ -118,7 +121,7 @@ class MissionRun:
 
     def stand_at(self, s_m: float, pose: Point) -> None:
         """Be paused before ``s_m``, standing at ``pose``: ready to go on from there."""
-        self.tracker = Tracker(self.route, s_m)
+        self.tracker = tracker_on(self.route, s_m)
         self.status, self.pause_code, self.pause_pose = "paused", "continued", pose
 
     def moved_m(self, pose: Point) -> float:
@@ -130,18 +133,18 @@ class MissionRun:
         s = self.tracker.s_m
         self.tracker.s_m = max(self.route.locate(pose[0], pose[1], s, s + REJOIN_AHEAD_M), s)
 
-    def advance(self, before_m: float, *, laser_on: bool, weeds: float, journal: Journal, mono_ms: int) -> None:
-        """Count what was driven and treated since ``before_m`` along the line."""
+    def advance(self, before_m: float, *, is_working: bool, count: float, journal: Journal, mono_ms: int) -> None:
+        """Count what was driven and treated since ``before_m`` along the line; ``count`` weeds or trees were done."""
         row = self.leg.row
         if row != self._open_row:
             self._close_row(journal, mono_ms)
             self._open_row, self.row = row, row or self.row
         gained = max(self.tracker.s_m - before_m, 0.0)
         self.driven_m += gained
-        if laser_on:
+        if is_working:
             self.treated_m += gained
             self._row_treated_m += gained
-            self._row_weeds += weeds
+            self._row_count += count
 
     def finish(self, journal: Journal, mono_ms: int) -> None:
         """The last point is reached."""
@@ -173,16 +176,16 @@ class MissionRun:
         """Write what has to survive a reboot into ``saved``."""
         saved.status, saved.sha256, saved.s_m = self.status, self.sha256, self.tracker.s_m
         saved.row, saved.treated_m, saved.driven_m = self.row, self.treated_m, self.driven_m
-        saved.row_treated_m, saved.row_weeds = self._row_treated_m, self._row_weeds
+        saved.row_treated_m, saved.row_weeds = self._row_treated_m, self._row_count
         saved.is_supervised, saved.pause_code, saved.pause_pose = self.is_supervised, self.pause_code, self.pause_pose
 
     def restore(self, saved: SavedProgress) -> None:
         """Take up the progress of an earlier boot; what ran is paused now."""
         if saved.sha256 != self.sha256:
             return
-        self.tracker = Tracker(self.route, min(saved.s_m, self.route.length_m))
+        self.tracker = tracker_on(self.route, min(saved.s_m, self.route.length_m))
         self.row, self.treated_m, self.driven_m = saved.row, saved.treated_m, saved.driven_m
-        self._row_treated_m, self._row_weeds, self._open_row = saved.row_treated_m, saved.row_weeds, self.leg.row
+        self._row_treated_m, self._row_count, self._open_row = saved.row_treated_m, saved.row_weeds, self.leg.row
         self.is_supervised = saved.is_supervised
         if saved.status in ("running", "paused"):
             self.pause((saved.pause_code if saved.status == "paused" else "") or "rebooted")
@@ -194,14 +197,17 @@ class MissionRun:
     def _close_row(self, journal: Journal, mono_ms: int) -> None:
         row, name = self._open_row, f"Row {self._open_row}" if self._open_row else "Headland"
         if self._row_treated_m > 0:
+            length_m, done = round(self._row_treated_m, 2), round(self._row_count)
+            what, words = _DONE[self._profile.work]
+            facts = {what: done} if what else {}
             journal.event(
                 mono_ms,
                 "treatment",
-                f"{name} treated",
-                f"{self._row_weeds:.0f} weeds on {self._row_treated_m:.0f} m",
+                f"{name} {words}",
+                f"{done} {what} on {length_m:.0f} m" if what else f"{length_m:.0f} m",
                 row=row,
-                length_m=round(self._row_treated_m, 2),
-                weeds=round(self._row_weeds),
+                length_m=length_m,
                 mission_id=self.mission.mission_id,
+                **facts,
             )
-        self._row_weeds = self._row_treated_m = 0.0
+        self._row_count = self._row_treated_m = 0.0

@@ -10,12 +10,12 @@ from msgspec.structs import replace
 from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.codec import mission_hash
+from backend_clients.simulator.brain import BATTERY_VERY_LOW, Brain, DriveState
 from backend_clients.simulator.mission_run import AT_HOME_M, MOVED_LIMIT_M
 from backend_clients.simulator.reports import Reporter
 from backend_clients.simulator.route import RouteError
 from backend_clients.simulator.update import continued
 from backend_clients.simulator.verdict import OK, Verdict, accepted, refused
-from backend_clients.simulator.weeder import BATTERY_VERY_LOW, DriveState, Weeder
 
 DRIVE_ACK_EVERY_S = 0.5  # refused setpoints come at 10 Hz; one answer in five is enough to explain
 MAX_START_DISTANCE_M = 500.0
@@ -25,21 +25,21 @@ class OrderDesk:
     """The only way into the robot's brain.
 
     Args:
-        weeder: the brain.
+        brain: the brain.
         reporter: stamps the answers.
     """
 
-    def __init__(self, weeder: Weeder, reporter: Reporter) -> None:
-        self._weeder, self._reporter = weeder, reporter
+    def __init__(self, brain: Brain, reporter: Reporter) -> None:
+        self._brain, self._reporter = brain, reporter
         self._drive_answered_s = -math.inf
 
     def receive(self, order: down.Order, *, is_retained: bool = False) -> up.Ack | None:
         """Judge and carry out one order; return the answer to send, if there is one."""
-        weeder = self._weeder
+        brain = self._brain
         if not is_retained:
-            weeder.link_heard_s = weeder.clock.mono_s()
+            brain.link_heard_s = brain.clock.mono_s()
         answer = self._judge(order, is_retained=is_retained)
-        weeder.keep_fence()
+        brain.memory.keep_fence(brain)
         return answer
 
     def _judge(self, order: down.Order, *, is_retained: bool) -> up.Ack | None:
@@ -62,11 +62,11 @@ class OrderDesk:
 
     def stop(self, order: down.Stop) -> up.Ack:
         """Stop and latch; valid at any age, from anyone, also retained."""
-        weeder = self._weeder
-        verdict = weeder.latch.press(order.stop_id, order.by, order.device, weeder.clock.mono_s())
+        brain = self._brain
+        verdict = brain.latch.press(order.stop_id, order.by, order.device, brain.clock.mono_s())
         if verdict.code == "ok":
-            weeder.halt(order.stop_id)
-            weeder.note(
+            brain.halt(order.stop_id)
+            brain.note(
                 "safety",
                 "STOP",
                 order.reason,
@@ -78,46 +78,46 @@ class OrderDesk:
         return self._ack("stop", order.stop_id, verdict)
 
     def _reset(self, order: down.StopReset, *, is_retained: bool) -> Verdict:
-        weeder, now = self._weeder, self._weeder.clock.mono_s()
-        known = weeder.guard.answer_of(order.reset_id)
+        brain, now = self._brain, self._brain.clock.mono_s()
+        known = brain.guard.answer_of(order.reset_id)
         if known is not None:
             return known
-        if not weeder.guard.can_remember(now):
+        if not brain.guard.can_remember(now):
             return refused("busy")
         verdict = self._judge_leased(order, order.ttl_ms, is_retained=is_retained)
         if verdict.is_accepted:
-            verdict = weeder.latch.judge_reset(
+            verdict = brain.latch.judge_reset(
                 order.stop_ids,
-                is_standing=weeder.machine.is_standing,
-                is_hardware_stop=weeder.machine.is_hardware_stop,
+                is_standing=brain.machine.is_standing,
+                is_hardware_stop=brain.machine.is_hardware_stop,
             )
         if verdict.is_accepted:
-            verdict = weeder.latch.reset(order.stop_ids)
-            weeder.note("safety", "STOP reset", order.reason, by=order.by, stop_ids=list(order.stop_ids))
-            weeder.save_safety()
+            verdict = brain.latch.reset(order.stop_ids)
+            brain.note("safety", "STOP reset", order.reason, by=order.by, stop_ids=list(order.stop_ids))
+            brain.memory.save_safety(brain)
         if verdict.code != "retained":
-            weeder.guard.remember(order.reset_id, verdict, now)
+            brain.guard.remember(order.reset_id, verdict, now)
         return verdict
 
     def _command(self, order: down.Command, *, is_retained: bool) -> Verdict:
-        weeder, now = self._weeder, self._weeder.clock.mono_s()
-        known = weeder.guard.answer_of(order.command_id)
+        brain, now = self._brain, self._brain.clock.mono_s()
+        known = brain.guard.answer_of(order.command_id)
         if known is not None:
             return known  # a repeat: the same answer, no second effect
-        if not weeder.guard.can_remember(now):
+        if not brain.guard.can_remember(now):
             return refused("busy")
         if order.action in ("pause", "abort"):
-            verdict = weeder.guard.judge_fresh(now, order.challenge, order.ttl_ms / 1000, is_retained=is_retained)
+            verdict = brain.guard.judge_fresh(now, order.challenge, order.ttl_ms / 1000, is_retained=is_retained)
         else:
             verdict = self._judge_leased(order, order.ttl_ms, is_retained=is_retained)
             if verdict.is_accepted:
-                weeder.operator_heard_s = now
-        if verdict.is_accepted and weeder.faults.is_rejecting:
+                brain.operator_heard_s = now
+        if verdict.is_accepted and brain.faults.is_rejecting:
             verdict = refused("simulated_reject")
         if verdict.is_accepted:
             verdict = self._carry_out(order)
         if verdict.code != "retained":
-            weeder.guard.remember(order.command_id, verdict, now)
+            brain.guard.remember(order.command_id, verdict, now)
         self._note_action(order, verdict)
         return verdict
 
@@ -136,12 +136,12 @@ class OrderDesk:
             case "drive_open":
                 return self._drive_open()
             case "drive_close":
-                was_open = self._weeder.drive is not None
-                self._weeder.close_drive()
+                was_open = self._brain.drive is not None
+                self._brain.close_drive()
                 return OK if was_open else accepted("already_closed", "Driving by hand was not open.")
 
     def _start(self, order: down.Command) -> Verdict:
-        weeder, run = self._weeder, self._weeder.run
+        brain, run = self._brain, self._brain.run
         verdict = self._may_move()
         if not verdict.is_accepted:
             return verdict
@@ -149,28 +149,28 @@ class OrderDesk:
             return refused("no_mission")
         if order.mission_id != run.mission.mission_id or order.mission_sha256 not in (None, run.sha256):
             return refused("wrong_mission")
-        if run.status == "running" or weeder.home_run is not None:
+        if run.status == "running" or brain.home_run is not None:
             return refused("already_running")
-        if run.status == "paused" and run.moved_m(weeder.place) <= MOVED_LIMIT_M:
+        if run.status == "paused" and run.moved_m(brain.place) <= MOVED_LIMIT_M:
             return refused("mission_paused")
         if run.status != "paused" and run.route.has_jump:
             return refused("not_whole")
         s = run.tracker.s_m if run.status == "paused" else 0.0
-        if math.dist(weeder.place, run.route.point_at(s)) > MAX_START_DISTANCE_M:
+        if math.dist(brain.place, run.route.point_at(s)) > MAX_START_DISTANCE_M:
             return refused("mission_too_far")
         verdict = self._may_work()
         if verdict.is_accepted:
-            weeder.begin(is_supervised=order.is_supervised)
+            brain.begin(is_supervised=order.is_supervised)
         return verdict
 
     def _resume(self) -> Verdict:
-        weeder, run = self._weeder, self._weeder.run
+        brain, run = self._brain, self._brain.run
         verdict = self._may_move()
         if not verdict.is_accepted:
             return verdict
-        if run is None or run.status != "paused" or weeder.home_run is not None:
+        if run is None or run.status != "paused" or brain.home_run is not None:
             return refused("not_paused")
-        moved_m = run.moved_m(weeder.place)
+        moved_m = run.moved_m(brain.place)
         if moved_m > MOVED_LIMIT_M:
             return refused(
                 "moved_while_paused",
@@ -179,81 +179,83 @@ class OrderDesk:
             )
         verdict = self._may_work()
         if verdict.is_accepted:
-            weeder.resume()
+            brain.resume()
         return verdict
 
     def _pause(self) -> Verdict:
-        weeder = self._weeder
-        if weeder.is_auto:
-            weeder.pause("paused")
+        brain = self._brain
+        if brain.is_auto:
+            brain.pause("paused")
             return OK
-        if weeder.drive is not None:
-            weeder.close_drive()
+        if brain.drive is not None:
+            brain.close_drive()
             return OK
-        if weeder.run is not None and weeder.run.status == "paused":
+        if brain.run is not None and brain.run.status == "paused":
             return accepted("already_paused", "The mission is paused already.")
         return refused("nothing_to_pause")
 
     def _abort(self) -> Verdict:
-        weeder = self._weeder
-        if weeder.is_auto or (weeder.run is not None and weeder.run.is_open):
-            weeder.abort()
+        brain = self._brain
+        if brain.is_auto or (brain.run is not None and brain.run.is_open):
+            brain.abort()
             return OK
         return refused("nothing_to_abort")
 
     def _return_home(self) -> Verdict:
-        weeder = self._weeder
+        brain = self._brain
         verdict = self._may_move()
         if not verdict.is_accepted:
             return verdict
-        if weeder.home_run is not None:
+        if brain.home_run is not None:
             return accepted("already_running", "It is on its way home already.")
-        if math.dist(weeder.place, weeder.home) < AT_HOME_M:
+        if math.dist(brain.place, brain.home) < AT_HOME_M:
             return refused("already_home")
-        if math.dist(weeder.place, weeder.home) > 10 * MAX_START_DISTANCE_M:
+        if math.dist(brain.place, brain.home) > 10 * MAX_START_DISTANCE_M:
             return refused("mission_too_far", "Home is too far to drive there alone.")
-        weeder.go_home()
+        brain.go_home()
         return OK
 
     def _drive_open(self) -> Verdict:
-        weeder = self._weeder
-        if weeder.is_stopped:
+        brain = self._brain
+        if brain.is_stopped:
             return self._may_move()
-        if weeder.drive is not None:
+        if brain.drive is not None:
             return accepted("already_open", "Driving by hand is open already.")
-        weeder.open_drive()
+        brain.open_drive()
         return OK
 
     def _may_move(self) -> Verdict:
-        weeder = self._weeder
-        if weeder.machine.is_hardware_stop:
+        brain = self._brain
+        if brain.machine.is_hardware_stop:
             return refused("hardware_stop")
-        if weeder.latch.is_set:
+        if brain.latch.is_set:
             return refused("stop_latched")
-        return refused("manual_open") if weeder.drive is not None else OK
+        return refused("manual_open") if brain.drive is not None else OK
 
     def _may_work(self) -> Verdict:
-        machine = self._weeder.machine
+        brain, machine = self._brain, self._brain.machine
         if machine.soc < BATTERY_VERY_LOW:
             return refused("battery_low")
-        if machine.is_rtk_float:
+        if machine.is_rtk_float and brain.profile.needs_rtk:
             return refused("gnss_not_fixed")
         if machine.is_cover_open:
             return refused("tool_interlock")
+        if brain.work.waits_for():
+            return refused(brain.work.waits_for())
         return refused("person_ahead") if machine.is_way_blocked() else OK
 
     def _drive(self, order: down.Drive, *, is_retained: bool) -> up.Ack | None:
-        weeder, now = self._weeder, self._weeder.clock.mono_s()
-        verdict = weeder.guard.judge_leased(
+        brain, now = self._brain, self._brain.clock.mono_s()
+        verdict = brain.guard.judge_leased(
             now, order.challenge, 2.0, order.lease_token, order.lease_seq, is_retained=is_retained
         )
-        if verdict.is_accepted and weeder.is_stopped:
+        if verdict.is_accepted and brain.is_stopped:
             verdict = self._may_move()
-        elif verdict.is_accepted and weeder.drive is None:
+        elif verdict.is_accepted and brain.drive is None:
             verdict = refused("not_in_manual")
         if verdict.is_accepted:
-            weeder.drive = DriveState(order.v_mps, order.yaw_rate_radps, now)
-            weeder.last_drive = weeder.drive
+            brain.drive = DriveState(order.v_mps, order.yaw_rate_radps, now)
+            brain.last_drive = brain.drive
             return None
         if now - self._drive_answered_s < DRIVE_ACK_EVERY_S:
             return None
@@ -261,12 +263,12 @@ class OrderDesk:
         return self._ack("drive", str(order.lease_seq), verdict)
 
     def _pulse(self, order: down.OperatorHeartbeat, *, is_retained: bool) -> None:
-        weeder, now = self._weeder, self._weeder.clock.mono_s()
-        verdict = weeder.guard.judge_pulse(
+        brain, now = self._brain, self._brain.clock.mono_s()
+        verdict = brain.guard.judge_pulse(
             now, order.challenge, order.lease_token, order.lease_seq, is_retained=is_retained
         )
         if verdict.is_accepted:
-            weeder.operator_heard_s = now
+            brain.operator_heard_s = now
 
     def _mission(self, order: down.Mission, *, is_retained: bool) -> up.Ack:
         proof, order = order.proof, replace(order, proof=UNSET)
@@ -278,36 +280,36 @@ class OrderDesk:
     def _judge_mission(
         self, order: down.Mission, sha256: str, proof: down.Proof | UnsetType, *, is_retained: bool
     ) -> Verdict:
-        weeder, run = self._weeder, self._weeder.run
+        brain, run = self._brain, self._brain.run
         if is_retained:
             return refused("retained")
         if run is not None and run.sha256 == sha256:
             return accepted("already_stored", "The robot has this mission already.")
         if order.continues is not UNSET:
             verdict = self._may_redirect(proof)
-            return continued(weeder, order, order.continues) if verdict.is_accepted else verdict
+            return continued(brain, order, order.continues) if verdict.is_accepted else verdict
         if run is not None and run.is_open:
             return refused("mission_active")
         try:
-            weeder.load(order)
+            brain.load(order)
         except RouteError as error:
             return refused("bad_mission", f"The path of this mission cannot be driven: {error}.")
         return OK
 
     def _may_redirect(self, proof: down.Proof | UnsetType) -> Verdict:
         """A robot that drives is redirected only by who has control of it, and only just after it was decided."""
-        if not self._weeder.is_auto:
+        if not self._brain.is_auto:
             return OK
         if isinstance(proof, UnsetType):
             return refused("no_lease", "It drives. Take control to change its mission, or pause it first.")
-        now_s = self._weeder.clock.mono_s()
-        return self._weeder.guard.judge_leased(
+        now_s = self._brain.clock.mono_s()
+        return self._brain.guard.judge_leased(
             now_s, proof.challenge, proof.ttl_ms / 1000, proof.lease_token, proof.lease_seq, is_retained=False
         )
 
     def _judge_leased(self, order: down.Command | down.StopReset, ttl_ms: int, *, is_retained: bool) -> Verdict:
-        return self._weeder.guard.judge_leased(
-            self._weeder.clock.mono_s(),
+        return self._brain.guard.judge_leased(
+            self._brain.clock.mono_s(),
             order.challenge,
             ttl_ms / 1000,
             order.lease_token,
@@ -316,7 +318,7 @@ class OrderDesk:
         )
 
     def _note_action(self, order: down.Command, verdict: Verdict) -> None:
-        log = self._weeder.actions
+        log = self._brain.actions
         if not verdict.is_accepted:
             log.add(order.command_id, order.action, "failed", verdict.text)
         elif order.action in ("start", "resume", "return_home"):
@@ -332,5 +334,5 @@ class OrderDesk:
             outcome="accepted" if verdict.is_accepted else "rejected",
             code=verdict.code,
             text=verdict.text,
-            speed_mps=abs(self._weeder.machine.base.speed_mps),
+            speed_mps=abs(self._brain.machine.base.speed_mps),
         )

@@ -6,13 +6,12 @@ from collections import deque
 from typing import TypedDict
 
 from backend_clients.edge import messages_up as up
+from backend_clients.simulator.brain import Brain
 from backend_clients.simulator.datasheet import factsheet_fields, node_fields
 from backend_clients.simulator.holds import fault
 from backend_clients.simulator.journal import Happening
-from backend_clients.simulator.kinematics import stopping_distance_m
 from backend_clients.simulator.latch import PressRecord
 from backend_clients.simulator.watch import waiting_reason
-from backend_clients.simulator.weeder import Weeder
 
 MAX_PENDING_PINGS = 4
 MAX_PRESSES_SHOWN = 64
@@ -31,20 +30,20 @@ class HeaderFields(TypedDict):
 class Reporter:
     """Numbers and stamps everything one boot of a robot says."""
 
-    def __init__(self, weeder: Weeder) -> None:
-        self._weeder = weeder
+    def __init__(self, brain: Brain) -> None:
+        self._brain = brain
         self._seq = 0
         self._pings: deque[tuple[float, str]] = deque(maxlen=MAX_PENDING_PINGS)
 
     def header(self, mono_ms: int | None = None) -> HeaderFields:
         """Return the next header; ``mono_ms`` is given for what happened earlier."""
         self._seq += 1
-        now_ms = self._weeder.mono_ms()
-        wall_s = self._weeder.clock.utc().timestamp() + self._weeder.faults.wall_offset_s
+        now_ms = self._brain.mono_ms()
+        wall_s = self._brain.clock.utc().timestamp() + self._brain.faults.wall_offset_s
         at_ms = now_ms if mono_ms is None else mono_ms
         return {
-            "robot": self._weeder.config.id,
-            "boot": self._weeder.boot,
+            "robot": self._brain.config.id,
+            "boot": self._brain.boot,
             "seq": self._seq,
             "mono_ms": at_ms,
             "wall_ms": int(wall_s * 1000) - (now_ms - at_ms),
@@ -52,7 +51,7 @@ class Reporter:
 
     def ping(self, nonce: str) -> None:
         """Note a nonce that the next heartbeat has to echo."""
-        self._pings.append((self._weeder.clock.mono_s(), nonce))
+        self._pings.append((self._brain.clock.mono_s(), nonce))
 
     @property
     def is_ping_waiting(self) -> bool:
@@ -69,8 +68,8 @@ class Reporter:
 
     def heartbeat(self) -> up.Heartbeat:
         """Return a heartbeat with a fresh challenge and the oldest ping not yet echoed."""
-        now = self._weeder.clock.mono_s()
-        challenge = self._weeder.guard.issue(now)
+        now = self._brain.clock.mono_s()
+        challenge = self._brain.guard.issue(now)
         if not self._pings:
             return up.Heartbeat(**self.header(), challenge=challenge)
         heard_s, nonce = self._pings.popleft()
@@ -79,10 +78,10 @@ class Reporter:
 
     def telemetry(self) -> up.Telemetry:
         """Return pose and fast values as the robot's own sensors see them."""
-        weeder, machine = self._weeder, self._weeder.machine
+        brain, machine = self._brain, self._brain.machine
         x_m, y_m, theta_rad = machine.measured_pose()
-        lat_deg, lon_deg = weeder.frame.to_wgs84(x_m, y_m)
-        cross, obstacle = weeder.cross_track_m, machine.obstacle_m()
+        lat_deg, lon_deg = brain.frame.to_wgs84(x_m, y_m)
+        cross, obstacle = brain.cross_track_m, machine.obstacle_m()
         return up.Telemetry(
             **self.header(),
             lat_deg=round(lat_deg, 9),
@@ -101,44 +100,44 @@ class Reporter:
 
     def state(self) -> up.State:
         """Return mode, supervisor path, mission, faults and why it waits."""
-        weeder = self._weeder
-        run = weeder.run
-        is_following = weeder.is_auto and run is not None
+        brain = self._brain
+        run = brain.run
+        is_following = brain.is_auto and run is not None
         return up.State(
             **self.header(),
-            mode=weeder.mode,
-            path=list(weeder.watch.path),
-            path_since_ms=weeder.watch.since_ms,
-            lease_token=weeder.guard.active_lease,
+            mode=brain.mode,
+            path=list(brain.watch.path),
+            path_since_ms=brain.watch.since_ms,
+            lease_token=brain.guard.active_lease,
             set_speed_mps=run.leg.speed_mps if is_following and run is not None else None,
             order=run.order_state() if run is not None else None,
-            actions=weeder.actions.list(),
-            faults=[fault(code) for code in weeder.watch.faults],
-            hold=waiting_reason(weeder),
+            actions=brain.actions.list(),
+            faults=[fault(code, brain.profile.words) for code in brain.watch.faults],
+            hold=waiting_reason(brain),
         )
 
     def safety(self) -> up.Safety:
         """Return what the safety controller knows."""
-        weeder, machine = self._weeder, self._weeder.machine
+        brain, machine = self._brain, self._brain.machine
         speed = abs(machine.base.speed_mps)
         return up.Safety(
             **self.header(),
             hardware_stop=machine.is_hardware_stop,
-            latched=weeder.latch.is_set,
+            latched=brain.latch.is_set,
             standstill=machine.is_standing,
             speed_mps=round(speed, 3),
-            tool_off=not machine.laser_on,
-            presses=[self._press(press) for press in list(weeder.latch.presses)[-MAX_PRESSES_SHOWN:]],
-            stopping_distance_m=round(stopping_distance_m(speed), 3),
+            tool_off=not machine.tool_on,
+            presses=[self._press(press) for press in list(brain.latch.presses)[-MAX_PRESSES_SHOWN:]],
+            stopping_distance_m=round(machine.profile.motion.stopping_distance_m(speed), 3),
         )
 
     def factsheet(self) -> up.Factsheet:
         """Return who the robot is and what it can do."""
-        return up.Factsheet(**self.header(), **factsheet_fields(self._weeder.config))
+        return up.Factsheet(**self.header(), **factsheet_fields(self._brain.config))
 
     def nodes(self) -> list[up.Node]:
         """Return the life cycle of each software node."""
-        return [up.Node(**self.header(), **fields) for fields in node_fields(self._weeder.machine)]
+        return [up.Node(**self.header(), **fields) for fields in node_fields(self._brain.machine)]
 
     def event(self, happening: Happening) -> up.Event:
         """Return the message of one event."""
@@ -152,14 +151,14 @@ class Reporter:
         )
 
     def _tool(self) -> up.ToolState:
-        machine, weeder = self._weeder.machine, self._weeder
-        is_armed = weeder.run is not None and weeder.run.status == "running"
-        state = "fault" if machine.is_cover_open else "on" if machine.laser_on else "armed" if is_armed else "off"
+        machine, brain = self._brain.machine, self._brain
+        is_armed = brain.run is not None and brain.run.status == "running"
+        state = "fault" if machine.is_cover_open else "on" if machine.tool_on else "armed" if is_armed else "off"
         return up.ToolState(
             state=state,  # type: ignore[arg-type]
             interlock_ok=not machine.is_cover_open,
-            rate_per_min=None if machine.weeds_per_min is None else round(machine.weeds_per_min, 1),
-            temperature_c=round(machine.laser_temperature_c, 1),
+            rate_per_min=None if machine.rate_per_min is None else round(machine.rate_per_min, 1),
+            temperature_c=None if machine.profile.hot_c is None else round(machine.tool_temperature_c, 1),
         )
 
     def _press(self, press: PressRecord) -> up.Press:
@@ -167,6 +166,6 @@ class Reporter:
             stop_id=press.stop_id,
             by=press.by[:80],
             device=press.device[:80],
-            mono_ms=self._weeder.mono_ms_of(press.pressed_s),
+            mono_ms=self._brain.mono_ms_of(press.pressed_s),
             is_reset=press.is_reset,
         )

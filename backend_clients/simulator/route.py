@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backend_clients.edge.messages_down import Segment
-from backend_clients.simulator.kinematics import MAX_SPEED_MPS, MAX_YAW_RATE_RADPS, wrap_rad
+from backend_clients.simulator.kinematics import TRACKED, Motion, wrap_rad
 
 Point = tuple[float, float]
 PIVOT_RAD = math.radians(35)  # sharper corners are turned on the spot; sampled arcs are far flatter
@@ -70,9 +70,11 @@ class Route:
 
     Args:
         segments: in driving order, in the robot's ENU frame.
+        motion: what the machine can do.
     """
 
-    def __init__(self, segments: Sequence[Segment]) -> None:
+    def __init__(self, segments: Sequence[Segment], motion: Motion = TRACKED) -> None:
+        self.motion = motion
         points, bounds = _join(segments)
         if len(points) < 2:
             raise RouteError("the path has no length")
@@ -82,14 +84,14 @@ class Route:
         self._x, self._y, self._s = array("d", xy[:, 0]), array("d", xy[:, 1]), array("d", s)
         self.length_m = float(s[-1])
         self.legs = [
-            _leg(i, seg, float(s[a]), float(s[own]), float(s[b]))
+            _leg(i, seg, motion.max_speed_mps, (float(s[a]), float(s[own]), float(s[b])))
             for i, (seg, (a, own, b)) in enumerate(zip(segments, bounds, strict=True))
         ]
         self._leg_ends = array("d", [leg.end_m for leg in self.legs])
         declared = [entry for seg, (entry, _, _) in zip(segments, bounds, strict=True) if seg.pivot and entry > 0]
         for seg, (entry, own, _) in zip(segments, bounds, strict=True):
             declared += [i for i in (entry, own) if seg.jump is True and i > 0]
-        pivots, slow_s, slow_v = _corners(steps, s, declared)
+        pivots, slow_s, slow_v = _corners(steps, s, declared, motion)
         self.pivots = array("d", pivots)
         self._slow_s, self._slow_v = array("d", slow_s), array("d", slow_v)
         self._times = self._leg_times()
@@ -196,13 +198,14 @@ class Route:
         return times[::-1]
 
 
-def straight(points: Sequence[Point], speed_mps: float) -> Route:
+def straight(points: Sequence[Point], speed_mps: float, motion: Motion = TRACKED) -> Route:
     """Return a plain route through ``points`` with the tool off, e.g. the way home."""
-    return Route([Segment(kind="approach", points=list(points), speed_mps=speed_mps)])
+    return Route([Segment(kind="approach", points=list(points), speed_mps=speed_mps)], motion)
 
 
-def _leg(index: int, segment: Segment, start_m: float, own_start_m: float, end_m: float) -> Leg:
-    speed = min(segment.speed_mps, MAX_SPEED_MPS)
+def _leg(index: int, segment: Segment, top_mps: float, bounds_m: tuple[float, float, float]) -> Leg:
+    start_m, own_start_m, end_m = bounds_m
+    speed = min(segment.speed_mps, top_mps)
     is_jump = segment.jump is True
     dose = segment.dose if isinstance(segment.dose, float) else 1.0
     return Leg(index, segment.kind, segment.row, segment.tool_on, speed, start_m, end_m, own_start_m, is_jump, dose)
@@ -226,7 +229,7 @@ def _join(segments: Sequence[Segment]) -> tuple[list[Point], list[tuple[int, int
 
 
 def _corners(
-    steps: NDArray[np.float64], s: NDArray[np.float64], declared: Sequence[int]
+    steps: NDArray[np.float64], s: NDArray[np.float64], declared: Sequence[int], motion: Motion
 ) -> tuple[list[float], list[float], list[float]]:
     """Return pivots (found and ``declared`` by point index), and places with their speed limit where the line bends."""
     headings = np.arctan2(steps[:, 1], steps[:, 0])
@@ -237,10 +240,10 @@ def _corners(
     total = np.concatenate(([0.0], np.cumsum(turns)))
     first, last = np.searchsorted(at, at - SMOOTH_M), np.searchsorted(at, at + SMOOTH_M, side="right")
     turned = np.maximum(np.abs(total[last] - total[first]), bends)
-    limits = np.maximum(0.85 * MAX_YAW_RATE_RADPS * 2 * SMOOTH_M / np.maximum(turned, 1e-9), MIN_CORNER_MPS)
+    limits = np.maximum(0.85 * motion.yaw_rate_radps * 2 * SMOOTH_M / np.maximum(turned, 1e-9), MIN_CORNER_MPS)
     is_pivot = bends > PIVOT_RAD
     is_pivot[[i - 1 for i in declared if i - 1 < len(bends)]] = True
-    is_slow = ~is_pivot & (limits < MAX_SPEED_MPS)
+    is_slow = ~is_pivot & (limits < motion.max_speed_mps)
     return at[is_pivot].tolist(), at[is_slow].tolist(), limits[is_slow].tolist()
 
 

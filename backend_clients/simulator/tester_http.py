@@ -8,6 +8,8 @@
     GET    /_world/{robot}           ground truth
     POST   /_world/{robot}           {"x_m", "y_m", "theta_rad", "soc"}, all optional: puts the machine there
     POST   /_world                   {"speed": 10}
+    GET    /_situations              what can be played, and what is on
+    POST   /_situations/{robot}      {"situation": "rtk-float"}, null ends it
 """
 
 from __future__ import annotations
@@ -22,8 +24,10 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
+from backend_clients.simulator.director import Director
 from backend_clients.simulator.faults import decode_fault, name_of
 from backend_clients.simulator.http_server import error
+from backend_clients.simulator.situations import SITUATIONS
 from backend_clients.simulator.world import SimRobot, World
 
 MAX_BODY = 4096
@@ -48,11 +52,19 @@ class Pace(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     speed: Annotated[float, Meta(ge=0.1, le=200)]
 
 
-def routes(world: World) -> list[Route]:
+class Wanted(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """Which situation to play on a robot; ``None`` ends the one that is on."""
+
+    situation: str | None
+
+
+def routes(world: World, director: Director) -> list[Route]:
     """Return the tester's routes."""
     return [
         Route("/_faults/{robot_id}", _local(_Faults(world).serve), methods=["GET", "POST", "DELETE"]),
         Route("/_world/{robot_id}", _local(_Truth(world).serve), methods=["GET", "POST"]),
+        Route("/_situations", _local(_Situations(director).list), methods=["GET"]),
+        Route("/_situations/{robot_id}", _local(_Situations(director).play), methods=["POST"]),
         Route("/_world", _local(_Pace(world).serve), methods=["GET", "POST"]),
     ]
 
@@ -90,6 +102,25 @@ class _Truth:
         return _answer(truth(robot, self._world.clock.mono_s()))
 
 
+class _Situations:
+    def __init__(self, director: Director) -> None:
+        self._director = director
+
+    async def list(self, _request: Request) -> Response:
+        known = [{"id": s.id, "title": s.title, "text": s.text, "families": s.families} for s in SITUATIONS]
+        return _answer({"situations": known, "now": self._director.now()})
+
+    async def play(self, request: Request) -> Response:
+        wanted = msgspec.json.decode(await request.body(), type=Wanted).situation
+        try:
+            self._director.provoke(request.path_params["robot_id"], wanted)
+        except KeyError as problem:
+            return error(404, "unknown", f"There is no robot or situation {problem.args[0]!r} here.")
+        except ValueError as problem:
+            return error(409, "not_possible", f"{problem}.")
+        return _answer({"now": self._director.now()})
+
+
 class _Pace:
     def __init__(self, world: World) -> None:
         self._world = world
@@ -103,22 +134,22 @@ class _Pace:
 def truth(robot: SimRobot, now_s: float) -> dict[str, Any]:
     """Return what is really so; ``*_age_s`` count from now, ``None`` means never or not now."""
     base, boot = robot.machine.base, robot.boot
-    drive = boot.weeder.last_drive if boot is not None else None
+    drive = boot.brain.last_drive if boot is not None else None
     is_driven = drive is not None and math.isfinite(drive.heard_s)
     return {
         "is_on": boot is not None,
-        "boot": boot.weeder.boot if boot is not None else None,
-        "mode": boot.weeder.mode if boot is not None else None,
+        "boot": boot.brain.boot if boot is not None else None,
+        "mode": boot.brain.mode if boot is not None else None,
         "x_m": base.x_m,
         "y_m": base.y_m,
         "theta_rad": base.theta_rad,
         "speed_mps": base.speed_mps,
         "yaw_rate_radps": base.yaw_rate_radps,
         "distance_m": base.distance_m,
-        "laser_on": robot.machine.laser_on,
+        "laser_on": robot.machine.tool_on,
         "soc": robot.machine.soc,
         "standstill": robot.machine.is_standing,
-        "latched": boot.weeder.latch.is_set if boot is not None else None,
+        "latched": boot.brain.latch.is_set if boot is not None else None,
         "stopped_age_s": None if robot.stopped_at_s is None else now_s - robot.stopped_at_s,
         "drive_age_s": now_s - drive.heard_s if drive is not None and is_driven else None,
         "drive_v_mps": drive.v_mps if drive is not None and is_driven else None,

@@ -17,7 +17,7 @@ from backend_clients.simulator.route import Point, RouteError
 from backend_clients.simulator.verdict import OK, Verdict, refused
 
 if TYPE_CHECKING:
-    from backend_clients.simulator.weeder import Weeder
+    from backend_clients.simulator.brain import Brain
 
 SAME_M = 0.02  # a stitch point comes from a report in centimetres
 KNOWN_M = 0.05  # how exactly a mission taken up again must begin where the robot left off
@@ -26,29 +26,29 @@ REACH_M = 2.0  # so near it may drive straight to the beginning of a planned way
 JUST_PAST_M = 1e-5  # so that the joint before it is not looked at again
 
 
-def continued(weeder: Weeder, order: Mission, continues: Continues) -> Verdict:
+def continued(brain: Brain, order: Mission, continues: Continues) -> Verdict:
     """Take the mission if it keeps what was driven; change nothing otherwise."""
     try:
-        fresh = MissionRun(order, weeder.frame, (weeder.config.x_m, weeder.config.y_m))
+        fresh = MissionRun(order, brain.frame, (brain.config.x_m, brain.config.y_m), brain.profile)
     except RouteError as error:
         return refused("bad_mission", f"The path of this mission cannot be driven: {error}.")
     if continues.segments >= len(order.segments):
         return refused("not_an_update", "This document has nothing after the path that stays.")
     stitch_m = fresh.route.legs[continues.segments - 1].end_m if continues.segments else 0.0
     after = fresh.route.legs[continues.segments]
-    run = weeder.run
+    run = brain.run
     if run is not None and run.sha256 == continues.base_sha256:
         verdict = _same(run, order, continues.segments)
         if not verdict.is_accepted:
             return verdict
         if after.is_jump and not _is_known(run, order, continues.segments):
-            return _taken_up(weeder, fresh, run, stitch_m, after.own_start_m)
-        return _changed(weeder, fresh, run, after.drive_from_m)
+            return _taken_up(brain, fresh, run, stitch_m, after.own_start_m)
+        return _changed(brain, fresh, run, after.drive_from_m)
     if run is not None and run.is_open:
         return refused("mission_active")
     if not after.is_jump or (run is not None and run.mission.mission_id == order.mission_id):
         return refused("not_an_update")
-    return _taken_up(weeder, fresh, None, stitch_m, after.own_start_m)
+    return _taken_up(brain, fresh, None, stitch_m, after.own_start_m)
 
 
 def _same(run: MissionRun, order: Mission, kept: int) -> Verdict:
@@ -91,7 +91,7 @@ def _distance(point: Point, a: Point, b: Point) -> float:
     return math.dist(point, (a[0] + t * dx, a[1] + t * dy))
 
 
-def _changed(weeder: Weeder, fresh: MissionRun, run: MissionRun, stitch_m: float) -> Verdict:
+def _changed(brain: Brain, fresh: MissionRun, run: MissionRun, stitch_m: float) -> Verdict:
     """Take a new rest from a place ahead; the robot runs, or stands, on as before."""
     if not run.is_open:
         return refused("not_an_update", "The mission on the robot has ended. Plan the way back, or start fresh.")
@@ -99,26 +99,26 @@ def _changed(weeder: Weeder, fresh: MissionRun, run: MissionRun, stitch_m: float
     if ahead_m < (AHEAD_M if run.status == "running" else -SAME_M):
         return refused("update_too_late")
     fresh.take_over(run, min(run.tracker.s_m, stitch_m))
-    weeder.renew(fresh)
+    brain.renew(fresh)
     return OK
 
 
-def _taken_up(weeder: Weeder, fresh: MissionRun, run: MissionRun | None, stitch_m: float, begin_m: float) -> Verdict:
+def _taken_up(brain: Brain, fresh: MissionRun, run: MissionRun | None, stitch_m: float, begin_m: float) -> Verdict:
     """Take a mission up again from elsewhere: paused, before the way to where it was interrupted."""
-    if weeder.is_auto:
+    if brain.is_auto:
         return refused("mission_active")
-    if not weeder.machine.base.is_still:
+    if not brain.machine.base.is_still:
         return refused("not_standing")
     if run is not None and run.tracker.s_m > stitch_m + KNOWN_M:
         return refused("update_too_late")
     if run is not None and run.tracker.s_m < stitch_m - KNOWN_M:
         return refused("not_an_update", "The robot has not come as far as this document says. Look at it again.")
-    if math.dist(weeder.place, fresh.route.point_at(begin_m)) > REACH_M:
+    if math.dist(brain.place, fresh.route.point_at(begin_m)) > REACH_M:
         return refused("not_where_planned")
     if run is not None:
         fresh.take_over(run, begin_m)
     else:
         fresh.count_done(stitch_m)
-    fresh.stand_at(begin_m + JUST_PAST_M, weeder.place)
-    weeder.renew(fresh)
+    fresh.stand_at(begin_m + JUST_PAST_M, brain.place)
+    brain.renew(fresh)
     return OK

@@ -41,9 +41,12 @@ REFUSALS: dict[str, str] = {
     "already_home": "It is at home already.",
     # machine
     "battery_low": "The battery is too low to start. Charge it first.",
-    "gnss_not_fixed": "The position is not exact enough to weed. Wait for RTK fixed.",
-    "tool_interlock": "The laser cover is open. Close it on the machine.",
+    "gnss_not_fixed": "The position is not exact enough to work. Wait for RTK fixed.",
+    "tool_interlock": "The cover of the tool is open. Close it on the machine.",
     "person_ahead": "Somebody or something stands in front of the robot. Look at it before you start.",
+    "weed_unsure": "It cannot tell crop and weed apart here. Look at the row before you start.",
+    "crane_limit": "The crane is outside its limit. Retract it at the machine, or drive it by hand a little.",
+    "tray_empty": "The seedling tray is empty. Load a tray at the machine.",
     "simulated_reject": "The robot cannot do that now (a fault switched on in the simulator).",
 }
 """Every refusal the robot can give."""

@@ -10,27 +10,29 @@ from pathlib import Path
 from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
 from backend_clients.simulator import faults as fault_kinds
-from backend_clients.simulator.config import WeederConfig
+from backend_clients.simulator.brain import Brain
+from backend_clients.simulator.config import RobotConfig
 from backend_clients.simulator.faults import Fault, Faults
 from backend_clients.simulator.journal import Happening
-from backend_clients.simulator.kinematics import SkidSteer
+from backend_clients.simulator.kinematics import Base
 from backend_clients.simulator.machine import STOPPED, Machine
 from backend_clients.simulator.orders import OrderDesk
 from backend_clients.simulator.reports import Reporter
 from backend_clients.simulator.state_folder import StateFolder
-from backend_clients.simulator.weeder import Weeder
 from hmi.clock import Clock
 
-MAX_STEP_S = 0.1  # control gets coarse above; hastened time is cut into steps of this
+MAX_STEP_S = 0.1  # steering gets coarse above; hastened time is cut into steps of this
+MAX_RAIL_STEP_S = 0.5  # what is not steered may take longer ones
+RESTING_TICKS, LEAN_TICKS = 4, 10  # of the world's steps, between two of the robot's
 
 
 class Boot:
     """One run of the robot's software from power-up to crash."""
 
-    def __init__(self, weeder: Weeder) -> None:
-        self.weeder = weeder
-        self.reporter = Reporter(weeder)
-        self.desk = OrderDesk(weeder, self.reporter)
+    def __init__(self, brain: Brain) -> None:
+        self.brain = brain
+        self.reporter = Reporter(brain)
+        self.desk = OrderDesk(brain, self.reporter)
 
 
 class SimRobot:
@@ -43,44 +45,72 @@ class SimRobot:
         state_dir: its folder on disk, ``None`` to keep state in memory only.
     """
 
-    def __init__(self, config: WeederConfig, clock: Clock, *, seed: int = 1, state_dir: Path | None = None) -> None:
+    def __init__(self, config: RobotConfig, clock: Clock, *, seed: int = 1, state_dir: Path | None = None) -> None:
         self.config, self.clock = config, clock
         self.faults = Faults()
         self.store = StateFolder(state_dir)
-        self.machine = Machine(random.Random(f"noise/{config.id}/{seed}"), self._first_place(), soc=config.soc)  # noqa: S311
+        noise = random.Random(f"noise/{config.id}/{seed}")  # noqa: S311
+        profile = config.profile
+        self.machine = Machine(noise, self._first_place(), profile, soc=config.soc, seedlings=profile.tray)
         saved = self.store.load_progress()
         if saved is not None:
             self.machine.soc = saved.soc
         self._boot_at_s: float | None = None
         self.stopped_at_s: float | None = None
+        self.lived_s = 0.0  # of the world's time
+        self.is_lazy = False  # lean and in its usual round: not looked at before its turn
+        self.is_awake = False  # an order came; what it changes is not to wait for the next long step
         self.boot: Boot | None = self._power_up()
 
     def receive(self, order: down.Order, *, is_retained: bool = False) -> up.Ack | None:
         """Hand one order to the software; ``None`` too when it is switched off."""
+        if not isinstance(order, down.Ping):
+            self.is_awake = True
         return self.boot.desk.receive(order, is_retained=is_retained) if self.boot is not None else None
 
     def step(self, dt_s: float, speed: float = 1.0) -> None:
         """Live for ``dt_s`` of the clock; missions run ``speed`` times faster than that."""
         if self.boot is None:
-            self.machine.step(dt_s, STOPPED, is_braking=True, laser_on=False)
+            self.machine.step(dt_s, STOPPED, is_braking=True, tool_on=False)
             if self._boot_at_s is not None and self.clock.mono_s() >= self._boot_at_s:
                 self.faults.clear("crash")
                 self._boot_at_s = None
                 self.boot = self._power_up()
         else:
-            weeder = self.boot.weeder
-            weeder.check_people()
-            left_s = dt_s * speed if weeder.is_auto else dt_s
+            brain = self.boot.brain
+            brain.check_people()
+            left_s = dt_s * speed if brain.is_auto else dt_s
+            most_s = MAX_RAIL_STEP_S if self.machine.profile.motion.is_on_rails or self.is_resting else MAX_STEP_S
             while left_s > 1e-9:
-                step_s = min(left_s, MAX_STEP_S)
-                weeder.step(step_s)
+                step_s = min(left_s, most_s)
+                brain.step(step_s)
                 left_s -= step_s
-            weeder.save_sometimes()
+            brain.memory.save_sometimes(brain)
         self._note_standstill()
+
+    @property
+    def is_resting(self) -> bool:
+        """Whether nothing moves and nothing is about to: it may live in longer steps."""
+        boot = self.boot
+        if boot is None or self._boot_at_s is not None or not self.machine.base.is_still:
+            return False
+        brain = boot.brain
+        return not brain.is_auto and brain.drive is None and not brain.machine.tool_on
+
+    @property
+    def every_ticks(self) -> int:
+        """How many of the world's steps it takes together; orders, braking and driving by hand never wait."""
+        if self.is_awake:
+            return 1
+        if self.is_resting:
+            return LEAN_TICKS if self.config.is_lean else RESTING_TICKS
+        if not self.config.is_lean or self.boot is None:
+            return 1
+        return LEAN_TICKS if self.boot.brain.is_auto and self.boot.brain.drive is None else 1
 
     def take_events(self) -> list[Happening]:
         """Return the events that happened since the last call."""
-        return self.boot.weeder.journal.take() if self.boot is not None else []
+        return self.boot.brain.journal.take() if self.boot is not None else []
 
     def set_fault(self, fault: Fault) -> None:
         """Switch a fault on."""
@@ -94,6 +124,12 @@ class SimRobot:
                 self.machine.is_cover_open = True
             case fault_kinds.PersonAhead():
                 self.machine.put_person_ahead(fault.distance_m)
+            case fault_kinds.WeedUnsure():
+                self.machine.is_unsure = True
+            case fault_kinds.CraneLimit():
+                self.machine.is_crane_at_limit = True
+            case fault_kinds.TrayEmpty():
+                self.machine.seedlings = min(fault.left, self.machine.profile.tray)
             case fault_kinds.HardwareStop():
                 self.machine.is_hardware_stop = True
             case fault_kinds.KeepsMoving():
@@ -113,6 +149,12 @@ class SimRobot:
                     self.machine.is_cover_open = False
                 case fault_kinds.PersonAhead():
                     self.machine.person = None
+                case fault_kinds.WeedUnsure():
+                    self.machine.is_unsure = False
+                case fault_kinds.CraneLimit():
+                    self.machine.is_crane_at_limit = False
+                case fault_kinds.TrayEmpty():
+                    self.machine.seedlings = self.machine.profile.tray
                 case fault_kinds.HardwareStop():
                     self.machine.is_hardware_stop = False
                 case fault_kinds.KeepsMoving():
@@ -128,14 +170,15 @@ class SimRobot:
     def _power_up(self) -> Boot:
         # never from the seed: a replayed order of an earlier run must find neither its boot nor its challenge
         boot_id = secrets.token_hex(8)
-        weeder = Weeder(self.config, self.machine, self.clock, self.store, self.faults, boot_id, _challenge)
-        return Boot(weeder)
+        brain = Brain(self.config, self.machine, self.clock, self.store, self.faults, boot_id, _challenge)
+        return Boot(brain)
 
-    def _first_place(self) -> SkidSteer:
+    def _first_place(self) -> Base:
+        motion = self.config.profile.motion
         saved = self.store.load_progress()
         if saved is not None:
-            return SkidSteer(saved.x_m, saved.y_m, saved.theta_rad)
-        return SkidSteer(self.config.x_m, self.config.y_m, self.config.theta_rad)
+            return Base(saved.x_m, saved.y_m, saved.theta_rad, motion=motion)
+        return Base(self.config.x_m, self.config.y_m, self.config.theta_rad, motion=motion)
 
     def _note_standstill(self) -> None:
         if not self.machine.base.is_still:
@@ -152,27 +195,39 @@ class World:
     """All robots of one process.
 
     Args:
-        weeders: the robots.
+        robots: the robots.
         clock: shared by all; only ``mono_s`` decides anything.
         seed, speed, state_dir: see ``SimulatorConfig``.
     """
 
     def __init__(
         self,
-        weeders: Iterable[WeederConfig],
+        robots: Iterable[RobotConfig],
         clock: Clock,
         *,
         seed: int = 1,
         speed: float = 1.0,
         state_dir: Path | None = None,
     ) -> None:
-        self.clock, self.speed = clock, speed
+        self.clock, self.speed, self._count, self._lived_s = clock, speed, 0, 0.0
         self.robots = {
             config.id: SimRobot(config, clock, seed=seed, state_dir=state_dir / config.id if state_dir else None)
-            for config in weeders
+            for config in robots
         }
 
     def step(self, dt_s: float) -> None:
-        """Let every robot live for ``dt_s`` of the clock; the caller moves the clock."""
-        for robot in self.robots.values():
-            robot.step(dt_s, self.speed)
+        """Let every robot live for ``dt_s`` of the clock; the caller moves the clock.
+
+        Robots that rest, and lean ones, take several steps together, not all of them in the same one.
+        """
+        self._count += 1
+        self._lived_s += dt_s
+        for number, robot in enumerate(self.robots.values()):
+            turn = self._count + number
+            is_lazy = robot.is_lazy and not robot.is_awake
+            if (is_lazy and turn % LEAN_TICKS) or turn % robot.every_ticks:
+                continue
+            due_s, robot.lived_s = self._lived_s - robot.lived_s, self._lived_s
+            robot.is_awake = False
+            robot.step(due_s, self.speed)
+            robot.is_lazy = robot.config.is_lean and robot.every_ticks == LEAN_TICKS

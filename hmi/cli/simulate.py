@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import secrets
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -19,28 +20,114 @@ def simulate() -> None:
     """Simulated robots alone, over the same wire as real ones."""
 
 
+Broker = Annotated[str, typer.Option(help="MQTT broker, mqtt://host:port.")]
+HttpPort = Annotated[int, typer.Option(min=0, max=65535, help="Port of the robots' HTTP; 0 takes a free one.")]
+Seed = Annotated[int, typer.Option(help="Makes noise and what happens repeatable.")]
+Speed = Annotated[float, typer.Option(min=0.1, max=200, help="Missions run this many times faster.")]
+State = Annotated[Path | None, typer.Option(help="Folder where latch and mission survive a restart.")]
+Name = Annotated[str, typer.Option(help="What people call it.")]
+Token = Annotated[str, typer.Option(help="Bearer token of its HTTP; made and printed if empty.")]
+Lat = Annotated[float | None, typer.Option(min=-90, max=90, help="Latitude of its datum.")]
+Lon = Annotated[float | None, typer.Option(min=-180, max=180, help="Longitude of its datum.")]
+Robots = Annotated[Path | None, typer.Option(help="JSON list of robots instead of one, as the demo uses.")]
+LOCAL_BROKER = "mqtt://127.0.0.1:1883"
+
+
 @app.command()
 def weeder(
-    broker: Annotated[str, typer.Option(help="MQTT broker, mqtt://host:port.")] = "mqtt://127.0.0.1:1883",
-    port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the robots' HTTP; 0 takes a free one.")] = 0,
-    seed: Annotated[int, typer.Option(help="Makes noise repeatable.")] = 1,
-    speed: Annotated[float, typer.Option(min=0.1, max=200, help="Missions run this many times faster.")] = 1.0,
+    broker: Broker = LOCAL_BROKER,
+    port: HttpPort = 0,
+    seed: Seed = 1,
+    speed: Speed = 1.0,
     robot: Annotated[str, typer.Option("--id", help="Robot id.")] = "weeder-01",
-    name: Annotated[str, typer.Option(help="What people call it.")] = "",
-    token: Annotated[str, typer.Option(help="Bearer token of its HTTP; made and printed if empty.")] = "",
-    lat: Annotated[float | None, typer.Option(min=-90, max=90, help="Latitude of its datum.")] = None,
-    lon: Annotated[float | None, typer.Option(min=-180, max=180, help="Longitude of its datum.")] = None,
-    state: Annotated[Path | None, typer.Option(help="Folder where latch and mission survive a restart.")] = None,
-    robots: Annotated[Path | None, typer.Option(help="JSON list of robots instead of --id, as the demo uses.")] = None,
+    name: Name = "",
+    token: Token = "",
+    lat: Lat = None,
+    lon: Lon = None,
+    state: State = None,
+    robots: Robots = None,
 ) -> None:
-    """Start one simulated laser weeder, or those of a file."""
+    """Start one simulated laser weeder, or the robots of a file."""
+    _run(
+        broker,
+        port,
+        seed,
+        speed,
+        state,
+        lambda: _read(robots) if robots else (_one("weeder", robot, name, token, lat, lon),),
+    )
+
+
+@app.command()
+def planter(
+    broker: Broker = LOCAL_BROKER,
+    port: HttpPort = 0,
+    seed: Seed = 1,
+    speed: Speed = 1.0,
+    robot: Annotated[str, typer.Option("--id", help="Robot id.")] = "planter-01",
+    name: Name = "",
+    token: Token = "",
+    lat: Lat = None,
+    lon: Lon = None,
+    state: State = None,
+) -> None:
+    """Start one simulated tree planter."""
+    _run(broker, port, seed, speed, state, lambda: (_one("planter", robot, name, token, lat, lon),))
+
+
+@app.command()
+def uav(
+    broker: Broker = LOCAL_BROKER,
+    port: HttpPort = 0,
+    seed: Seed = 1,
+    speed: Speed = 1.0,
+    robot: Annotated[str, typer.Option("--id", help="Robot id.")] = "uav-01",
+    name: Name = "",
+    token: Token = "",
+    lat: Lat = None,
+    lon: Lon = None,
+    state: State = None,
+) -> None:
+    """Start one simulated UAV."""
+    _run(broker, port, seed, speed, state, lambda: (_one("uav", robot, name, token, lat, lon),))
+
+
+@app.command()
+def fleet(
+    broker: Broker = LOCAL_BROKER,
+    port: HttpPort = 0,
+    seed: Seed = 1,
+    speed: Speed = 1.0,
+    state: State = None,
+    robots: Annotated[Path | None, typer.Option(help="JSON list of robots instead of numbers of them.")] = None,
+    weeders: Annotated[int, typer.Option(min=0, max=99, help="How many laser weeders.")] = 16,
+    planters: Annotated[int, typer.Option(min=0, max=99, help="How many tree planters.")] = 4,
+    uavs: Annotated[int, typer.Option(min=0, max=99, help="How many UAVs.")] = 4,
+    lean: Annotated[int, typer.Option(min=0, max=5000, help="Only so many lean weeders, for load.")] = 0,
+    out: Annotated[Path | None, typer.Option(help="Write ids and HTTP tokens of the robots here.")] = None,
+) -> None:
+    """Start many robots in one process: a farm at work, or a crowd for load."""
     from backend_clients.simulator.config import SimulatorConfig
     from backend_clients.simulator.process import run_simulator
+    from hmi.demo.crowd import fleet_rows, lean_jobs, lean_rows
+    from hmi.demo.jobs import OPENING, jobs_of
 
     try:
-        weeders = _read(robots) if robots else (_one(robot, name, token, lat, lon),)
-        config = SimulatorConfig(broker, weeders, port=port, seed=seed, speed=speed, state_dir=state)
-    except ValueError as error:
+        rows = _rows(robots) if robots else lean_rows(lean) if lean else fleet_rows(weeders, planters, uavs)
+        jobs = jobs_of(rows)
+        config = SimulatorConfig(
+            broker,
+            _configs(rows, robots),
+            port=port,
+            seed=seed,
+            speed=speed,
+            state_dir=state,
+            jobs=jobs | lean_jobs(rows),
+            opening=OPENING if jobs else None,
+        )
+        if out is not None:
+            _write_private(out, rows)
+    except (ValueError, OSError) as error:
         raise StartError(f"{error}.") from error
     run_simulator(config)
 
@@ -61,27 +148,57 @@ def weather(
         run_station(client, name, password or name, WeatherStation(seed), say=typer.echo)
 
 
-def _one(robot: str, name: str, token: str, lat: float | None, lon: float | None) -> Any:
-    from backend_clients.simulator.config import DEFAULT_LAT_DEG, DEFAULT_LON_DEG, WeederConfig
+def _run(
+    broker: str, port: int, seed: int, speed: float, state: Path | None, robots: Callable[[], tuple[Any, ...]]
+) -> None:
+    from backend_clients.simulator.config import SimulatorConfig
+    from backend_clients.simulator.process import run_simulator
+
+    try:
+        config = SimulatorConfig(broker, robots(), port=port, seed=seed, speed=speed, state_dir=state)
+    except ValueError as error:
+        raise StartError(f"{error}.") from error
+    run_simulator(config)
+
+
+def _one(family: Any, robot: str, name: str, token: str, lat: float | None, lon: float | None) -> Any:
+    from backend_clients.simulator.config import DEFAULT_LAT_DEG, DEFAULT_LON_DEG, RobotConfig
 
     if not token:
         token = secrets.token_urlsafe(24)
         typer.echo(f"HTTP token of {robot}: {token}")
-    return WeederConfig(
+    return RobotConfig(
         id=robot,
         name=name or robot.replace("-", " ").capitalize(),
         token=token,
         datum_lat_deg=DEFAULT_LAT_DEG if lat is None else lat,
         datum_lon_deg=DEFAULT_LON_DEG if lon is None else lon,
+        family=family,
     )
 
 
 def _read(path: Path) -> tuple[Any, ...]:
-    from backend_clients.simulator.config import WeederConfig
+    return _configs(_rows(path), path)
+
+
+def _write_private(path: Path, rows: list[dict[str, Any]]) -> None:
+    path.touch(mode=0o600)
+    path.write_text(json.dumps(rows, indent=1), encoding="utf-8")
+
+
+def _rows(path: Path) -> list[dict[str, Any]]:
+    try:
+        rows: list[dict[str, Any]] = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise ValueError(f"cannot read robots from {path}: {error}") from error
+    return rows
+
+
+def _configs(rows: list[dict[str, Any]], path: Path | None = None) -> tuple[Any, ...]:
+    from backend_clients.simulator.config import RobotConfig
 
     try:
-        rows = json.loads(path.read_text(encoding="utf-8"))
-        known = WeederConfig.__dataclass_fields__
-        return tuple(WeederConfig(**{k: v for k, v in row.items() if k in known}) for row in rows)
-    except (OSError, TypeError, AttributeError) as error:
+        known = RobotConfig.__dataclass_fields__
+        return tuple(RobotConfig(**{k: v for k, v in row.items() if k in known}) for row in rows)
+    except (TypeError, AttributeError) as error:
         raise ValueError(f"cannot read robots from {path}: {error}") from error

@@ -28,7 +28,7 @@ class DemoFeature:
 @cache
 def features() -> tuple[DemoFeature, ...]:
     """Return every feature of the demo farm; parcels last, so that a list of fields begins with the large one."""
-    return (*_surroundings(), _parcel(), *_sections())
+    return (*_placed("surroundings.geojson"), *_placed("polder-farm.geojson"), _parcel(), *_sections())
 
 
 def feature(feature_id: str) -> DemoFeature:
@@ -40,10 +40,10 @@ def feature(feature_id: str) -> DemoFeature:
     return {one.id: one for one in features()}[feature_id]
 
 
-def _surroundings() -> tuple[DemoFeature, ...]:
+def _placed(name: str) -> tuple[DemoFeature, ...]:
     return tuple(
         DemoFeature(p["id"], p["kind"], p["name"], {k: v for k, v in p.items() if k not in ("id", "kind", "name")}, g)
-        for p, g in _read("surroundings.geojson")
+        for p, g in _read(name)
     )
 
 

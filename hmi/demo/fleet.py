@@ -9,26 +9,34 @@ import secrets
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from hmi.demo.farm import feature
+from hmi.domain.robot import Family
 from hmi.planning.projection import LocalFrame
 
 FILE = Path("run") / "demo-robots.json"
 
 
+FleetSize = Literal["full", "small"]
+POLDER_DATUM = (51.7858, 4.262)
+MECHANIC = ("Jonas Weber", "+31 6 0000 0001")
+FORESTER = ("Sanne de Wit", "+31 6 0000 0002")
+PILOT = ("Lucia Romero", "+31 6 0000 0003")
+
+
 @dataclass(frozen=True, slots=True)
 class DemoRobot:
-    """One simulated weeder: identity, site datum (WGS84) and the home bay it stands in."""
+    """One simulated robot: identity, who looks after it, and the home bay it stands in. ``soc`` is at first start."""
 
     id: str
     name: str
     home_id: str
-    datum_lat_deg: float
-    datum_lon_deg: float
-    contact_name: str
-    contact_phone: str
+    contact: tuple[str, str] = MECHANIC
     soc: float = 0.92
+    family: Family = Family.WEEDER
+    datum_lat_deg: float = POLDER_DATUM[0]
+    datum_lon_deg: float = POLDER_DATUM[1]
 
     @property
     def home(self) -> tuple[float, float]:
@@ -43,13 +51,32 @@ class DemoRobot:
         return float(x), float(y), math.pi / 2 - bearing
 
 
-POLDER_DATUM = (51.7858, 4.262)
-SITE_DATUM = (40.312546, -3.48086)
-ROBOTS = (
-    DemoRobot("weeder-01", "Weeder 01", "polder-bay-1", *POLDER_DATUM, "Jonas Weber", "+31 6 0000 0001"),
-    DemoRobot("weeder-02", "Weeder 02", "polder-bay-2", *POLDER_DATUM, "Jonas Weber", "+31 6 0000 0001", soc=0.81),
-    DemoRobot("weeder-03", "Weeder 03", "site-home", *SITE_DATUM, "Lucia Romero", "+34 600 000 003"),
+SMALL = (
+    DemoRobot("weeder-01", "Weeder 01", "polder-bay-1"),
+    DemoRobot("weeder-02", "Weeder 02", "polder-bay-2", soc=0.81),
+    DemoRobot("weeder-03", "Weeder 03", "bay-03", soc=0.88),
 )
+"""Enough to try one thing: nothing happens by itself."""
+_CHARGE = {4: 0.77, 5: 0.64, 6: 0.71, 7: 0.68, 8: 0.83, 9: 0.63, 10: 0.74, 11: 0.71, 12: 0.59, 13: 0.95, 14: 1.0,
+           15: 0.46, 16: 0.31}  # fmt: skip
+FULL = (
+    *SMALL,
+    *(DemoRobot(f"weeder-{n:02d}", f"Weeder {n:02d}", f"bay-{n:02d}", soc=soc) for n, soc in _CHARGE.items()),
+    *(
+        DemoRobot(f"planter-{n:02d}", f"Planter {n:02d}", f"planter-bay-{n}", FORESTER, soc, Family.PLANTER)
+        for n, soc in ((1, 0.82), (2, 0.54), (3, 0.66), (4, 1.0))
+    ),
+    *(
+        DemoRobot(f"uav-{n:02d}", f"Kestrel {n}", f"uav-pad-{n}", PILOT, soc, Family.UAV)
+        for n, soc in ((1, 0.97), (2, 0.88), (3, 0.52), (4, 1.0))
+    ),
+)
+"""The whole farm at work: 16 weeders, 4 planters, 4 UAVs. weeder-01 and weeder-02 wait for whoever tries the demo."""
+
+
+def demo_robots(size: FleetSize = "full") -> tuple[DemoRobot, ...]:
+    """Return the robots of a fleet."""
+    return FULL if size == "full" else SMALL
 
 
 def robot(robot_id: str) -> DemoRobot:
@@ -58,21 +85,24 @@ def robot(robot_id: str) -> DemoRobot:
     Raises:
         KeyError: there is none of this id.
     """
-    return {one.id: one for one in ROBOTS}[robot_id]
+    return {one.id: one for one in FULL}[robot_id]
 
 
-def write_demo_fleet(data: Path, base_url: str) -> Path:
+def write_demo_fleet(data: Path, base_url: str, size: FleetSize = "full") -> Path:
     """Write the file the simulator and the console start from; return its path.
 
-    Tokens are made once and kept. Each row is a simulated weeder with ``http_url`` beside it.
+    Tokens are made once and kept. Each row is a simulated robot with ``http_url`` beside it.
 
     Args:
         data: the data folder.
         base_url: where the simulator serves robot HTTP, e.g. ``http://127.0.0.1:9000``.
+        size: which robots.
     """
     path = data / FILE
     tokens = {row["id"]: row["token"] for row in read_demo_fleet(data)}
-    rows = [_row(one, tokens.get(one.id) or secrets.token_urlsafe(24), base_url) for one in ROBOTS]
+    rows = [row_of(one, tokens.get(one.id) or secrets.token_urlsafe(24), base_url) for one in demo_robots(size)]
+    for row in rows:
+        row["task"] = size == "full"  # a small fleet waits for whoever tries it
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name)  # private: it holds tokens
     with os.fdopen(handle, "w", encoding="utf-8") as file:
@@ -90,11 +120,13 @@ def read_demo_fleet(data: Path) -> list[dict[str, Any]]:
     return rows
 
 
-def _row(one: DemoRobot, token: str, base_url: str) -> dict[str, Any]:
+def row_of(one: DemoRobot, token: str, base_url: str) -> dict[str, Any]:
+    """Return a row of the fleet file."""
     x, y, theta = one.pose()
     return {
         "id": one.id,
         "name": one.name,
+        "family": one.family.value,
         "token": token,
         "http_url": f"{base_url.rstrip('/')}/{one.id}",
         "datum_lat_deg": one.datum_lat_deg,

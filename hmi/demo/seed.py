@@ -9,14 +9,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from hmi.clock import Clock
-from hmi.demo.catalogue import CATALOGUE, DemoMission, plan
+from hmi.demo.catalogue import CATALOGUE, PAST, DemoMission, plan
 from hmi.demo.farm import features
-from hmi.demo.fleet import ROBOTS, read_demo_fleet
+from hmi.demo.fleet import read_demo_fleet, robot
 from hmi.demo.history import PAST_RUNS, PastRun, RunOutcome, record_run
+from hmi.demo.work import planned_work, task_of
 from hmi.domain.mission import MissionStatus, Mover
 from hmi.domain.mission_document import renamed
 from hmi.domain.mission_plan import PlannedMission
-from hmi.domain.robot import Family
 from hmi.planning.side_process import SideProcess
 from hmi.store.database import Database
 from hmi.store.features import Feature, Features
@@ -57,6 +57,7 @@ class DemoSeed:
         await self._parts.database.run(self._robots)
         for mission in CATALOGUE[:AT_ONCE]:
             await self._mission(mission, lambda one: asyncio.to_thread(plan, one))
+        await self._parts.database.run(self._work)
 
     def in_background(self) -> None:
         """Begin with the remaining missions and the history."""
@@ -78,21 +79,17 @@ class DemoSeed:
 
     def _map(self) -> None:
         parts = self._parts
-        known = {one.id for one in parts.features.all(parts.farm_id)}
+        if parts.features.all(parts.farm_id):
+            return  # what people made of the map stays
         parts.features.put(
-            Feature(one.id, parts.farm_id, one.kind, one.name, one.geometry, one.properties)
-            for one in features()
-            if one.id not in known
+            Feature(one.id, parts.farm_id, one.kind, one.name, one.geometry, one.properties) for one in features()
         )
 
     def _robots(self) -> None:
         """Register the robots; their address changes with each start, what an administrator set stays."""
         parts = self._parts
-        rows = {row["id"]: row for row in read_demo_fleet(parts.data)}
-        for one in ROBOTS:
-            row = rows.get(one.id)
-            if row is None:
-                continue
+        for row in read_demo_fleet(parts.data):
+            one = robot(row["id"])
             url, token = row["http_url"], row["token"]
             known = parts.robots.get(one.id)
             if known is None:
@@ -101,13 +98,13 @@ class DemoSeed:
                         id=one.id,
                         farm_id=parts.farm_id,
                         name=one.name,
-                        family=Family.WEEDER,
+                        family=one.family,
                         added_by=BY,
                         added_at=parts.clock.utc(),
                         http_url=url,
                         http_token=token,
-                        contact_name=one.contact_name,
-                        contact_phone=one.contact_phone,
+                        contact_name=one.contact[0],
+                        contact_phone=one.contact[1],
                     )
                 )
             elif (known.http_url, known.http_token) != (url, token):
@@ -118,6 +115,18 @@ class DemoSeed:
             planned = await planning(mission)
             stored = self._stored(mission, planned)
             await self._parts.database.run(self._parts.missions.add, stored, planned.document, "Comes with the demo.")
+
+    def _work(self) -> None:
+        """Store what the robots are busy with, so that it is known when they report it."""
+        parts = self._parts
+        for row in read_demo_fleet(parts.data):
+            task = task_of(row["id"]) if row.get("task") else None
+            if task is None or parts.missions.known(task.mission_id) is not None:
+                continue
+            planned = planned_work()[task.mission_id]
+            name = planned.document["name"]
+            mission = DemoMission(task.mission_id, name, task.field_id, task.robot_id, task.width_m)
+            parts.missions.add(self._stored(mission, planned), planned.document, "Comes with the demo.")
 
     async def _rest(self) -> None:
         try:
@@ -133,14 +142,12 @@ class DemoSeed:
 
     async def _past(self, run: PastRun) -> None:
         parts = self._parts
-        mission = {one.id: one for one in CATALOGUE}[run.mission_id]
-        document = await parts.database.run(parts.missions.document, parts.farm_id, mission.id)
-        document = renamed(document, mission_id=run.id)
+        mission = {one.id: one for one in (*CATALOGUE, *PAST)}[run.mission_id]
+        template = await self._process.run(plan, mission)
+        document = renamed(template.document, mission_id=run.id)
         started = parts.clock.utc() - run.ago
         url = parts.database.url.render_as_string(hide_password=False)
         outcome = await self._process.run(record_run, url, parts.farm_id, document, started, run.seed)
-        template = parts.missions.known(mission.id)
-        assert template is not None
         planned = PlannedMission(document, template.sha256, dict(template.statistics))
         await parts.database.run(self._finished_mission, run, mission, planned, outcome)
 
@@ -151,7 +158,7 @@ class DemoSeed:
         missions, farm = self._parts.missions, self._parts.farm_id
         stored = replace(self._stored(mission, planned), id=run.id)
         missions.add(stored, planned.document, "Simulated at the first start of the demo.", at=outcome.started)
-        robot = next(one.name for one in ROBOTS if one.id == mission.robot_id)
+        name = robot(mission.robot_id).name
         end = {"done": MissionStatus.DONE, "aborted": MissionStatus.ABORTED}.get(outcome.status, MissionStatus.FAILED)
         data = {
             "row": outcome.row,
@@ -163,9 +170,9 @@ class DemoSeed:
         nothing: dict[str, float] = {}
         steps = (
             (MissionStatus.SENT, Mover.PERSON, BY, outcome.started, nothing),
-            (MissionStatus.ACCEPTED, Mover.ROBOT, robot, outcome.started, nothing),
-            (MissionStatus.RUNNING, Mover.ROBOT, robot, outcome.started, nothing),
-            (end, Mover.ROBOT, robot, outcome.ended, data),
+            (MissionStatus.ACCEPTED, Mover.ROBOT, name, outcome.started, nothing),
+            (MissionStatus.RUNNING, Mover.ROBOT, name, outcome.started, nothing),
+            (end, Mover.ROBOT, name, outcome.ended, data),
         )
         for status, mover, by, at, facts in steps:
             missions.move(farm, run.id, status, mover, by, "Simulated.", at=at, data=facts)

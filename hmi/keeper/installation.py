@@ -43,10 +43,10 @@ def run_demo(on_ready: OnReady, *, is_tls: bool = False) -> None:
     require_free(settings.host, settings.port, "HEADLAND_PORT")
     broker_port = int(settings.broker_url.rsplit(":", 1)[1])
     simulator_port = free_port()
-    robots = write_demo_fleet(data, f"http://127.0.0.1:{simulator_port}")
+    robots = write_demo_fleet(data, f"http://127.0.0.1:{simulator_port}", settings.demo_fleet)
     simulator = PartSpec(
         "simulator",
-        (sys.executable, "-m", "hmi", "simulate", "weeder", "--broker", settings.broker_url, "--robots", str(robots),
+        (sys.executable, "-m", "hmi", "simulate", "fleet", "--broker", settings.broker_url, "--robots", str(robots),
          "--port", str(simulator_port), "--state", str(data / "simulator")),
         is_ready=lambda: answers("127.0.0.1", simulator_port),
         url=f"http://127.0.0.1:{simulator_port}",

@@ -17,7 +17,7 @@ from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.mqtt import LinkState, MqttLink
 from backend_clients.edge.topics import Down, Up, parse, topic
-from backend_clients.simulator.config import SimulatorConfig, WeederConfig
+from backend_clients.simulator.config import RobotConfig, SimulatorConfig
 from backend_clients.simulator.process import Simulator
 
 ROBOT, TOKEN = "weeder-01", "secret-1"
@@ -168,7 +168,7 @@ def running_simulator(url: str, *, speed: float = 1.0, **weeder: Any) -> Iterato
         ports.append(port)
         ready.set()
 
-    config = SimulatorConfig(url, (WeederConfig(ROBOT, "Weeder 01", TOKEN, **weeder),), speed=speed)
+    config = SimulatorConfig(url, (RobotConfig(ROBOT, "Weeder 01", TOKEN, **weeder),), speed=speed)
     simulator = Simulator(config, on_ready=on_ready)
     thread = threading.Thread(target=lambda: asyncio.run(simulator.run()))
     thread.start()

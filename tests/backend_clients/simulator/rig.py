@@ -13,7 +13,7 @@ from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.codec import mission_hash
 from backend_clients.edge.messages_up import Datum
-from backend_clients.simulator.config import WeederConfig
+from backend_clients.simulator.config import RobotConfig
 from backend_clients.simulator.world import Boot, SimRobot
 from hmi.clock import FakeClock
 
@@ -63,7 +63,7 @@ class Rig:
 
     def __init__(self, folder: Path | None = None, **config: Any) -> None:
         self.clock = FakeClock()
-        self.config = WeederConfig("weeder-01", "Weeder 01", "secret", **{**AT_START, **config})
+        self.config = RobotConfig("weeder-01", "Weeder 01", "secret", **{**AT_START, **config})
         self.folder = folder
         self.robot = SimRobot(self.config, self.clock, state_dir=folder)
         self.token, self.seq = 1, 0

@@ -128,7 +128,7 @@ def test_the_laser_is_off_on_the_way_back_to_the_row() -> None:
     for _ in range(60):
         rig.run(0.1)
         if rig.robot.machine.base.x_m < -0.6:
-            assert not rig.robot.machine.laser_on
+            assert not rig.robot.machine.tool_on
 
 
 def test_another_mission_in_between_does_not_lose_what_was_done() -> None:

@@ -16,7 +16,8 @@ from backend_clients.edge.http import RobotHttp
 from backend_clients.edge.messages_up import Ack
 from backend_clients.errors import Refused
 from backend_clients.simulator import tester_http
-from backend_clients.simulator.config import WeederConfig
+from backend_clients.simulator.config import RobotConfig
+from backend_clients.simulator.director import Director
 from backend_clients.simulator.http_server import RobotEndpoint, application
 from backend_clients.simulator.world import World
 from hmi.clock import FakeClock
@@ -29,14 +30,14 @@ class Site:
     def __init__(self, client: tuple[str, int] = ("127.0.0.1", 5000)) -> None:
         self.clock = FakeClock()
         robots = [
-            WeederConfig("weeder-01", "Weeder 01", "secret-1"),
-            WeederConfig("weeder-02", "Weeder 02", "secret-2"),
+            RobotConfig("weeder-01", "Weeder 01", "secret-1"),
+            RobotConfig("weeder-02", "Weeder 02", "secret-2"),
         ]
         self.world = World(robots, self.clock)
         self.acks: list[Any] = []
         self.answered = asyncio.Event()
         self.endpoint = RobotEndpoint(self.world, self.on_ack)
-        app = application(self.endpoint, tester_http.routes(self.world))
+        app = application(self.endpoint, tester_http.routes(self.world, Director(self.world.robots, self.world.clock)))
         self.transport = httpx.ASGITransport(app, client=client)
 
     def on_ack(self, robot: str, ack: Ack) -> None:
@@ -221,7 +222,7 @@ async def test_testers_doors_are_closed_to_other_machines() -> None:
 
 async def test_mission_and_latch_are_on_disk_before_the_answer(tmp_path: Path) -> None:
     clock = FakeClock()
-    config = WeederConfig("weeder-01", "Weeder 01", "secret-1")
+    config = RobotConfig("weeder-01", "Weeder 01", "secret-1")
     for attempt in range(2):
         world = World([config], clock, state_dir=tmp_path)
         endpoint = RobotEndpoint(world, lambda robot, ack: None)

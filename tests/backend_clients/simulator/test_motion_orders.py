@@ -61,9 +61,7 @@ def test_a_mission_is_driven_to_its_end_with_the_laser_on_in_rows_only() -> None
     for _ in range(1600):
         rig.run(0.05)
         base = rig.robot.machine.base
-        if rig.robot.machine.laser_on and not (
-            -0.1 < base.y_m < 12.1 and abs(base.x_m - 3 * round(base.x_m / 3)) < 0.1
-        ):
+        if rig.robot.machine.tool_on and not (-0.1 < base.y_m < 12.1 and abs(base.x_m - 3 * round(base.x_m / 3)) < 0.1):
             fired_outside += 1
         cross = rig.telemetry.cross_track_m
         worst_m = max(worst_m, abs(cross or 0.0))
@@ -136,7 +134,7 @@ def test_pause_brakes_and_resume_goes_on_in_the_same_row() -> None:
     until(rig, 2)
     assert rig.do("pause", lease_token=0, lease_seq=0).outcome == "accepted"
     rig.run(3)
-    assert (rig.state.mode, rig.speed, rig.robot.machine.laser_on) == ("paused", 0, False)
+    assert (rig.state.mode, rig.speed, rig.robot.machine.tool_on) == ("paused", 0, False)
     assert rig.state.hold is not None
     assert rig.state.hold.code == "paused"
     assert rig.do("resume").outcome == "accepted"
@@ -200,8 +198,8 @@ def test_return_home_drives_home_with_the_laser_off_and_keeps_the_mission() -> N
     was_on = False
     for _ in range(120):
         rig.run(0.5)
-        was_on = was_on or rig.robot.machine.laser_on
-        if not rig.boot.weeder.is_auto:
+        was_on = was_on or rig.robot.machine.tool_on
+        if not rig.boot.brain.is_auto:
             break
     base = rig.robot.machine.base
     assert (base.x_m, base.y_m) == pytest.approx((rig.config.x_m, rig.config.y_m), abs=0.1)
@@ -287,7 +285,7 @@ def test_driving_by_hand_is_capped_and_never_fires_the_laser() -> None:
         rig.drive(2.0)
         rig.run(0.1)
         top = max(top, rig.speed)
-        assert not rig.robot.machine.laser_on
+        assert not rig.robot.machine.tool_on
     assert top <= 1.0 + 0.5
     assert rig.speed == pytest.approx(1.0, abs=0.01)
     assert (rig.state.mode, status(rig)) == ("manual", "paused")

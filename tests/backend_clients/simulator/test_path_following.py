@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from backend_clients.edge.messages_down import Segment
 from backend_clients.edge.messages_up import Datum
 from backend_clients.simulator.enu import EnuFrame
-from backend_clients.simulator.kinematics import BRAKE_MPS2, MAX_ACCEL_MPS2, MAX_SPEED_MPS, SkidSteer
+from backend_clients.simulator.kinematics import TRACKED, Base
 from backend_clients.simulator.machine import Machine
 from backend_clients.simulator.route import Route, RouteError, straight
 from backend_clients.simulator.tracking import Tracker
@@ -23,12 +23,12 @@ DT = 0.05
 
 def drive(route: Route, x: float, y: float, theta: float, seconds: float = 600) -> tuple[Machine, float, list[float]]:
     """Follow a route; return the machine, the time taken and the true distances from the line."""
-    machine = Machine(random.Random(5), SkidSteer(x, y, theta))
+    machine = Machine(random.Random(5), Base(x, y, theta))
     tracker = Tracker(route)
     errors = []
     for step in range(round(seconds / DT)):
         wanted = tracker.steer(*machine.measured_pose(), DT)
-        machine.step(DT, wanted, is_braking=wanted.v_mps == 0 and not wanted.is_pivoting, laser_on=False)
+        machine.step(DT, wanted, is_braking=wanted.v_mps == 0 and not wanted.is_pivoting, tool_on=False)
         if tracker.left_of_line_m is not None:
             nearest = route.locate(machine.base.x_m, machine.base.y_m, tracker.s_m - 1, tracker.s_m + 1)
             errors.append(math.dist(route.point_at(nearest), (machine.base.x_m, machine.base.y_m)))
@@ -94,15 +94,15 @@ def test_a_path_without_length_is_refused(points: list[tuple[float, float]]) -> 
 @settings(max_examples=50, deadline=None)
 @given(orders=st.lists(st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.booleans()), min_size=1, max_size=60))
 def test_speed_and_acceleration_never_leave_their_limits(orders: list[tuple[float, float, bool]]) -> None:
-    base = SkidSteer()
+    base = Base()
     for v, w, is_braking in orders:
         before, place = base.speed_mps, (base.x_m, base.y_m)
         base.step(DT, 0.0 if is_braking else v, w, is_braking=is_braking)
-        assert abs(base.speed_mps) <= MAX_SPEED_MPS + 1e-9
-        assert abs(base.speed_mps - before) <= max(MAX_ACCEL_MPS2, BRAKE_MPS2) * DT + 1e-9
+        assert abs(base.speed_mps) <= TRACKED.max_speed_mps + 1e-9
+        assert abs(base.speed_mps - before) <= max(TRACKED.accel_mps2, TRACKED.brake_mps2) * DT + 1e-9
         if abs(base.speed_mps) > abs(before) and base.speed_mps * before > 0:
-            assert abs(base.speed_mps - before) <= MAX_ACCEL_MPS2 * DT + 1e-9
-        assert math.dist(place, (base.x_m, base.y_m)) <= MAX_SPEED_MPS * DT + 1e-9
+            assert abs(base.speed_mps - before) <= TRACKED.accel_mps2 * DT + 1e-9
+        assert math.dist(place, (base.x_m, base.y_m)) <= TRACKED.max_speed_mps * DT + 1e-9
         assert -math.pi <= base.theta_rad <= math.pi
 
 

@@ -11,19 +11,19 @@ from pathlib import Path
 import httpx
 import pytest
 
-from backend_clients.simulator.config import SimulatorConfig, WeederConfig
+from backend_clients.simulator.config import RobotConfig, SimulatorConfig
 from tests.brokers import free_port
 
 PROGRAM = """
 import sys
 from pathlib import Path
-from backend_clients.simulator.config import SimulatorConfig, WeederConfig
+from backend_clients.simulator.config import SimulatorConfig, RobotConfig
 from backend_clients.simulator.process import run_simulator
 
 broker, port, folder = sys.argv[1], int(sys.argv[2]), Path(sys.argv[3])
-weeders = (WeederConfig("weeder-01", "Weeder 01", "secret"), WeederConfig("weeder-02", "Weeder 02", "secret"))
+robots = (RobotConfig("weeder-01", "Weeder 01", "secret"), RobotConfig("weeder-02", "Weeder 02", "secret"))
 run_simulator(
-    SimulatorConfig(broker, weeders, port=port, state_dir=folder), on_ready=lambda port: print(port, flush=True)
+    SimulatorConfig(broker, robots, port=port, state_dir=folder), on_ready=lambda port: print(port, flush=True)
 )
 """
 
@@ -66,11 +66,11 @@ def test_a_busy_port_is_an_error(tmp_path: Path) -> None:
 
 
 def test_two_robots_with_one_id_are_refused() -> None:
-    twin = WeederConfig("weeder-01", "Weeder 01", "secret")
+    twin = RobotConfig("weeder-01", "Weeder 01", "secret")
     with pytest.raises(ValueError, match="same id: weeder-01"):
         SimulatorConfig("mqtt://127.0.0.1:1883", (twin, twin))
 
 
 def test_a_robot_without_a_token_is_refused() -> None:
     with pytest.raises(ValueError, match="token is empty"):
-        WeederConfig("weeder-01", "Weeder 01", "")
+        RobotConfig("weeder-01", "Weeder 01", "")

@@ -9,7 +9,7 @@ import pytest
 
 from backend_clients.simulator import faults
 from backend_clients.simulator.faults import Packets, decode_fault, fate
-from backend_clients.simulator.kinematics import stopping_distance_m
+from backend_clients.simulator.kinematics import TRACKED
 from tests.backend_clients.simulator.rig import Rig, small_mission
 
 
@@ -29,10 +29,10 @@ def test_stop_brakes_within_the_distance_it_announces_and_switches_the_laser_off
     assert ack.speed_mps == pytest.approx(speed)
     assert not rig.safety.standstill
     rig.run(0.05)
-    assert not rig.robot.machine.laser_on
+    assert not rig.robot.machine.tool_on
     rig.run(3)
     rolled_m = rig.robot.machine.base.distance_m - before
-    assert rolled_m <= stopping_distance_m(speed) + speed * 0.05
+    assert rolled_m <= TRACKED.stopping_distance_m(speed) + speed * 0.05
     assert (rig.safety.standstill, rig.safety.latched, rig.state.mode) == (True, True, "stopped")
     assert [p.stop_id for p in rig.safety.presses] == ["stop-000001"]
 
@@ -198,7 +198,7 @@ def test_a_machine_that_cannot_weed_waits_and_refuses_a_start(fault: faults.Faul
     rig.robot.set_fault(fault)
     rig.run(3)
     assert rig.state.hold is not None
-    assert (rig.speed, rig.robot.machine.laser_on, rig.state.hold.code) == (0, False, hold)
+    assert (rig.speed, rig.robot.machine.tool_on, rig.state.hold.code) == (0, False, hold)
     rig.do("abort")
     assert rig.do("start", mission_id="mission-1").code == refusal
 
@@ -231,7 +231,7 @@ def test_a_crash_stops_the_machine_and_a_reboot_has_a_new_id_and_does_not_move()
     assert rig.robot.boot is None
     rig.run(3)
     assert rig.state.boot != boot
-    assert (rig.state.mode, rig.speed, rig.robot.machine.laser_on) == ("paused", 0, False)
+    assert (rig.state.mode, rig.speed, rig.robot.machine.tool_on) == ("paused", 0, False)
     assert rig.state.hold is not None
     assert rig.state.hold.code == "rebooted"
 

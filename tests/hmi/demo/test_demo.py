@@ -13,12 +13,12 @@ import shapely
 from sqlalchemy import func, select
 
 from backend_clients.edge.messages_down import Mission as Wire
-from backend_clients.simulator.config import WeederConfig
+from backend_clients.simulator.config import RobotConfig
 from backend_clients.simulator.history import simulate_mission
 from hmi.clock import FakeClock
 from hmi.demo.catalogue import CATALOGUE, plan
 from hmi.demo.farm import features
-from hmi.demo.fleet import ROBOTS, read_demo_fleet, write_demo_fleet
+from hmi.demo.fleet import FULL, FleetSize, read_demo_fleet, write_demo_fleet
 from hmi.demo.history import record_run
 from hmi.demo.seed import AT_ONCE, DemoSeed, SeedParts
 from hmi.domain.mission import MissionStatus
@@ -37,12 +37,12 @@ FARM = "farm"
 class Installation:
     """An empty console with the demo's robots written down."""
 
-    def __init__(self, folder: Path, url: str = "http://127.0.0.1:9000") -> None:
+    def __init__(self, folder: Path, url: str = "http://127.0.0.1:9000", size: FleetSize = "small") -> None:
         clock = FakeClock()
         self.database = Database(f"sqlite:///{folder / 'headland.db'}")
         self.database.migrate()
         Farms(self.database, clock).ensure(FARM, "Demo")
-        write_demo_fleet(folder, url)
+        write_demo_fleet(folder, url, size)
         self.features, self.missions = Features(self.database, clock), Missions(self.database, clock)
         self.robots = Robots(self.database, FARM, clock, StopList(self.database, FARM, folder / "stop"))
         self.robots.load()
@@ -60,7 +60,7 @@ def test_every_feature_has_a_kind_a_name_and_a_sound_geometry() -> None:
 
 def test_a_robot_stands_in_its_bay_on_the_yard_and_not_in_a_wall() -> None:
     shapes = {one.id: shapely.from_geojson(json.dumps(one.geometry)) for one in features()}
-    for robot in ROBOTS:
+    for robot in FULL:
         assert shapes[robot.home_id].distance(shapely.Point(robot.home)) == 0
         for one in features():
             if one.kind in ("building", "obstacle"):
@@ -75,9 +75,9 @@ def test_the_fleet_file_starts_a_simulator_and_keeps_its_tokens_private(tmp_path
     assert [row["token"] for row in first] == [row["token"] for row in second]
     assert second[0]["http_url"] == "http://127.0.0.1:9001/weeder-01"
     assert stat.S_IMODE(path.stat().st_mode) == 0o600
-    known = WeederConfig.__dataclass_fields__
-    configs = [WeederConfig(**{k: v for k, v in row.items() if k in known}) for row in second]
-    assert [config.id for config in configs] == ["weeder-01", "weeder-02", "weeder-03"]
+    known = RobotConfig.__dataclass_fields__
+    configs = [RobotConfig(**{k: v for k, v in row.items() if k in known}) for row in second]
+    assert [config.id for config in configs] == [one.id for one in FULL]
 
 
 @pytest.mark.parametrize("mission", CATALOGUE, ids=lambda one: one.id)

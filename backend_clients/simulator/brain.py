@@ -1,4 +1,4 @@
-"""The brain of a laser weeder: what it does in each control step, and what makes it wait.
+"""The brain of a robot of any family: what it does in each control step, and what makes it wait.
 
 Orders come in through ``orders``; reports go out through ``reports``. Two times are used: the clock
 for everything that protects people (leases, dead-man, lost operator), and the machine's own time,
@@ -15,30 +15,31 @@ from typing import Any
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.messages_down import Mission
 from backend_clients.simulator.action_log import ActionLog
-from backend_clients.simulator.config import WeederConfig
+from backend_clients.simulator.config import RobotConfig
 from backend_clients.simulator.enu import EnuFrame, Point
 from backend_clients.simulator.faults import Faults
 from backend_clients.simulator.guard import Guard
 from backend_clients.simulator.journal import EventKind, Journal
-from backend_clients.simulator.latch import Latch, LatchMemory, PressRecord
+from backend_clients.simulator.latch import Latch
 from backend_clients.simulator.machine import STOPPED, Machine
-from backend_clients.simulator.mission_run import HOME_SPEED_MPS, MissionRun
-from backend_clients.simulator.route import RouteError, straight
-from backend_clients.simulator.state_folder import SavedProgress, SavedSafety, StateFolder
-from backend_clients.simulator.tracking import Setpoint, Tracker
+from backend_clients.simulator.memory import Memory
+from backend_clients.simulator.mission_run import MissionRun
+from backend_clients.simulator.route import straight
+from backend_clients.simulator.state_folder import StateFolder
+from backend_clients.simulator.tracking import Setpoint, Tracker, tracker_on
 from backend_clients.simulator.watch import Watch
+from backend_clients.simulator.work import Doing, work_of
 from hmi.clock import Clock
 
 DEADMAN_S = 0.5  # five missed setpoints at 10 Hz
 OPERATOR_LOST_S = 3.5  # operator pulses come at 1 Hz; same figure as common ground stations
 LINK_LOST_S = 10.0
+FARM_HEARD_S = 3.0
 MANUAL_LOST_S = 10.0  # an open drive nobody uses is closed
 START_HORN_S = 3.0
 MANUAL_MAX_MPS = 1.0
 BATTERY_LOW, BATTERY_VERY_LOW = 0.2, 0.1
 LEAD_IN_M = 0.3  # nearer than this the tracker pulls it on the line while driving
-LEAD_SPEED_MPS = 0.8
-SAVE_EVERY_S = 1.0
 CHARGER_REACH_M = 2.0
 REASONS = {
     "paused": "by an operator",
@@ -48,6 +49,7 @@ REASONS = {
     "after_stop": "STOP",
     "manual": "for driving by hand",
     "return_home": "to return home",
+    "low_charge": "to charge",
 }
 
 
@@ -60,7 +62,7 @@ class DriveState:
     heard_s: float = -math.inf
 
 
-class Weeder:
+class Brain:
     """One boot of the robot's software, commanding ``machine``.
 
     Args:
@@ -75,7 +77,7 @@ class Weeder:
 
     def __init__(
         self,
-        config: WeederConfig,
+        config: RobotConfig,
         machine: Machine,
         clock: Clock,
         store: StateFolder,
@@ -84,7 +86,9 @@ class Weeder:
         make_challenge: Callable[[], str],
     ) -> None:
         self.config, self.machine, self.clock, self.faults, self.boot = config, machine, clock, faults, boot
-        self._store = store
+        self.profile = config.profile
+        self.memory = Memory(store)
+        self.work = work_of(self.profile, machine)
         self._boot_s = clock.mono_s()
         self.frame = EnuFrame(config.datum_lat_deg, config.datum_lon_deg)
         self.journal = Journal(boot)
@@ -97,14 +101,14 @@ class Weeder:
         self._lead: Tracker | None = None
         self._horn_left_s = 0.0
         self.hold_code = ""
-        self.operator_heard_s = self.link_heard_s = self._saved_s = clock.mono_s()
-        self._is_laser_wanted = False
+        self.operator_heard_s = self.link_heard_s = clock.mono_s()
+        self._doing = Doing(STOPPED)
+        self._followed: Tracker | None = None
         self._is_button_known = False
-        saved = self._load_safety()
+        saved = self.memory.load_safety(boot)
         self.latch = Latch(saved.latch)
         self.guard = Guard(make_challenge, lease_token=saved.lease_token, revoked_token=saved.revoked_token)
-        self._kept_token = saved.lease_token
-        self._load_progress()
+        self.memory.load_progress(self)
         self.watch = Watch(self)
 
     # ---- time and place -------------------------------------------------------------------------------
@@ -148,6 +152,11 @@ class Weeder:
         return "paused" if self.run is not None and self.run.status == "paused" else "idle"
 
     @property
+    def is_farm_heard(self) -> bool:
+        """Whether anything from the farm came lately."""
+        return self.link_heard_s > self._boot_s and self.clock.mono_s() - self.link_heard_s < FARM_HEARD_S
+
+    @property
     def is_on_lead(self) -> bool:
         """Whether it is on its way to the path of the mission."""
         return self._lead is not None
@@ -176,20 +185,26 @@ class Weeder:
             self.pause("operator_lost")
         elif not is_supervised and now - self.link_heard_s > LINK_LOST_S:
             self.pause("link_lost")
+        elif self.home_run is None and self.machine.soc < self.profile.home_below:
+            self.go_home(by="low_charge")
         elif self.machine.soc < BATTERY_VERY_LOW and self.home_run is None:
             self.pause("battery_low")
 
     def step(self, dt_s: float) -> None:
         """Decide, and let the machine live, for ``dt_s`` of its own time."""
-        self._is_laser_wanted = False
+        self._doing, self._followed = Doing(STOPPED), None
         self.hold_code = ""
-        before_m = self.run.tracker.s_m if self.run is not None else 0.0
+        run, machine = self.run, self.machine
+        before_m, driven_m = run.tracker.s_m if run is not None else 0.0, machine.base.distance_m
         wanted = self._decide(dt_s)
-        self.machine.is_charging = self._is_at_charger()
+        machine.is_charging = self._is_at_charger()
+        machine.is_airborne = self._is_airborne()
         is_braking = wanted.v_mps == 0 and not wanted.is_pivoting
-        self.machine.step(dt_s, wanted, is_braking=is_braking, laser_on=self._is_laser_wanted)
-        if self.run is not None and self.run.status == "running" and self._lead is None:
-            self._count(before_m, dt_s)
+        machine.step(dt_s, wanted, is_braking=is_braking, tool_on=self._doing.tool_on)
+        if self._followed is not None:
+            self._followed.carry(machine.base, machine.base.distance_m - driven_m)
+        if run is not None and run.status == "running" and self._lead is None:
+            self._count(run, before_m, dt_s)
         self._note_rest()
         self.watch.look()
 
@@ -222,6 +237,8 @@ class Weeder:
     def _decide_manual(self, drive: DriveState) -> Setpoint:
         if self.clock.mono_s() - drive.heard_s > DEADMAN_S:
             return STOPPED
+        if self.machine.base.speed_mps:
+            self.machine.is_crane_at_limit = False  # moved by hand, it reaches again
         v = min(max(drive.v_mps, -MANUAL_MAX_MPS), MANUAL_MAX_MPS)
         if v > 0 and self.machine.is_way_blocked():
             self.hold_code = "person_ahead"
@@ -233,9 +250,9 @@ class Weeder:
             return "person_ahead"
         if self.home_run is not None:
             return ""
-        if self.machine.is_rtk_float:
+        if self.machine.is_rtk_float and self.profile.needs_rtk:
             return "rtk_float"
-        return "tool_interlock" if self.machine.is_cover_open else ""
+        return "tool_interlock" if self.machine.is_cover_open else self.work.waits_for()
 
     def _follow(self, dt_s: float) -> Setpoint:
         tracker = self._tracker()
@@ -244,9 +261,10 @@ class Weeder:
         if tracker.is_done:
             self._arrived(tracker)
             return STOPPED
-        if self.run is not None and tracker is self.run.tracker and not wanted.is_pivoting:
-            is_rolling = self.machine.base.speed_mps > 0.05
-            self._is_laser_wanted = is_rolling and self.run.leg.is_tool_wanted(tracker.s_m)
+        if self.run is not None and tracker is self.run.tracker:
+            self._doing = self.work.guide(self.run, wanted, dt_s)
+            wanted = self._doing.wanted
+        self._followed = tracker
         return wanted
 
     def _tracker(self) -> Tracker | None:
@@ -268,14 +286,12 @@ class Weeder:
             self.note("mission", "Mission done", self.run.mission.name)
         self.save()
 
-    def _count(self, before_m: float, dt_s: float) -> None:
-        assert self.run is not None
-        # a low dose spares weeds; a high one takes longer on each, which the slower segment brings by itself
-        weeds = (self.machine.weeds_per_min or 0.0) * dt_s / 60 * min(self.run.leg.dose, 1 / max(self.run.leg.dose, 1))
-        self.run.advance(
+    def _count(self, run: MissionRun, before_m: float, dt_s: float) -> None:
+        is_working = self._doing.is_working and (self.machine.tool_on or not self._doing.tool_on)
+        run.advance(
             before_m,
-            laser_on=self.machine.laser_on,
-            weeds=weeds,
+            is_working=is_working,
+            count=self.work.count(run, dt_s),
             journal=self.journal,
             mono_ms=self.mono_ms(),
         )
@@ -296,8 +312,8 @@ class Weeder:
         Raises:
             RouteError: its path cannot be driven.
         """
-        self.run = MissionRun(mission, self.frame, (self.config.x_m, self.config.y_m))
-        self._store.save_mission(mission)
+        self.run = MissionRun(mission, self.frame, (self.config.x_m, self.config.y_m), self.profile)
+        self.memory.save_mission(self.run)
         self.note("mission", "Mission loaded", mission.name)
         self.save()
 
@@ -308,7 +324,7 @@ class Weeder:
         else:
             self._lead = None
         self.run = run
-        self._store.save_mission(run.mission)
+        self.memory.save_mission(run)
         self.note("mission", "Mission changed", run.mission.name, revision=run.mission.revision)
         self.save()
 
@@ -324,10 +340,10 @@ class Weeder:
         self._set_off()
         self.note("mission", "Mission started", self.run.mission.name)
 
-    def resume(self) -> None:
-        """Go on with the paused mission; the horn sounds first."""
+    def resume(self, *, is_supervised: bool | None = None) -> None:
+        """Go on with the paused mission, supervised as before if nothing is said; the horn sounds first."""
         assert self.run is not None
-        self.run.run(is_supervised=self.run.is_supervised)
+        self.run.run(is_supervised=self.run.is_supervised if is_supervised is None else is_supervised)
         if self._lead is None:
             self._lead = self._way_to(self.run.route.point_at(self.run.tracker.s_m))
         else:
@@ -354,12 +370,12 @@ class Weeder:
         self.actions.close("failed", "aborted")
         self.save()
 
-    def go_home(self) -> None:
-        """Drive straight home with the laser off; a running mission is paused where it is."""
+    def go_home(self, by: str = "return_home") -> None:
+        """Drive straight home with the tool off; a running mission is paused where it is, ``by`` is the reason."""
         is_supervised = self.run.is_supervised if self.run is not None and self.run.is_open else True
-        self.pause("return_home")
+        self.pause(by)
         self._home_is_supervised = is_supervised
-        self.home_run = Tracker(straight([self.place, self.home], HOME_SPEED_MPS))
+        self.home_run = tracker_on(straight([self.place, self.home], self.profile.home_speed_mps, self.profile.motion))
         self._set_off()
         self.note("mission", "Returning home")
 
@@ -387,37 +403,12 @@ class Weeder:
         self.drive = None
         self.pause("after_stop")
         self.guard.revoke()
-        self.save_safety()
+        self.memory.save_safety(self)
         self.journal.log(self.mono_ms(), f"halt {code}")
-
-    def save_safety(self) -> None:
-        """Write latch and lease fence to disk."""
-        saved = SavedSafety(
-            latch=self.latch.memory(),
-            lease_token=self.guard.lease_token,
-            revoked_token=self.guard.revoked_token,
-        )
-        self._store.save_safety(saved)
-        self._kept_token = saved.lease_token
-
-    def keep_fence(self) -> None:
-        """Write the lease fence if a newer token was seen; it has to hold after a reboot."""
-        if self.guard.lease_token != self._kept_token:
-            self.save_safety()
 
     def save(self) -> None:
         """Write place and progress to disk."""
-        base = self.machine.base
-        saved = SavedProgress(x_m=base.x_m, y_m=base.y_m, theta_rad=base.theta_rad, soc=self.machine.soc)
-        if self.run is not None:
-            self.run.save_into(saved)
-        self._store.save_progress(saved)
-        self._saved_s = self.clock.mono_s()
-
-    def save_sometimes(self) -> None:
-        """Write place and progress once a second while it moves."""
-        if not self.machine.base.is_still and self.clock.mono_s() - self._saved_s >= SAVE_EVERY_S:
-            self.save()
+        self.memory.save(self)
 
     def _button_changed(self) -> None:
         self._is_button_known = self.machine.is_hardware_stop
@@ -437,28 +428,18 @@ class Weeder:
     def _way_to(self, point: Point) -> Tracker | None:
         if math.dist(self.place, point) <= LEAD_IN_M:
             return None
-        return Tracker(straight([self.place, point], LEAD_SPEED_MPS))
+        return tracker_on(straight([self.place, point], self.profile.lead_speed_mps, self.profile.motion))
 
     def _is_at_charger(self) -> bool:
-        near = math.dist(self.place, (self.config.x_m, self.config.y_m)) < CHARGER_REACH_M
-        return near and self.machine.base.is_still and not self.is_auto and self.machine.soc < 1.0
+        return self.machine.soc < 1.0 and self.is_at_home
 
-    def _load_safety(self) -> SavedSafety:
-        """Return what was saved; a file that cannot be read latches, for it may have held a STOP."""
-        try:
-            return self._store.load_safety() or SavedSafety(latch=LatchMemory())
-        except ValueError:
-            lost = PressRecord(stop_id=f"unreadable-{self.boot[:16]}", by="robot", device="disk", pressed_s=0.0)
-            return SavedSafety(latch=LatchMemory(presses=[lost]))
+    def _is_airborne(self) -> bool:
+        """Whether it has to carry itself: a UAV anywhere but on its pad."""
+        return self.profile.energy.hover_w > 0 and self.machine.soc > 0 and not self.is_at_home
 
-    def _load_progress(self) -> None:
-        mission, saved = self._store.load_mission(), self._store.load_progress()
-        if mission is None:
-            return
-        try:
-            self.run = MissionRun(mission, self.frame, (self.config.x_m, self.config.y_m))
-        except RouteError as error:
-            self.journal.log(0, f"stored mission dropped: {error}")
-            return
-        if saved is not None:
-            self.run.restore(saved)
+    @property
+    def is_at_home(self) -> bool:
+        """Whether it stands in its bay and does not set off."""
+        if not self.machine.base.is_still or self.is_auto:
+            return False
+        return math.dist(self.place, (self.config.x_m, self.config.y_m)) < CHARGER_REACH_M

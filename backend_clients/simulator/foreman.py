@@ -1,0 +1,111 @@
+"""The people at the field: they start unattended missions at the machines, and start again what may go on.
+
+A robot on which somebody acted from the console (pause, abort, return home, STOP, another mission) is theirs from
+then on: nobody here touches it.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping
+
+from backend_clients.simulator.brain import Brain
+from backend_clients.simulator.config import Job
+from backend_clients.simulator.world import SimRobot
+from hmi.clock import Clock
+
+LOOK_EVERY_S = 1.0
+WALK_S = (45.0, 120.0)  # to the machine
+STARTING_S = 60.0
+CHARGED = 0.9
+SENT_HOME_BELOW = 0.15
+GOES_ON = ("rebooted", "continued", "link_lost")
+"""Reasons of a pause that somebody beside the machine may end."""
+
+
+class Foreman:
+    """Looks after the robots that have a job; call ``look`` as often as you like."""
+
+    def __init__(self, robots: Mapping[str, SimRobot], jobs: Mapping[str, Job], clock: Clock, *, seed: int = 1) -> None:
+        self._robots = {robot_id: robots[robot_id] for robot_id in jobs if robot_id in robots}
+        self._jobs, self._clock = jobs, clock
+        self._rng = random.Random(f"foreman/{seed}")  # noqa: S311
+        self._begun_s = clock.mono_s()
+        self._looked_s = self._begun_s - LOOK_EVERY_S
+        self._due_s: dict[str, float] = {}
+        self._to_begin = set(self._robots)
+        for robot_id, robot in self._robots.items():
+            self._bring(robot, jobs[robot_id])
+
+    def look(self) -> None:
+        """Do what is due."""
+        now_s = self._clock.mono_s()
+        if now_s - self._looked_s < LOOK_EVERY_S:
+            return
+        self._looked_s = now_s
+        for robot_id, robot in self._robots.items():
+            if robot.boot is not None:
+                self._look_at(robot_id, robot.boot.brain, now_s)
+
+    def _bring(self, robot: SimRobot, job: Job) -> None:
+        """Put a robot that has never had a mission into the middle of its work."""
+        if robot.boot is None or robot.boot.brain.run is not None or robot.boot.brain.is_stopped:
+            return
+        brain = robot.boot.brain
+        brain.load(job.mission)
+        run = brain.run
+        assert run is not None  # load made it, or raised
+        if job.done > 0:
+            s_m = job.done * run.route.length_m
+            robot.machine.base.put(*run.route.point_at(s_m), run.route.heading_after(s_m))
+            run.count_done(s_m)
+            run.stand_at(s_m, brain.place)
+            brain.save()
+
+    def _look_at(self, robot_id: str, brain: Brain, now_s: float) -> None:
+        run = brain.run
+        is_ours = run is not None and run.mission.mission_id == self._jobs[robot_id].mission.mission_id
+        if run is None or not is_ours or brain.is_stopped or brain.drive is not None:
+            self._due_s.pop(robot_id, None)
+            return
+        if brain.is_auto:
+            if brain.home_run is None and brain.machine.soc < SENT_HOME_BELOW:
+                brain.go_home(by="low_charge")
+            self._due_s.pop(robot_id, None)
+            return
+        if not brain.is_farm_heard or not self._may_go(robot_id, brain):
+            return
+        if robot_id in self._to_begin:  # somebody started it before the console came up
+            self._to_begin.discard(robot_id)
+            self._go(brain)
+        elif self._jobs[robot_id].is_endless and run.status == "done":
+            self._go(brain)
+        elif now_s >= self._due_s.setdefault(robot_id, now_s + self._walk_s(now_s)):
+            del self._due_s[robot_id]
+            self._go(brain)
+
+    def _walk_s(self, now_s: float) -> float:
+        # while everything starts, links come and go, and the people still stand beside the machines
+        return 3.0 if now_s < self._begun_s + STARTING_S else self._rng.uniform(*WALK_S)
+
+    def _may_go(self, robot_id: str, brain: Brain) -> bool:
+        run = brain.run
+        assert run is not None
+        if run.status == "paused" and run.pause_code in GOES_ON:
+            return brain.machine.soc > SENT_HOME_BELOW
+        if run.status == "loaded":
+            return robot_id in self._to_begin and brain.machine.soc > SENT_HOME_BELOW
+        if self._jobs[robot_id].is_endless and run.status == "done":
+            return True
+        has_ended = run.status == "done" or (run.status == "paused" and run.pause_code == "low_charge")
+        return has_ended and brain.is_at_home and brain.machine.soc >= CHARGED
+
+    def _go(self, brain: Brain) -> None:
+        run = brain.run
+        assert run is not None
+        if run.status == "paused" and run.pause_code in GOES_ON:
+            brain.resume(is_supervised=False)
+            return
+        if run.is_open:
+            brain.abort()
+        brain.begin(is_supervised=False)
