@@ -35,6 +35,7 @@ from hmi.security.session_info import SessionInfo
 from hmi.settings import Settings
 from hmi.store.fleet import FleetStore
 from tests.components import map_field
+from tests.hmi.live.crowd import Crowd
 from tests.hmi.pages import fleet_stage, maps_stage, maps_stage_routes
 
 SHA = "ab" * 32
@@ -159,6 +160,14 @@ class Stage:
             "lease",
             {"owner": person(self.scene.owner), "since_s": 1.0, "asked": [p for p in [person(self.scene.asked)] if p]},
         )
+
+    async def run_crowd(self, count: int) -> None:
+        """Let many robots report twice a second instead."""
+        await self.hub.start()
+        crowd = Crowd(self.fleet, count, self.clock.mono_s)
+        while True:
+            crowd.step()
+            await asyncio.sleep(0.5)
 
     async def run(self) -> None:
         """Let the robot speak ten times a second."""
@@ -363,14 +372,17 @@ def main() -> None:
     """Serve until killed; the first line says where."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--port", type=int, default=0)
-    port = parser.parse_args().port
+    parser.add_argument("--crowd", type=int, default=0, help="so many robots instead of the one that scenes are about")
+    options = parser.parse_args()
+    port = options.port
     stage = Stage()
     server = uvicorn.Server(
         uvicorn.Config(build(stage), host="127.0.0.1", port=port, log_level="warning", ws_per_message_deflate=False)
     )
 
     async def serve() -> None:
-        task = asyncio.create_task(stage.run(), name="stage")
+        playing = stage.run_crowd(options.crowd) if options.crowd else stage.run()
+        task = asyncio.create_task(playing, name="stage")
         serving = asyncio.create_task(server.serve(), name="server")
         while not server.started and not serving.done():  # noqa: ASYNC110 - uvicorn offers no event
             await asyncio.sleep(0.05)
