@@ -39,7 +39,7 @@ def run() -> Iterator[dict[str, Any]]:
         "naive": round(naive, 2),
         "ratio": round(naive / points) if points > 0 else None,
         "conditions": f"{ROBOTS} robots x {RATE_HZ} Hz, topics fleet and poses, {FEW} and {MANY} viewers; a viewer "
-        f"gets {kilobytes:.0f} kB/s; the server with {FEW} viewers: {_percent(few):.1f} %; naive: the whole list encoded "
+        f"gets {kilobytes:.0f} kB/s; the server with {FEW} viewers: {_percent(few):.1f} %; naive: the list encoded "
         f"for each viewer, {naive_ms:.1f} ms",
     }
 

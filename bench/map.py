@@ -24,8 +24,8 @@ RATE_HZ, SECONDS, MEDIAN_OF = 2, 8, 3
 CONDITIONS = "Chromium, WebGL in software, 1280x800, 2 reports/s of every robot, whole fleet screen, live lane included"
 
 NAIVE = """async () => {
-  const { Marker } = await import(document.querySelector('.f-map .hl-map').hlMap.options.vendorUrl + '/maplibre-gl.mjs');
-  const map = document.querySelector('.f-map .hl-map').hlMap.engine.map;
+  const { engine: { map }, options } = document.querySelector('.f-map .hl-map').hlMap;
+  const { Marker } = await import(`${options.vendorUrl}/maplibre-gl.mjs`);
   const table = document.body.appendChild(document.createElement('div'));
   table.style.cssText = 'position:fixed;left:0;top:80px;width:300px;height:400px;overflow:auto;background:white';
   const held = new Map();
@@ -34,7 +34,8 @@ NAIVE = """async () => {
     if (!one) {
       const element = document.createElement('div');
       element.style.cssText = 'width:20px;height:20px;background:black';
-      one = { marker: new Marker({ element }).setLngLat([place.lon, place.lat]).addTo(map), row: table.appendChild(document.createElement('div')) };
+      const marker = new Marker({ element }).setLngLat([place.lon, place.lat]).addTo(map);
+      one = { marker, row: table.appendChild(document.createElement('div')) };
       held.set(id, one);
     }
     one.marker.setLngLat([place.lon, place.lat]);

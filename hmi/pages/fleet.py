@@ -6,7 +6,7 @@ from nicegui import ui
 
 from components.live_element import LiveElement
 from components.live_map import LiveMap
-from hmi.pages import bundle
+from hmi.pages import bundle, demo_button
 from hmi.pages.services import PageServices
 from hmi.security.session_info import SessionInfo
 
@@ -19,15 +19,14 @@ def build(services: PageServices, _session: SessionInfo) -> None:
         classes="h-screen f-screen",
         data_screen="fleet",
         data_title="Fleet",
-        data_code=bundle.script_url("fleet"),
+        data_code=demo_button.code(services, bundle.script_url("fleet")),
         data_fleet_style=style,
     ):
         with ui.element("section").classes("f-map").props('aria-label="Map"'):
             LiveMap(mode="fleet").classes("h-mapfill")
             with ui.element("div").classes("f-over"):
                 LiveElement("hl-fleet-layers")
-                if services.settings.demo:
-                    LiveElement("hl-demo-button")
+                demo_button.place(services)
             LiveElement("hl-fleet-stop", classes="h-card f-stopcard", hook="fleet-stop", role="status", hidden="")
             LiveElement("hl-fleet-kpis", classes="h-card f-kpis", hook="fleet-kpis")
         with ui.element("aside").classes("f-side").props('aria-label="Robots"'):

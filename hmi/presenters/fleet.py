@@ -47,6 +47,7 @@ def slow(robot: Robot, context: Context = _NO_CONTEXT) -> dict[str, Any]:
         "field": mission["field"] if mission else "",
         "mission": mission,
         "level": level(robot),
+        "fault": _worst_fault(robot),
         "why": reason.get("text", ""),
         "code": reason.get("code", ""),
         "clears": reason.get("clears", ""),
@@ -73,6 +74,12 @@ def level(robot: Robot) -> int | None:
     if robot.safety is not None and (robot.safety.latched or robot.safety.hardware_stop):
         levels.append(STOPPED_LEVEL)
     return min(levels, default=None)
+
+
+def _worst_fault(robot: Robot) -> str:
+    """Return what its worst fault says, for screens to which the alarms do not come."""
+    faults = robot.state.faults if robot.state else ()
+    return min(faults, key=lambda one: FAULT_LEVELS[one.level]).text if faults else ""
 
 
 def task(robot: Robot) -> str:

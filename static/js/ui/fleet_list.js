@@ -6,7 +6,8 @@
   const HELD_MS = 3000; // after a touch rows hold still this long: there is no hover to tell
   const LATE_MS = 5000;
   const WIDE_PX = 600;
-  const HEIGHTS = { head: 40, fold: 56, "needs-you": [92, 66], row: [76, 56], cells: 56, gap: 8 };
+  const HEIGHTS = { head: 40, fold: 56, "needs-you": [92, 66], row: [76, 56], cells: 56 };
+  const GAP = 4;
 
   class Head {
     constructor(line) {
@@ -130,7 +131,7 @@
       for (const section of sections) {
         const count = section.count ?? section.items.length;
         if (!count && section.key !== "needs-you") continue;
-        lines.push(section.canFold ? { key: `fold ${section.key}`, kind: "fold", section: section.key, height: HEIGHTS.fold, title: section.title, count, folded: section.folded }
+        lines.push(section.canFold ? { key: `fold ${section.key}`, kind: "fold", section: section.key, height: HEIGHTS.fold, gap: GAP, title: section.title, count, folded: section.folded }
           : { key: `head ${section.key}`, kind: "head", height: HEIGHTS.head, title: section.title, count, note: this.noteOf(section), hook: `fleet-group-${section.key}` });
         if (section.kind === "cells") this.addCells(lines, section, columns);
         else for (const item of section.items) lines.push(rowLine(section, item, isWide));
@@ -141,7 +142,7 @@
     addCells(lines, section, columns) {
       for (let i = 0; i < section.items.length; i += columns) {
         const items = section.items.slice(i, i + columns);
-        lines.push({ key: `cells ${section.key} ${i}`, kind: "cells", height: HEIGHTS.cells, items, columns, keys: items.map((one) => one.id) });
+        lines.push({ key: `cells ${section.key} ${i}`, kind: "cells", height: HEIGHTS.cells, gap: GAP, items, columns, keys: items.map((one) => one.id) });
       }
     }
     noteOf(section) {
@@ -206,7 +207,7 @@
 
   function rowLine(section, item, isWide) {
     const [narrow, wide] = section.key === "needs-you" ? HEIGHTS["needs-you"] : HEIGHTS.row;
-    return { key: `row ${item.id}`, kind: "row", height: isWide ? wide : narrow, item, isTall: section.key === "needs-you" };
+    return { key: `row ${item.id}`, kind: "row", height: isWide ? wide : narrow, gap: GAP, item, isTall: section.key === "needs-you" };
   }
 
   HL.FleetList = FleetList;

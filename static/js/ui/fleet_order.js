@@ -50,7 +50,7 @@
       const level = alarm.priority;
       return { level, head: alarm.title, line: [alarm.text, level <= 2 || robot.waits ? advice(robot) : ""].filter(Boolean).join(" ") || robot.why, since: alarm.t ?? null, look: alarm.state, waits: Boolean(robot.waits), alarm: alarm.id };
     }
-    if (robot.waits || robot.level) return { level: robot.level ?? 3, head: robot.why || robot.text, line: advice(robot), since: robot.since ?? null, look: "acknowledged", waits: Boolean(robot.waits) };
+    if (robot.waits || robot.level) return { level: robot.level ?? 3, head: robot.why || robot.fault || robot.text, line: advice(robot), since: robot.since ?? null, look: "acknowledged", waits: Boolean(robot.waits) };
     return { level: null, head: robot.task || robot.text || "–", line: robot.why || "", since: robot.since ?? null, waits: false };
   }
 

@@ -71,7 +71,7 @@
       if (asks) text(this.wait, waited(verdict.since));
       text(this.link, verdict.isLost ? "no link" : typeof robot.rtt_ms === "number" ? `${Math.round(robot.rtt_ms)} ms` : "–");
       text(this.soc, percent(robot.soc));
-      toggle(this.cell, "low", robot.soc < 0.25);
+      toggle(this.cell, "low", typeof robot.soc === "number" && robot.soc < 0.25);
       style(this.charge, "width", `${typeof robot.soc === "number" ? robot.soc * 100 : 0}%`);
       attr(this.more, "aria-label", `More for ${robot.name}`);
     }

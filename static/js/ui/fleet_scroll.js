@@ -56,7 +56,7 @@
           this.space.append(held.view.node);
         }
         style(held.view.node, "transform", `translateY(${this.tops[i]}px)`);
-        style(held.view.node, "height", `${line.height}px`);
+        style(held.view.node, "height", `${line.height - (line.gap ?? 0)}px`);
         held.view.paint(line);
       }
       for (const [key, held] of this.shown) {
