@@ -102,9 +102,8 @@ class AlarmJournal:
             waited = [int(one) for one in session.scalars(answers.limit(20_000)) if one is not None]
         counted = [0] * bins
         for at in times:
-            number = int((at - first) / TEN_MIN)
-            if 0 <= number < bins:
-                counted[number] += 1
+            if first <= at <= now:
+                counted[min(int((at - first) / TEN_MIN), bins - 1)] += 1
         return Figures(
             [(first + number * TEN_MIN, count) for number, count in enumerate(counted)],
             counted[-1],

@@ -121,7 +121,8 @@ class Conditions:
             chatter.changed(is_on=is_on, now_s=now_s)
         was_chattering, is_chattering = chatter.is_chattering, chatter.pass_time(now_s)
         if not track.is_raised:
-            if not is_on or self._is_held(track):
+            # what was held back and is gone meanwhile is not raised after the fact
+            if not (is_on and track.is_so) or self._is_held(track):
                 return None
             track.is_raised, track.reworded_s = True, now_s
             return Change(Turn.COMES, track.key, track.finding, is_chattering)
