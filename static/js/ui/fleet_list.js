@@ -126,6 +126,7 @@
     lines(sections) {
       const width = this.place.clientWidth;
       const isWide = width >= WIDE_PX;
+      toggle(this.place, "wide", isWide);
       const columns = width >= WIDE_PX ? 3 : width >= 300 ? 2 : 1;
       const lines = [];
       for (const section of sections) {
