@@ -28,7 +28,7 @@
   const loadViews = () => load("/fleet/views", (answer) => (data.views = answer.views));
   const loadDuty = () => load("/fleet/duty", (answer) => Object.assign(data, { duty: answer.duty, people: answer.people, book: answer.book }));
   const loadDay = () => load("/fleet/kpis", (answer) => (data.day = { ...answer, at: performance.now() }));
-  const loadFreeze = () => load("/queue", (answer) => (data.freeze = answer.freeze ?? null));
+  const loadFreeze = () => load("/queue", (answer) => (data.freeze = answer.frozen ?? null));
 
   // one look at everything: what the list, the map and the strip show from now on
   function look() {

@@ -61,7 +61,7 @@
       const state = window.headlandStop?.state();
       const pressed = new Set((state?.steps ?? []).map((step) => step.robot));
       const robots = (state?.robots ?? []).filter((one) => pressed.has(one.id));
-      const isFrozen = Boolean(HL.fleet.freeze?.is_frozen);
+      const isFrozen = Boolean(HL.fleet.freeze);
       attr(this, "hidden", !robots.length && !isFrozen);
       if (!robots.length && !isFrozen) return;
       const standing = robots.filter((one) => one.state === "standstill" && one.is_linked);
