@@ -52,9 +52,9 @@ export class FleetMissions {
   }
 
   /** What to draw, bottom to top, around `origin`. */
-  lines(origin, ink, camera) {
+  lines(origin, ink) {
     const lines = [];
-    if (!this.layers || !camera) return lines;
+    if (!this.layers) return lines;
     for (const [id, one] of this.held) {
       if (!one.model?.pieces.length) continue;
       if (one.origin !== origin) this.#lay(one, origin);
@@ -78,7 +78,9 @@ export class FleetMissions {
 
   #lay(one, origin) {
     const perMetre = mercPerMetre(origin.my);
-    Object.assign(one, { origin, rows: new LineSet(), path: new LineSet(), rowFrom: [], pathFrom: [] });
+    Object.assign(one, { origin, rows: one.rows ?? new LineSet(), path: one.path ?? new LineSet(), rowFrom: [], pathFrom: [] });
+    one.rows.clear();
+    one.path.clear();
     let walked = 0;
     for (const piece of one.model.pieces) {
       one.rowFrom.push(one.rows.count);

@@ -124,7 +124,7 @@ export class Intake {
       robot.name = row.name ?? id;
       robot.family = row.family ?? 'other';
       robot.mode = row.mode ?? 'unknown';
-      if (robot.isOut === undefined) { // until the list beside the map has spoken, see setFleet of live_map.js
+      if (robot.isOut === undefined) { // until the list beside the map has spoken, see fleet_view.js
         robot.text = row.why || row.text || '';
         robot.level = row.level ?? null;
       }

@@ -4,7 +4,7 @@ import { clusterLabels, farmLabels, readableLabels, robotLabels } from './captio
 import { Controls } from './controls.js';
 import { startEngine } from './engine_choice.js';
 import { laneRevision } from './feed.js';
-import { clustersOf } from './clusters.js';
+import { FleetView } from './fleet_view.js';
 import { boxOf, mercPerMetre, mercX, mercY } from './geometry.js';
 import { Intake } from './intake.js';
 import { LabelLayer } from './labels.js';
@@ -27,8 +27,6 @@ const ROBOT_ZOOM = 16.8; // 2.3 px per metre at 52 degrees north: a field of a h
 const FIELD_ZOOMS = [16.2, 19.5]; // a large field keeps its rows apart, a small one its surroundings in sight
 const FIELD_MARGIN_PX = 40;
 const NAMES_ZOOM = 15.5;
-const NEAR_ZOOM = 18;
-const NO_CLUSTERS = { of: new Map(), list: [] };
 const LOST_CONTEXT_MS = 3000;
 const RING_MARGIN = 1.5;
 const USUAL = {
@@ -46,12 +44,12 @@ export class LiveMap {
     this.isFollowing = this.options.mode === 'robot';
     this.shown = readLayers();
     this.frameNumber = 0;
-    this.clusters = NO_CLUSTERS;
     this.engineNote = '';
     this.palette = readPalette();
     this.scene = new Scene(this.palette);
     this.scene.shown = this.shown;
     this.intake = new Intake(this.options, (what) => this.#told(what));
+    this.fleet = new FleetView(this);
     host.classList.add('hl-map');
     this.surface = document.createElement('div');
     this.surface.className = 'hl-map-surface';
@@ -173,7 +171,7 @@ export class LiveMap {
       scene.settle(selected.pose.mx, selected.pose.my);
       scene.trail = trailOf(selected.id);
     }
-    else if (this.options.mode === 'fleet') scene.settle(...this.#middle());
+    else this.fleet.settle();
     this.#place();
     if (intake.model) scene.setProgress(intake.progress());
     this.#draw(hasChanged);
@@ -207,12 +205,8 @@ export class LiveMap {
       isFleet: this.options.mode === 'fleet',
       ageOf: (robot) => robot.ageMs(clock),
       reachOf: (robot) => (robot.isStale ? robot.reachM(robot.ageMs(clock)) : 0),
-      chosen: this.fleet?.chosen ?? null,
-      isHidden: (robot) => robot.isOut || this.clusters.of.has(robot.id),
     };
-    if (this.fleet) this.look.selected = this.fleet.current;
-    const isGathered = this.options.mode === 'fleet';
-    this.clusters = isGathered ? clustersOf(this.intake.robots.values(), this.engine.camera, { now, current: this.look.selected, scale: this.palette.scale }) : NO_CLUSTERS;
+    this.fleet.gather(this.look);
     this.scene.setRobots(this.intake.robots.values(), this.look);
     this.#keepUp(now);
     this.engine.redraw();
@@ -308,12 +302,6 @@ export class LiveMap {
     return boxOf([...farm.features, ...parcels.features, ...places]);
   }
 
-  /** Where the fleet is, roughly: the first robot that has a place. */
-  #middle() {
-    for (const { pose } of this.intake.robots.values()) if (pose) return [pose.mx, pose.my];
-    return [this.scene.origin.mx, this.scene.origin.my];
-  }
-
   #moved() {
     if (!this.engine) return;
     this.controls.setCamera(this.engine.camera);
@@ -324,10 +312,9 @@ export class LiveMap {
     if (!this.engine || this.isGone) return;
     const { camera } = this.engine;
     const labels = this.shown.labels ? readableLabels(this.labels, camera) : [];
-    const look = { ...this.look, palette: this.palette, metresPerPx: camera.metresPerPx, isNear: this.fleet ? this.fleet.layers.names : camera.zoom > NAMES_ZOOM };
+    const look = { ...this.look, palette: this.palette, metresPerPx: camera.metresPerPx, isNear: this.fleet.said?.layers.names ?? camera.zoom > NAMES_ZOOM };
     if (this.look) {
-      const single = this.clusters.of.size || this.fleet ? [...this.intake.robots.values()].filter((robot) => !look.isHidden(robot)) : this.intake.robots.values();
-      labels.push(...robotLabels(single, look), ...clusterLabels(this.clusters.list, this.palette));
+      labels.push(...robotLabels(this.fleet.single(look), look), ...clusterLabels(this.fleet.clusters, this.palette));
     }
     this.labelLayer.draw(camera, labels, this.palette);
     this.frameNumber += 1;
@@ -365,60 +352,19 @@ export class LiveMap {
     let best = null;
     let off = TAP_PX;
     for (const robot of this.intake.robots.values()) {
-      if (!robot.pose || this.look?.isHidden(robot)) continue;
+      if (!robot.pose || this.look?.isHidden?.(robot)) continue;
       const [rx, ry] = this.engine.camera.project(robot.pose.mx, robot.pose.my);
       if (Math.hypot(rx - x, ry - y) < off) [best, off] = [robot, Math.hypot(rx - x, ry - y)];
     }
-    const cluster = best ? null : this.#clusterAt(x, y);
-    if (cluster) this.engine.ease({ mx: cluster.mx, my: cluster.my, zoom: Math.min(this.engine.camera.zoom + 2, NEAR_ZOOM) });
+    if (!best) this.fleet.tapped(x, y);
     if (!best) return;
     this.options.onSelect?.(best.id);
-    if (this.fleet) window.dispatchEvent(new CustomEvent('headland:map-robot', { detail: best.id }));
+    if (this.fleet.said) window.dispatchEvent(new CustomEvent('headland:map-robot', { detail: best.id }));
   }
 
-  #clusterAt(x, y) {
-    return this.clusters.list.find((one) => {
-      const [cx, cy] = this.engine.camera.project(one.mx, one.my);
-      return Math.hypot(cx - x, cy - y) < TAP_PX;
-    });
-  }
-
-  /** What the list beside the map says: {verdicts: Map, chosen: Set, current, isSeen(id), layers: {names, paths, coverage}}. */
+  /** What the list beside the map says, see FleetView. */
   setFleet(fleet) {
-    const before = this.fleet;
-    this.fleet = fleet;
-    let hasChanged = !before || before.current !== fleet.current || before.key !== (fleet.key = `${[...fleet.chosen]}|${JSON.stringify(fleet.layers)}`);
-    for (const robot of this.intake.robots.values()) {
-      const verdict = fleet.verdicts.get(robot.id);
-      const isOut = !fleet.isSeen(robot.id);
-      const text = verdict?.level ? verdict.head : '';
-      if (!verdict || (robot.level === verdict.level && robot.isOut === isOut && robot.text === text)) continue;
-      Object.assign(robot, { level: verdict.level, text, isOut, isAsking: verdict.look === 'unacknowledged' });
-      hasChanged = true;
-    }
-    this.#fleetLayers(fleet);
-    if (hasChanged && this.engine) this.#draw(true);
-  }
-
-  /** Paths and coverage of all missions load when somebody asks for them. */
-  async #fleetLayers({ layers }) {
-    const isWanted = layers.paths || layers.coverage;
-    if (!isWanted && !this.missions) return;
-    const { FleetMissions } = await import('./fleet_missions.js');
-    if (this.isGone) return;
-    this.missions ??= new FleetMissions(this.options.missionUrl, () => this.engine && this.#draw());
-    this.missions.show(layers, isWanted ? this.intake.robots : new Map());
-    this.scene.fleetLines = (origin, ink) => this.missions.lines(origin, ink, this.engine?.camera);
-  }
-
-  /** Bring a robot into sight, near if asked. */
-  showRobot(id, isNear = false) {
-    const pose = this.intake.robots.get(id)?.pose;
-    if (!pose || !this.engine) return;
-    const { camera } = this.engine;
-    const [x, y] = camera.project(pose.mx, pose.my);
-    const isInSight = x > 60 && y > 60 && x < camera.width - 60 && y < camera.height - 60;
-    if (isNear || !isInSight) this.engine.ease({ mx: pose.mx, my: pose.my, zoom: isNear ? Math.max(camera.zoom, NEAR_ZOOM) : camera.zoom });
+    if (this.fleet.set(fleet) && this.engine) this.#draw(true);
   }
 
   #key(event) {
@@ -447,7 +393,7 @@ export class LiveMap {
     clearTimeout(this.later);
     clearTimeout(this.lostTimer);
     this.intake.destroy();
-    this.missions?.destroy();
+    this.fleet.destroy();
     this.unwatch?.();
     this.base?.destroy();
     if (this.keys) this.host.removeEventListener('keydown', this.keys);

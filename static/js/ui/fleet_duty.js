@@ -58,7 +58,6 @@
   class Offers {
     constructor(place) {
       this.place = place;
-      HL.fleet.listeners.add(() => this.paint());
     }
     paint() {
       const found = offers();

@@ -13,7 +13,6 @@
       this.sorts = SORTS.map(([key, label]) => el("button", { type: "button", "data-testid": `fleet-sort-${key}`, onclick: () => HL.fleet.setFilter({ sort: key }) }, label));
       this.more = el("button", { type: "button", class: "h-btn ico", "aria-label": "Filters and views", title: "Filters and views", "data-testid": "fleet-filter", onclick: () => openFilters() }, icon("tune"));
       this.node = el("div", { class: "f-find" }, el("label", { class: "f-search" }, icon("search", "m"), this.input, el("span", { class: "h-key" }, "/")), el("div", { class: "f-findrow" }, el("div", { class: "h-seg", role: "group", "aria-label": "Order" }, ...this.sorts), this.more));
-      HL.fleet.listeners.add(() => this.paint());
       this.paint();
     }
     paint() {

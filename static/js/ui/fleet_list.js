@@ -87,14 +87,15 @@
       this.place = el("div", { class: "f-list", role: "list", "aria-label": "Robots", "data-testid": "fleet-list", tabindex: "-1" });
       this.blank = el("div", { class: "h-notice h-card f-blank", hidden: true });
       this.said = el("div", { class: "h-vh", role: "status", "aria-live": "polite" });
-      this.append(new HL.FleetFilter().node, this.offers, this.note, this.place, this.blank, this.said);
+      this.find = new HL.FleetFilter();
+      this.append(this.find.node, this.offers, this.note, this.place, this.blank, this.said);
       this.scroll = new HL.FleetScroll(this.place, (line) => MAKE[line.kind](line));
       this.place.addEventListener("pointerdown", () => (this.touchedAt = performance.now()));
       this.held = [];
       this.from = performance.now();
     }
     enter() {
-      this.onLook = () => (this.isDue = true);
+      this.onLook = () => ((this.isDue = true), this.find.paint(), this.offered?.paint());
       HL.fleet.listeners.add(this.onLook);
       HL.fleet.begin();
       this.isDue = true;

@@ -18,7 +18,7 @@
   }
 
   function show(id, isNear = false) {
-    map()?.showRobot(id, isNear);
+    map()?.fleet.show(id, isNear);
   }
 
   class FleetLayers extends LiveElement {
