@@ -356,10 +356,10 @@ export class LiveMap {
       const [rx, ry] = this.engine.camera.project(robot.pose.mx, robot.pose.my);
       if (Math.hypot(rx - x, ry - y) < off) [best, off] = [robot, Math.hypot(rx - x, ry - y)];
     }
-    if (!best) this.fleet.tapped(x, y);
-    if (!best) return;
+    if (!best) return void this.fleet.tapped(x, y);
     this.options.onSelect?.(best.id);
     if (this.fleet.said) window.dispatchEvent(new CustomEvent('headland:map-robot', { detail: best.id }));
+    return undefined;
   }
 
   /** What the list beside the map says, see FleetView. */
