@@ -23,6 +23,7 @@ MODULES: dict[str, tuple[str, ...]] = {
         "plan_field100_3m_s",
         "plan_field100_05m_s",
     ),
+    "bench.fleet": ("fleet_viewer_cpu_points",),
     "bench.map": ("map_update_ms_1000", "map_update_ms_5000"),
     "bench.import_large": ("import_20mb_s", "import_20mb_mb", "import_20mb_stall_ms"),
     "bench.editor": ("editor_drag_ms_10000",),

@@ -14,7 +14,8 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager
 from datetime import UTC, datetime
 from typing import Any
 
@@ -68,7 +69,7 @@ def _measure(side: str, lanes: int) -> dict[str, float]:
     assert server.stdin is not None
     assert server.stdout is not None
     try:
-        port = int(_line(server, "port"))
+        port = int(line(server, "port"))
         browsers = subprocess.Popen(
             [*command, f"{side}-browsers", "--port", str(port), "--lanes", str(lanes)],
             stdin=subprocess.PIPE,
@@ -77,13 +78,13 @@ def _measure(side: str, lanes: int) -> dict[str, float]:
         )
         assert browsers.stdin is not None
         try:
-            _line(browsers, "open")
+            line(browsers, "open")
             for process in (server, browsers):
-                _tell(process)
+                tell(process)
             time.sleep(SECONDS)
             for process in (server, browsers):
-                _tell(process)
-            return {**json.loads(_line(server, "cpu")), **json.loads(_line(browsers, "got"))}
+                tell(process)
+            return {**json.loads(line(server, "cpu")), **json.loads(line(browsers, "got"))}
         finally:
             browsers.stdin.close()
             browsers.wait(20)
@@ -92,7 +93,8 @@ def _measure(side: str, lanes: int) -> dict[str, float]:
         server.wait(20)
 
 
-def _line(process: subprocess.Popen[str], key: str) -> str:
+def line(process: subprocess.Popen[str], key: str) -> str:
+    """Return what a process prints after a word."""
     assert process.stdout is not None
     for line in process.stdout:
         if line.startswith(key + " "):
@@ -100,13 +102,14 @@ def _line(process: subprocess.Popen[str], key: str) -> str:
     raise RuntimeError(f"the process ended before it said {key!r}")
 
 
-def _tell(process: subprocess.Popen[str]) -> None:
+def tell(process: subprocess.Popen[str]) -> None:
+    """Let a process go on."""
     assert process.stdin is not None
     process.stdin.write("\n")
     process.stdin.flush()
 
 
-async def _report_cpu(making: list[float]) -> None:
+async def report_cpu(making: list[float]) -> None:
     """Wait for begin and end of the measurement, then print what it cost; ``making`` grows and is not part of it."""
     await asyncio.to_thread(sys.stdin.readline)
     cpu_s, wall_s = time.process_time() - making[0], time.monotonic()
@@ -116,14 +119,16 @@ async def _report_cpu(making: list[float]) -> None:
     await asyncio.to_thread(sys.stdin.readline)  # until the parent closes the pipe
 
 
-async def _ours() -> None:
+@asynccontextmanager
+async def served(robots: int, *, crowd: int | None) -> AsyncIterator[tuple[Any, int]]:
+    """Serve a store by hub and lane on a free port of loopback; ``crowd`` as the hub takes it, ``None`` is its own."""
     import uvicorn
     from starlette.applications import Starlette
 
     from hmi.clock import SystemClock
     from hmi.domain.freshness import TickRing
     from hmi.domain.role import Role
-    from hmi.live.hub import LiveHub
+    from hmi.live.hub import CROWD, LiveHub
     from hmi.live.lane import lane_route, same_origin_or
     from hmi.security.session_info import SessionInfo
     from hmi.store.fleet import FleetStore
@@ -131,8 +136,8 @@ async def _ours() -> None:
 
     clock = SystemClock()
     store = FleetStore(clock.mono_s)
-    store.set_registry([Entry(f"robot-{i:04d}") for i in range(ROBOTS)])
-    hub = LiveHub(store, TickRing("bench1", clock.mono_s), clock)
+    store.set_registry([Entry(f"robot-{i:04d}") for i in range(robots)])
+    hub = LiveHub(store, TickRing("bench1", clock.mono_s), clock, crowd=CROWD if crowd is None else crowd)
     one = SessionInfo("s", "u", "U", Role.VIEWER, "d", "", "farm", "c", datetime(2100, 1, 1, tzinfo=UTC))
 
     class Gate:
@@ -148,14 +153,21 @@ async def _ours() -> None:
     server, listener = uvicorn.Server(config), _listener()
     serving = asyncio.create_task(server.serve(sockets=[listener]))
     await hub.start()
-    making = [0.0]
-    moving = asyncio.create_task(_move(store, making))
-    print("port", listener.getsockname()[1], flush=True)
-    await _report_cpu(making)
-    moving.cancel()
-    await hub.stop()
-    server.should_exit = True
-    await serving
+    try:
+        yield store, listener.getsockname()[1]
+    finally:
+        await hub.stop()
+        server.should_exit = True
+        await serving
+
+
+async def _ours() -> None:
+    async with served(ROBOTS, crowd=ROBOTS) as (store, port):  # the full rate: ten times a second
+        making = [0.0]
+        moving = asyncio.create_task(_move(store, making))
+        print("port", port, flush=True)
+        await report_cpu(making)
+        moving.cancel()
 
 
 async def _move(store: Any, making: list[float]) -> None:
@@ -191,7 +203,7 @@ async def _our_browsers(port: int, lanes: int) -> None:
         own = f"http://127.0.0.1:{port}"
         async with connect(f"ws://127.0.0.1:{port}/live", origin=own, compression=None) as ws:  # type: ignore[arg-type]
             await ws.send('{"k":"sub","topics":["poses"]}')
-            pinging = asyncio.create_task(_ping(ws, newest, number))
+            pinging = asyncio.create_task(ping(ws, newest, number))
             try:
                 async for frame in ws:
                     if is_counting:
@@ -215,7 +227,7 @@ async def _our_browsers(port: int, lanes: int) -> None:
     await asyncio.gather(*browsing, return_exceptions=True)
 
 
-async def _ping(ws: ClientConnection, newest: dict[int, float], number: int) -> None:
+async def ping(ws: ClientConnection, newest: dict[int, float], number: int) -> None:
     """Say once a second how far we are, as lane.js does."""
     for n in range(10**6):
         await asyncio.sleep(1)
@@ -243,7 +255,7 @@ def _naive() -> None:
 
     async def report() -> None:
         print("port", port, flush=True)
-        await _report_cpu([0.0])
+        await report_cpu([0.0])
         app.shutdown()
 
     tasks = []

@@ -12,6 +12,7 @@ from hmi.app.alarms import AlarmRoom
 from hmi.app.base_maps import BaseMapDesk
 from hmi.app.chores import Chores
 from hmi.app.edge import Edge
+from hmi.app.fleet import FleetDesk
 from hmi.app.maps import MapDesk
 from hmi.app.missions import MissionDesk
 from hmi.app.queue import QueueDesk
@@ -82,6 +83,7 @@ class Console:
             self.authorize,
             self._lane_event,
         )
+        self.fleet = FleetDesk(settings, clock, records, edge.fleet, self.desk, self.authorize, self._lane_event)
         self.stops = StopDesk(
             edge.sender,
             clock,
@@ -115,6 +117,7 @@ class Console:
         await console.missions.prepare()
         await console.base_maps.prepare()
         await console.queue.prepare()
+        await console.fleet.prepare()
         await console.alarms.prepare()
         return console
 
@@ -130,6 +133,7 @@ class Console:
         self.stops.start()
         self.missions.start()
         self.queue.start()
+        self.fleet.start()
         self.chores.start()
 
     async def stop(self) -> None:
@@ -138,6 +142,7 @@ class Console:
         await self.chores.stop()
         for undo in self._undo:
             undo()
+        await self.fleet.stop()
         await self.queue.stop()
         await self.missions.stop()
         await self.maps.stop()
@@ -155,7 +160,8 @@ class Console:
     def client_frame(self, session: SessionInfo, lane_id: str, frame: Here | Drive) -> None:
         """Take a ``here`` or ``drive`` frame of a browser."""
         if isinstance(frame, Here):
-            self.desk.pulse.here(session, frame.robot, frame.tick)
+            for robot_id in frame.each():
+                self.desk.pulse.here(session, robot_id, frame.tick)
             return
         verdict = self.desk.drive.setpoint(session, lane_id, DriveFrame(frame.robot, frame.v, frame.w, frame.tick))
         if not verdict.is_forwarded and self._is_new_refusal(lane_id, verdict.code):

@@ -11,14 +11,17 @@ from hmi.security.passwords import Passwords
 from hmi.security.sessions import Sessions
 from hmi.security.sign_in import SignIn
 from hmi.security.stop_tokens import StopTokens
+from hmi.security.walls import WallScreens
 from hmi.store.audit import Audit
 from hmi.store.base_maps import BaseMapRecords
 from hmi.store.checklists import Checklists
 from hmi.store.counters import Counters
 from hmi.store.database import Database
 from hmi.store.devices import Devices
+from hmi.store.duty import Duties
 from hmi.store.farms import Farms
 from hmi.store.features import Features
+from hmi.store.fleet_groups import FleetGroups
 from hmi.store.history import History
 from hmi.store.maps import Maps
 from hmi.store.missions import Missions
@@ -28,6 +31,7 @@ from hmi.store.stop_list import StopList
 from hmi.store.templates import Templates
 from hmi.store.thinning import Thinning
 from hmi.store.users import Users
+from hmi.store.walls import Walls
 
 if TYPE_CHECKING:
     from hmi.clock import Clock
@@ -60,6 +64,8 @@ class Records:
         self.missions = Missions(self.database, clock)
         self.checklists = Checklists(self.database, clock)
         self.templates = Templates(self.database, clock)
+        self.fleet_groups = FleetGroups(self.database, clock)
+        self.duties = Duties(self.database, farm, clock)
         self.thinning = Thinning(self.database)
         self.passwords = Passwords(settings.secret)
         self.tokens = StopTokens(settings.secret, self.devices.is_revoked)
@@ -78,6 +84,7 @@ class Records:
             self.tokens,
             self.audit.append,
         )
+        self.walls = WallScreens(self.database, Walls(self.database, clock), self.sessions, farm, self.audit.append)
         self.enrolment = Enrolment(self.database, self.devices, self.sessions, self.tokens, self.audit.append)
 
     def open(self) -> None:
@@ -91,6 +98,7 @@ class Records:
         self.robots.load()
         self.devices.load()
         self.checklists.load()
+        self.duties.load()
         self.stop_list.export()
 
     def start(self) -> None:

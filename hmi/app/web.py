@@ -150,6 +150,7 @@ def _api(console: Console) -> ApiServices:
             console.maps.routes(),
             console.base_maps.routes(),
             console.queue.routes(),
+            *console.fleet.routes(),
             *console.alarms.routes(),
             *_demo_routes(console),
         ],

@@ -35,6 +35,7 @@ class Permission(StrEnum):
     EDIT_MISSION = "edit_mission"
     EDIT_MAP = "edit_map"
     DISPATCH = "dispatch"
+    MANAGE_WALLS = "manage_walls"
     ENROL_DEVICE = "enrol_device"
     MANAGE_ROBOTS = "manage_robots"
     MANAGE_USERS = "manage_users"
@@ -65,6 +66,7 @@ _SUPERVISE = _OPERATE | {
     Permission.EDIT_MISSION,
     Permission.EDIT_MAP,
     Permission.DISPATCH,
+    Permission.MANAGE_WALLS,
     Permission.READ_AUDIT,
     Permission.SHELVE_ALARM,
 }

@@ -11,6 +11,7 @@ from hmi.domain.ids import ID_PATTERN, is_id
 
 MAX_CLIENT_BYTES = 8192  # an honest frame has under 300 bytes, a subscription of 50 topics under 4 KB
 MAX_TOPICS = 64
+MAX_HERE = 100  # robots one frame keeps control of
 FLEET = "fleet"
 POSES = "poses"
 ALARMS = "alarms"
@@ -35,10 +36,15 @@ class Ping(msgspec.Struct, frozen=True, tag_field="k", tag="ping", forbid_unknow
 
 
 class Here(msgspec.Struct, frozen=True, tag_field="k", tag="here", forbid_unknown_fields=True):
-    """A page of the lease holder is open."""
+    """A page of the lease holder is open; one frame may speak for several robots."""
 
-    robot: RobotId
     tick: TickId
+    robot: RobotId | None = None
+    robots: Annotated[list[RobotId], msgspec.Meta(max_length=MAX_HERE)] = []
+
+    def each(self) -> list[str]:
+        """Return the robots it speaks for."""
+        return [*([] if self.robot is None else [self.robot]), *self.robots]
 
 
 class Drive(msgspec.Struct, frozen=True, tag_field="k", tag="drive", forbid_unknown_fields=True):

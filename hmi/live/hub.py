@@ -15,7 +15,7 @@ from hmi.domain.freshness import TickRing
 from hmi.domain.robot import Robot
 from hmi.live import frames
 from hmi.live.outbox import Outbox
-from hmi.live.topics import AlarmsTopic, FleetTopic, PosesTopic, RobotTopic
+from hmi.live.topics import AlarmsTopic, FleetTopic, PosesTopic, RobotNumbers, RobotTopic
 from hmi.presenters.operate import Context, MissionTitle
 from hmi.presenters.start_checks import MissionFacts
 from hmi.store.fleet import ALL_PARTS, FleetStore, Part
@@ -25,6 +25,9 @@ log = logging.getLogger(__name__)
 TICK_S = 0.1
 FLUSH_S = 0.04  # a change is sent at once, the next one after this: 10 Hz telemetry is never held back
 FLEET_S = 0.5  # lists are read by people
+CROWD, CROWD_POSES_S = 100, 0.5  # of so many robots nobody follows one: places go out at the rate of the lists
+REVIEW_S = 2.0  # battery and accuracy drift slowly: an entry that only moved is looked at again this often
+_FAST_PARTS = frozenset({Part.TELEMETRY, Part.LINK})
 TitleOf = Callable[[str], MissionTitle | None]
 FactsOf = Callable[[str], MissionFacts | None]
 _NO_PARTS: frozenset[Part] = frozenset()
@@ -71,6 +74,7 @@ class LiveHub:
         title_of: mission id to what people call it; answers from memory.
         facts_of: mission id to what the start checks need; answers from memory.
         alarms: what topic ``alarms`` shows.
+        crowd: robots beyond which places go out twice a second and not ten times.
     """
 
     def __init__(
@@ -81,13 +85,21 @@ class LiveHub:
         title_of: TitleOf = lambda _mission_id: None,
         facts_of: FactsOf = lambda _mission_id: None,
         alarms: AlarmSource | None = None,
+        *,
+        crowd: int = CROWD,
     ) -> None:
+        self._crowd, self._poses_due_s = crowd, float("-inf")
         self._store, self._ticks, self._clock, self._title_of = store, ticks, clock, title_of
         self._facts_of = facts_of
         self._lanes: set[Outbox] = set()
         self._robots: dict[str, RobotTopic] = {}
         self._extras: dict[str, dict[str, Any]] = {}
-        self._fleet, self._poses = FleetTopic(), PosesTopic()
+        self._numbers = RobotNumbers()
+        self._fleet, self._poses = FleetTopic(self._numbers), PosesTopic(self._numbers)
+        self._fleet_context = Context(title_of=title_of)
+        self._online: dict[str, bool] = {}
+        self._reviewed: dict[str, float] = {}
+        self._beats_seen = self._numbers_told = 0
         self._alarms, self._alarm_source = AlarmsTopic(), alarms or NoAlarms()
         self._listeners: dict[str, set[Outbox]] = {}
         self._seen = self._fleet_seen = self._poses_seen = self._alarms_seen = 0
@@ -192,17 +204,42 @@ class LiveHub:
         now_s = self._clock.mono_s()
         if frames.FLEET in self._listeners and now_s >= self._fleet_due_s:
             self._fleet_due_s = now_s + FLEET_S - TICK_S / 2  # a beat that comes a little early still counts
-            self._send(frames.FLEET, self._update_fleet())
+            self._send(frames.FLEET, self._update_fleet(now_s))
+            self._send_beats(now_s)
         if frames.ALARMS in self._listeners and now_s >= self._alarms_due_s:
             self._alarms_due_s = now_s + FLEET_S - TICK_S / 2
             self._send(frames.ALARMS, self._update_alarms())
-        if frames.POSES in self._listeners:
+        if frames.POSES in self._listeners and now_s >= self._poses_due_s:
+            if len(self._numbers) > self._crowd:
+                self._poses_due_s = now_s + CROWD_POSES_S - TICK_S / 2
             self._send_poses(now_s)
 
-    def _update_fleet(self) -> str | None:
+    def _update_fleet(self, now_s: float) -> str | None:
         changes = self._store.since(self._fleet_seen)
         self._fleet_seen = changes.revision
-        return self._fleet.update(self._known(changes.robots), changes.removed)
+        wanted = [robot_id for robot_id, parts in changes.robots.items() if self._is_due(robot_id, parts, now_s)]
+        for robot_id in changes.removed:
+            self._online.pop(robot_id, None)
+            self._reviewed.pop(robot_id, None)
+        return self._fleet.update(self._known(wanted), changes.removed, self._fleet_context)
+
+    def _is_due(self, robot_id: str, parts: Iterable[Part], now_s: float) -> bool:
+        """Say whether an entry may have changed; making one for each robot that only moved would cost the most."""
+        is_online = self._store.is_online(robot_id)
+        is_same = self._online.get(robot_id) == is_online and _FAST_PARTS.issuperset(parts)
+        if is_same and now_s - self._reviewed.get(robot_id, 0.0) < REVIEW_S:
+            return False
+        self._online[robot_id], self._reviewed[robot_id] = is_online, now_s
+        return True
+
+    def _send_beats(self, now_s: float) -> None:
+        heard = self._store.beats_since(self._beats_seen)
+        self._beats_seen = self._store.revision
+        if heard:
+            self._revision += 1
+            frame = self._fleet.beats(self._revision, now_s, heard)
+            for lane in self._listeners[frames.FLEET]:
+                lane.delta(frame)
 
     def _update_alarms(self) -> str | None:
         source = self._alarm_source
@@ -215,10 +252,10 @@ class LiveHub:
         self._poses_seen = self._store.revision
         if not moved:
             return
-        known = self._poses.known
         self._revision += 1
         frame = self._poses.frame(self._revision, now_s, moved)
-        has_new_names = self._poses.known != known
+        has_new_names = len(self._numbers) != self._numbers_told
+        self._numbers_told = len(self._numbers)
         for lane in self._listeners[frames.POSES]:
             if has_new_names:
                 lane.wants_snapshot()
@@ -259,7 +296,7 @@ class LiveHub:
     def _open(self, name: str) -> None:
         """Bring a topic up to date that nobody listened to until now."""
         if name == frames.FLEET:
-            self._update_fleet()
+            self._update_fleet(self._clock.mono_s())
         elif name == frames.ALARMS:
             self._alarms, self._alarms_seen = AlarmsTopic(), 0
             self._update_alarms()
@@ -271,13 +308,11 @@ class LiveHub:
 
     def _whole(self, name: str) -> str:
         if name == frames.FLEET:
-            return self._fleet.whole()
+            return self._fleet.whole(self._store.beats())
         if name == frames.ALARMS:
             return self._alarms.whole()
         if name == frames.POSES:
-            for robot in self._store.robots():
-                self._poses.number(robot.id)
-            return self._poses.names()
+            return self._poses.whole((one.robot_id for one in self._store.beats()), self._store.places())
         return self._robots[name.removeprefix(frames.ROBOT)].whole()
 
     async def _tick_forever(self) -> None:

@@ -9,7 +9,8 @@ from typing import Any
 from hmi.domain.robot import Pose, Robot
 from hmi.live.frames import ALARMS, FLEET, POSES, ROBOT, piece
 from hmi.presenters import fleet, operate
-from hmi.store.fleet import Part
+from hmi.presenters.units import heading_deg, milliseconds
+from hmi.store.fleet import Beat, Part
 
 GROUPS_OF: dict[Part, tuple[str, ...]] = {
     Part.REGISTRY: ("id", "tiles", "why", "actions", "body"),
@@ -57,20 +58,43 @@ class RobotTopic:
         return self._whole
 
 
+class RobotNumbers:
+    """The number that stands for a robot in binary frames; it never changes while the console runs."""
+
+    def __init__(self) -> None:
+        self._numbers: dict[str, int] = {}
+
+    def of(self, robot_id: str) -> int:
+        """Return a robot's number; a new robot gets the next one."""
+        return self._numbers.setdefault(robot_id, len(self._numbers))
+
+    def all(self) -> dict[str, int]:
+        """Return every number given so far."""
+        return self._numbers
+
+    def __len__(self) -> int:
+        """How many robots have a number."""
+        return len(self._numbers)
+
+
 class FleetTopic:
-    """Topic ``fleet``: one entry a robot; deltas carry only the entries that changed, ``null`` for one that left."""
+    """Topic ``fleet``: one entry a robot; deltas carry only the entries that changed, ``null`` for one that left.
+
+    When a robot was heard and its round trip change all the time; they go out as ``beats``, eight bytes a robot.
+    """
 
     name = FLEET
 
-    def __init__(self) -> None:
+    def __init__(self, numbers: RobotNumbers) -> None:
+        self._numbers = numbers
         self._entries: dict[str, str] = {}
         self._whole: str | None = None
 
-    def update(self, robots: Iterable[Robot], removed: Iterable[str]) -> str | None:
+    def update(self, robots: Iterable[Robot], removed: Iterable[str], context: operate.Context) -> str | None:
         """Take over changed robots; return the changed entries as JSON, ``None`` if nothing changed."""
         changed = []
         for robot in robots:
-            text = piece(fleet.entry(robot))
+            text = piece({"n": self._numbers.of(robot.id), **fleet.slow(robot, context)})
             if self._entries.get(robot.id) != text:
                 self._entries[robot.id] = text
                 changed.append(f'"{robot.id}":{text}')
@@ -82,11 +106,29 @@ class FleetTopic:
         self._whole = None
         return '{"robots":{' + ",".join(changed) + "}}"
 
-    def whole(self) -> str:
-        """Return every entry as JSON."""
+    def has(self, robot_id: str) -> bool:
+        """Say whether browsers know this robot."""
+        return robot_id in self._entries
+
+    def beats(self, revision: int, now_s: float, heard: Iterable[Beat]) -> bytes:
+        """Return one binary frame: see docs/protocols/lane.md for its layout."""
+        known = [one for one in heard if one.robot_id in self._entries]
+        frame = bytearray(_HEAD.size + _BEAT.size * len(known))
+        _HEAD.pack_into(frame, 0, BEATS_MAGIC, revision & 0xFFFFFFFF, now_s * 1000, len(known))
+        at = _HEAD.size
+        for one in known:
+            age = UNKNOWN if one.heard_s is None else _age(now_s - one.heard_s)
+            rtt = UNKNOWN if one.rtt_s is None else min(UNKNOWN - 1, round(one.rtt_s * 1000))
+            _BEAT.pack_into(frame, at, self._numbers.of(one.robot_id), age, rtt)
+            at += _BEAT.size
+        return bytes(frame)
+
+    def whole(self, heard: Iterable[Beat]) -> str:
+        """Return every entry as JSON, and beside them when each robot was heard."""
         if self._whole is None:
-            self._whole = '{"robots":{' + ",".join(f'"{i}":{t}' for i, t in self._entries.items()) + "}}"
-        return self._whole
+            self._whole = '"robots":{' + ",".join(f'"{i}":{t}' for i, t in self._entries.items()) + "}"
+        beats = {o.robot_id: [milliseconds(o.heard_s), milliseconds(o.rtt_s)] for o in heard if self.has(o.robot_id)}
+        return "{" + self._whole + ',"beats":' + piece(beats) + "}"
 
 
 class AlarmsTopic:
@@ -124,44 +166,43 @@ class AlarmsTopic:
 
 _HEAD = struct.Struct("<4sIdI")
 _POSE = struct.Struct("<IiiHH")
-MAGIC = b"HLP1"
-AGE_UNITS_PER_S, AGE_MAX = 100, 65_535
+_BEAT = struct.Struct("<IHH")
+MAGIC, BEATS_MAGIC = b"HLP1", b"HLB1"
+AGE_UNITS_PER_S, AGE_MAX, UNKNOWN = 100, 65_534, 65_535
 DEG_PER_RAD = 57.29577951308232
 
 
-class PosesTopic:
-    """Topic ``poses``: where every robot is, ten times a second, as one binary frame of all that moved.
+def _age(age_s: float) -> int:
+    return min(AGE_MAX, max(0, int(age_s * AGE_UNITS_PER_S)))
 
-    A robot is named by a number that ``names`` gives and that never changes while the console runs.
-    """
+
+class PosesTopic:
+    """Topic ``poses``: where every robot is, as one binary frame of all that moved."""
 
     name = POSES
 
-    def __init__(self) -> None:
-        self._numbers: dict[str, int] = {}
+    def __init__(self, numbers: RobotNumbers) -> None:
+        self._numbers = numbers
 
-    def number(self, robot_id: str) -> int:
-        """Return the number that stands for a robot in binary frames."""
-        return self._numbers.setdefault(robot_id, len(self._numbers))
-
-    def names(self) -> str:
-        """Return the number of every robot as JSON."""
-        return '{"numbers":' + piece(self._numbers) + "}"
-
-    @property
-    def known(self) -> int:
-        """How many robots have a number."""
-        return len(self._numbers)
+    def whole(self, robot_ids: Iterable[str], placed: Iterable[tuple[str, Pose]]) -> str:
+        """Return the number of every robot, and where each was last, as JSON."""
+        for robot_id in robot_ids:
+            self._numbers.of(robot_id)
+        places = {
+            i: [round(p.lat_deg, 7), round(p.lon_deg, 7), heading_deg(p.theta_rad), milliseconds(p.stamp.source_s)]
+            for i, p in placed
+        }
+        return '{"numbers":' + piece(self._numbers.all()) + ',"places":' + piece(places) + "}"
 
     def frame(self, revision: int, now_s: float, moved: Sequence[tuple[str, Pose]]) -> bytes:
         """Return one binary frame: see docs/protocols/lane.md for its layout."""
         frame = bytearray(_HEAD.size + _POSE.size * len(moved))
         _HEAD.pack_into(frame, 0, MAGIC, revision & 0xFFFFFFFF, now_s * 1000, len(moved))
-        at, numbers, pack_into = _HEAD.size, self._numbers, _POSE.pack_into
+        at, numbers, pack_into = _HEAD.size, self._numbers.all(), _POSE.pack_into
         for robot_id, pose in moved:
             number = numbers.get(robot_id)
             if number is None:
-                number = self.number(robot_id)
+                number = self._numbers.of(robot_id)
             age = min(AGE_MAX, max(0, int((now_s - pose.stamp.source_s) * AGE_UNITS_PER_S)))
             heading = int((90.0 - pose.theta_rad * DEG_PER_RAD) % 360.0 * 100) % 36_000
             pack_into(frame, at, number, round(pose.lat_deg * 1e7), round(pose.lon_deg * 1e7), heading, age)

@@ -19,7 +19,7 @@ STATIC = Path(__file__).resolve().parents[2] / "static"
 STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 """Cascade order of what every page carries: tokens first, screens last."""
 
-SCREEN_STYLES = ("maps", "plan", "queue", "alarms", "demo")
+SCREEN_STYLES = ("maps", "plan", "queue", "alarms", "fleet", "demo")
 """Styles that a screen fetches with its scripts."""
 
 SCRIPTS = {
@@ -27,7 +27,7 @@ SCRIPTS = {
         "core", "glyphs", "words", "preferences", "units", "port", "stops", "sheet",
         "banner", "top_bar", "alarm_counts", "menus", "telemetry_tile", "mission_card", "state_path", "why",
         "slide_to_confirm", "lease", "hold_to_drive", "stop_card", "action_dock",
-        "sign_in", "fleet_list", "records", "screen", "keys", "stay_awake",
+        "sign_in", "records", "screen", "keys", "stay_awake",
     ),
     "admin": ("alarm_channels", "alarm_notifications", "admin_robot", "admin_forms"),
     "bell": ("alarm_order", "alarm_acts", "alarm_tones", "alarm_bell", "alarm_strip"),
@@ -46,6 +46,10 @@ SCRIPTS = {
         "plan_treatment", "plan_steps", "plan_templates", "plan_inputs", "queue_data", "queue_drag", "queue_conditions",
         "queue_entry", "queue_arm", "queue_blackouts", "queue_timeline", "queue_list", "queue_view", "plan_queue",
         "missions_bulk", "mission_form", "mission_ways", "missions",
+    ),
+    "fleet": (
+        "fleet_order", "fleet_data", "fleet_row", "fleet_scroll", "fleet_filter", "fleet_list", "fleet_results",
+        "fleet_dock", "fleet_duty", "fleet_menu", "fleet_strip", "fleet_map", "fleet_wall", "fleet_screen",
     ),
     "demo": ("demo_panel",),
     "run": (

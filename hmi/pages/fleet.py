@@ -1,20 +1,34 @@
-"""Fleet: every robot with its state, why it waits, link and battery."""
+"""Fleet: every robot on the map and in the list, what several of them are asked, and who is responsible."""
 
 from __future__ import annotations
 
+from nicegui import ui
+
 from components.live_element import LiveElement
-from hmi.pages import demo_button
+from components.live_map import LiveMap
+from hmi.pages import bundle, demo_button
 from hmi.pages.services import PageServices
 from hmi.security.session_info import SessionInfo
 
 
-def build(services: PageServices, session: SessionInfo) -> None:
-    """Lay out the list; the rows come from the live lane."""
+def build(services: PageServices, _session: SessionInfo) -> None:
+    """Lay out map and list; rows, figures and marks come from the live lane, what is changed goes through REST."""
+    style = bundle.screen_style_url("fleet")
     with LiveElement(
-        "hl-screen", classes="h-screen", data_screen="fleet", data_title="Fleet", data_code=demo_button.code(services)
+        "hl-screen",
+        classes="h-screen f-screen",
+        data_screen="fleet",
+        data_title="Fleet",
+        data_code=demo_button.code(services, bundle.script_url("fleet")),
+        data_fleet_style=style,
     ):
-        demo_button.place(services)
-        LiveElement("hl-fleet", classes="h-scroll h-fleet", hook="fleet")
-        LiveElement(
-            "hl-dock-hint", classes="h-dockbar", data_text="Open a robot to operate it.|This corner stops all robots."
-        )
+        with ui.element("section").classes("f-map").props('aria-label="Map"'):
+            LiveMap(mode="fleet").classes("h-mapfill")
+            with ui.element("div").classes("f-over"):
+                LiveElement("hl-fleet-layers")
+                demo_button.place(services)
+            LiveElement("hl-fleet-stop", classes="h-card f-stopcard", hook="fleet-stop", role="status", hidden="")
+            LiveElement("hl-fleet-kpis", classes="h-card f-kpis", hook="fleet-kpis")
+        with ui.element("aside").classes("f-side").props('aria-label="Robots"'):
+            LiveElement("hl-fleet", classes="f-fleet", hook="fleet")
+        LiveElement("hl-fleet-dock", classes="h-dockbar f-dock", hook="fleet-dock")

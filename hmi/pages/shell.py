@@ -13,7 +13,7 @@ from nicegui import ui
 from components import stop_slab
 from components.live_element import LiveElement
 from hmi.domain.role import PERMISSIONS
-from hmi.pages import admin, alarms, bundle, fleet, login, maps, missions, operate, rail, top_bar
+from hmi.pages import admin, alarms, bundle, fleet, login, maps, missions, operate, rail, top_bar, wall
 from hmi.pages.services import PageServices
 from hmi.security.session_info import SessionInfo
 
@@ -52,6 +52,7 @@ def _screens(services: PageServices, session: SessionInfo | None) -> None:
             "/operate": lambda: operate.pick(services, session),
             "/operate/{robot}": lambda robot: operate.build(services, session, robot),
             "/fleet": lambda: fleet.build(services, session),
+            "/wall": lambda: wall.build(services, session),
             "/maps": lambda: _maps(services, session),
             "/missions": lambda: _missions(services, session),
             "/alarms": lambda: alarms.build(services, session),

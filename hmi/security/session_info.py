@@ -15,6 +15,7 @@ class SessionInfo:
     ``session_id`` is the SHA-256 of the cookie: it names the session, for example as lease owner, and opens nothing.
     ``device_id`` is an enrolled device, or a ``browser-...`` id that lasts as long as the session; ``device_name`` is
     empty for the latter. ``csrf`` must come back in ``X-Headland-CSRF`` with everything but reading.
+    ``is_wall``: a wall screen, which watches and does not time out.
     """
 
     session_id: str
@@ -26,3 +27,4 @@ class SessionInfo:
     farm_id: str
     csrf: str = field(repr=False)
     expires_utc: datetime
+    is_wall: bool = False

@@ -53,6 +53,7 @@ class Sessions:
         self._farm_id = farm_id
         self._lifetime_s = lifetime_s
         self._open: dict[str, _Live] = {}
+        self._walls: dict[str, SessionInfo] = {}
         self._unwritten_ends: set[str] = set()
         self._gone: deque[str] = deque(maxlen=_REMEMBERED)
         self._listeners: list[Ended] = []
@@ -96,7 +97,7 @@ class Sessions:
         """Return an open session by its id: how a page or lane asks whether it may go on."""
         live = self._open.get(session_id)
         if live is None:
-            return None
+            return self._walls.get(session_id)
         if self._clock.mono_s() >= live.ends_s:
             self._close([session_id], EXPIRED)
             return None
@@ -104,7 +105,17 @@ class Sessions:
 
     def all(self) -> list[SessionInfo]:
         """Return every open session."""
-        return [live.info for live in self._open.values()]
+        return [*(live.info for live in self._open.values()), *self._walls.values()]
+
+    def admit_wall(self, info: SessionInfo) -> None:
+        """Keep a wall screen's session open until ``dismiss_wall``; it has no user and no time limit."""
+        self._walls[info.session_id] = info
+
+    def dismiss_wall(self, session_id: str, text: str) -> None:
+        """End a wall screen's session at once; one that is not open is not missed."""
+        info = self._walls.pop(session_id, None)
+        if info is not None:
+            self._tell_end(info, text)
 
     def on_ended(self, callback: Ended) -> Callable[[], None]:
         """Call ``callback(session, text)`` when a session ends; return a function that takes it back.
@@ -211,11 +222,14 @@ class Sessions:
         self._gone.extend(session_ids)
         ended = [live.info for key in session_ids if (live := self._open.pop(key, None)) is not None]
         for info in ended:
-            for listener in tuple(self._listeners):
-                try:
-                    listener(info, text)
-                except Exception:
-                    logger.exception("a page could not be told that its session ended")
+            self._tell_end(info, text)
+
+    def _tell_end(self, info: SessionInfo, text: str) -> None:
+        for listener in tuple(self._listeners):
+            try:
+                listener(info, text)
+            except Exception:
+                logger.exception("a page could not be told that its session ended")
 
 
 def _info(stored: StoredSession) -> SessionInfo:

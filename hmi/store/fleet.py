@@ -91,6 +91,14 @@ class Changes(NamedTuple):
     removed: frozenset[str]
 
 
+class Beat(NamedTuple):
+    """When a robot's newest heartbeat was true, and its round trip."""
+
+    robot_id: str
+    heard_s: float | None
+    rtt_s: float | None
+
+
 @dataclass(slots=True)
 class _Record:
     """Everything of one robot, mutable; ``built`` is the frozen copy handed out."""
@@ -186,6 +194,25 @@ class FleetStore:
             if record.revisions.get(Part.TELEMETRY, 0) > revision:
                 moved.append((robot_id, self._fast(record).pose))
         return moved
+
+    def places(self) -> list[tuple[str, domain.Pose]]:
+        """Return where every robot was last, silent ones too."""
+        return [(r.id, self._fast(r).pose) for r in self._records.values() if r.telemetry is not None]
+
+    def beats_since(self, revision: int) -> list[Beat]:
+        """Return when the robots were heard whose link changed after ``revision``; cheap for a thousand of them."""
+        beats = []
+        for robot_id in reversed(self._changed):
+            if self._changed[robot_id] <= revision:
+                break
+            record = self._records[robot_id]
+            if record.revisions.get(Part.LINK, 0) > revision:
+                beats.append(Beat(robot_id, record.heard_s, record.rtt_s))
+        return beats
+
+    def beats(self) -> list[Beat]:
+        """Return when every robot was heard last."""
+        return [Beat(r.id, r.heard_s, r.rtt_s) for r in self._records.values()]
 
     def subscribe(self, listener: Callable[[], None]) -> Callable[[], None]:
         """Call ``listener`` after each batch of changes; returns what ends it."""

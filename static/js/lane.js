@@ -106,19 +106,38 @@
     if (list) {
       const entries = next[list] = Object.assign({}, held[list]);
       for (const [id, entry] of Object.entries(groups[list] || {})) {
-        if (entry === null) delete entries[id]; else entries[id] = entry;
+        if (entry === null) delete entries[id]; else entries[id] = topic === 'fleet' ? take(id, entry, entries[id]) : entry;
       }
     }
     state.set(topic, next);
     tell(topic, next, Object.keys(list ? groups[list] || {} : groups));
   }
 
+  // An entry says what changes slowly; when the robot was heard comes in beats and is kept from the one before.
+  function take(id, entry, before) {
+    if (typeof entry.n === 'number') numbers[entry.n] = id;
+    entry.t = before ? before.t : null;
+    entry.rtt_ms = before ? before.rtt_ms : null;
+    return entry;
+  }
+
   function snapshot(data) {
     for (const [topic, groups] of Object.entries(data)) {
       if (topic === 'poses') {
-        numbers = [];
         for (const [id, n] of Object.entries(groups.numbers)) numbers[n] = id;
-        state.set('poses', { robots: {} });
+        const robots = {};
+        for (const [id, p] of Object.entries(groups.places || {})) robots[id] = { lat: p[0], lon: p[1], heading_deg: p[2], t: p[3] };
+        state.set('poses', { robots });
+        tell('poses', state.get('poses'), null);
+        continue;
+      }
+      if (topic === 'fleet') {
+        for (const [id, entry] of Object.entries(groups.robots)) {
+          const beat = (groups.beats || {})[id] || [null, null];
+          take(id, entry, { t: beat[0], rtt_ms: beat[1] });
+        }
+        state.set('fleet', { robots: groups.robots });
+        tell('fleet', state.get('fleet'), null);
         continue;
       }
       state.set(topic, groups);
@@ -126,13 +145,31 @@
     }
   }
 
-  function poses(buffer) {
+  function binary(buffer) {
+    if (buffer.byteLength < 20) return;
     const view = new DataView(buffer);
-    if (buffer.byteLength < 20 || view.getUint32(0, true) !== 0x31504c48) return; // "HLP1"
     const rev = view.getUint32(4, true);
     if (rev <= revision) return;
     revision = rev;
-    const m = view.getFloat64(8, true), count = view.getUint32(16, true);
+    const kind = view.getUint32(0, true), m = view.getFloat64(8, true), count = view.getUint32(16, true);
+    if (kind === 0x31504c48) poses(view, m, count);       // "HLP1"
+    else if (kind === 0x31424c48) beats(view, m, count);  // "HLB1"
+  }
+
+  // Entries are brought up to date in place: a list redraws when it wants to, nobody is called a thousand times.
+  function beats(view, m, count) {
+    const robots = (state.get('fleet') || { robots: {} }).robots;
+    for (let i = 0, at = 20; i < count; i++, at += 8) {
+      const entry = robots[numbers[view.getUint32(at, true)]];
+      if (entry === undefined) continue;
+      const age = view.getUint16(at + 4, true), rttMs = view.getUint16(at + 6, true);
+      entry.t = age === 65535 ? null : m - age * 10;
+      entry.rtt_ms = rttMs === 65535 ? null : rttMs;
+    }
+    tell('fleet', state.get('fleet') || { robots: {} }, []);
+  }
+
+  function poses(view, m, count) {
     const held = state.get('poses') || { robots: {} };
     const changed = [];
     for (let i = 0, at = 20; i < count; i++, at += 16) {
@@ -151,7 +188,7 @@
   // ---- frames -------------------------------------------------------------------------------------------
 
   function receive(message) {
-    if (typeof message.data !== 'string') { poses(message.data); return; }
+    if (typeof message.data !== 'string') { binary(message.data); return; }
     let frame;
     try { frame = JSON.parse(message.data); } catch (error) { return; }
     switch (frame.k) {
@@ -190,7 +227,7 @@
 
   function greet(frame) {
     if (boot !== null && boot !== frame.boot) reconnects += 1;
-    boot = frame.boot; hello = frame; revision = -1; attempt = 0;
+    boot = frame.boot; hello = frame; revision = -1; attempt = 0; numbers = [];
     // Another run of the console has another clock: nothing of the old one maps.
     offset = null; arrived.length = 0; tickId = null; tickM = null; tickAt = -Infinity;
     if (typeof frame.m === 'number') learn(frame.m);

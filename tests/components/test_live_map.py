@@ -362,23 +362,18 @@ def test_a_console_that_restarts_its_clock_does_not_freeze_the_robot(the_map: Ma
 def test_a_fleet_is_drawn_whole_and_a_tap_chooses_a_robot(the_map: MapPage) -> None:
     the_map.open(mode="fleet", robotId=None)
     now = the_map.page.evaluate("headland.now()")
-    robots = {}
+    robots, places = {}, {}
     for i in range(300):
         lon, lat, heading = map_field.row_point(1 + i % 60, 0.1 + 0.8 * (i // 60) / 5)
-        robots[f"r-{i}"] = {
-            "name": f"R{i}",
-            "family": "weeder",
-            "t": now,
-            "lon": lon,
-            "lat": lat,
-            "heading_deg": heading,
-        }
+        robots[f"r-{i}"] = {"name": f"R{i}", "family": "weeder"}
+        places[f"r-{i}"] = {"t": now, "lon": lon, "lat": lat, "heading_deg": heading}
     robots["r-7"] |= {"level": 1, "text": "not confirmed"}
     the_map.put("fleet", robots=robots)
+    the_map.put("poses", robots=places)
     expect(the_map.page.get_by_test_id("map")).to_have_attribute("data-robots", "300")
     the_map.settle()
     assert "R7 not confirmed" in the_map.state()["texts"]
-    chosen = robots["r-7"]
+    chosen = places["r-7"]
     x, y = the_map.place(chosen["lon"], chosen["lat"])
     the_map.page.mouse.click(x, y)
     the_map.page.wait_for_function("window.selected.length === 1")

@@ -140,6 +140,32 @@ test('binary places are read with their age', () => {
   assert.deepEqual({ ...w.headland.state('poses').robots['weeder-02'] }, { lat: -33.5, lon: 5, heading_deg: 90, t: w.m - 250 });
 });
 
+test('beats bring an entry of the fleet up to date in place, and an entry that changes keeps them', () => {
+  const w = new World();
+  w.connect();
+  w.socket.say({ k: 'snap', rev: 1, d: { fleet: { robots: { a: { n: 3, mode: 'auto' }, b: { n: 4 } }, beats: { a: [w.m - 700, 80] } } } });
+  assert.equal(w.headland.state('fleet').robots.a.t, w.m - 700);
+  assert.equal(w.headland.state('fleet').robots.b.t, null);
+  const buffer = new ArrayBuffer(36), view = new DataView(buffer);
+  for (const [i, c] of [...'HLB1'].entries()) view.setUint8(i, c.charCodeAt(0));
+  view.setUint32(4, 2, true); view.setFloat64(8, w.m, true); view.setUint32(16, 2, true);
+  view.setUint32(20, 3, true); view.setUint16(24, 25, true); view.setUint16(26, 91, true);
+  view.setUint32(28, 4, true); view.setUint16(32, 65535, true); view.setUint16(34, 65535, true);
+  const m = w.m;
+  w.socket.say(buffer);
+  const { a, b } = w.headland.state('fleet').robots;
+  assert.deepEqual([a.t, a.rtt_ms, b.t, b.rtt_ms], [m - 250, 91, null, null]);
+  w.socket.say({ k: 'delta', rev: 3, d: { fleet: { robots: { a: { n: 3, mode: 'paused' } } } } });
+  assert.deepEqual([w.headland.state('fleet').robots.a.t, w.headland.state('fleet').robots.a.mode], [m - 250, 'paused']);
+});
+
+test('the places of robots that stand still come with the snapshot, as old as they are', () => {
+  const w = new World();
+  w.connect();
+  w.socket.say({ k: 'snap', rev: 1, d: { poses: { numbers: { a: 0 }, places: { a: [52.1, 4.2, 90, w.m - 60000] } } } });
+  assert.deepEqual({ ...w.headland.state('poses').robots.a }, { lat: 52.1, lon: 4.2, heading_deg: 90, t: w.m - 60000 });
+});
+
 test('it reconnects with a growing pause, subscribes again and takes a fresh snapshot', () => {
   const w = new World();
   w.headland.sub([R]);

@@ -7,6 +7,7 @@ from alembic import context
 from hmi.store import (  # noqa: F401 - so that their tables are known
     alarm_tables,
     base_map_tables,
+    fleet_tables,
     map_tables,
     mission_tables,
     queue_tables,

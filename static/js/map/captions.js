@@ -103,6 +103,14 @@ function dangerLabels(robot, at, look) {
   return labels;
 }
 
+/** A cluster says how many it is, and carries the worst sign in it. */
+export function clusterLabels(clusters, palette) {
+  return clusters.map((one) => ({
+    mx: one.mx, my: one.my, lines: [{ text: String(one.count), size: 14, weight: 700 }], priority: one.level ? 90 - one.level : 40, isFixed: true,
+    cluster: { level: one.level, isAsking: one.isAsking, px: one.px, fill: palette.sel, ink: palette.onSel },
+  }));
+}
+
 function fleetLabel(robot, at, look) {
   const { palette } = look;
   if (robot.level) {

@@ -33,7 +33,7 @@ export class Intake {
     });
     this.topics = [new LaneTopic('hello', () => this.#newClock())];
     if (mode === 'fleet') {
-      this.topics.push(new LaneTopic('fleet', (state) => this.#fleet(state)));
+      this.topics.push(new LaneTopic('fleet', (state, names) => this.#fleet(state, names)));
       this.topics.push(new LaneTopic('poses', (state, ids) => this.#poses(state, ids)));
     } else if (robotId) this.topics.push(new LaneTopic(`robot/${robotId}`, (state) => this.#one(state)));
   }
@@ -113,18 +113,23 @@ export class Intake {
     this.told('mission');
   }
 
-  #fleet(state) {
-    const now = performance.now();
+  #fleet(state, names) {
+    if (names && !names.length) return; // beats: nothing here changes with them
     const rows = state.robots ?? {};
+    const places = window.headland?.state?.('poses')?.robots ?? {};
+    const now = performance.now();
     for (const id of this.robots.keys()) if (!(id in rows)) this.robots.delete(id);
     for (const [id, row] of Object.entries(rows)) {
       const robot = this.#robot(id);
       robot.name = row.name ?? id;
       robot.family = row.family ?? 'other';
       robot.mode = row.mode ?? 'unknown';
-      robot.text = (typeof row.why === 'string' ? row.why : row.why?.text) ?? row.text ?? '';
-      robot.level = row.level ?? null;
-      robot.setPose(row, now);
+      if (robot.isOut === undefined) { // until the list beside the map has spoken, see fleet_view.js
+        robot.text = row.why || row.text || '';
+        robot.level = row.level ?? null;
+      }
+      robot.order = row.mission ?? null;
+      if (!robot.pose) robot.setPose(places[id], now);
     }
     this.told('robots');
   }

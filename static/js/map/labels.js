@@ -23,7 +23,7 @@ export class LabelLayer {
   draw(camera, labels, palette) {
     const ratio = window.devicePixelRatio || 1;
     const { mx, my, zoom, bearing } = camera;
-    const words = labels.map((label) => [label.mx, label.my, label.dx, label.dy, label.priority, ...label.lines.map((line) => line.text)].join());
+    const words = labels.map((label) => [label.mx, label.my, label.dx, label.dy, label.priority, label.cluster?.level, label.cluster?.isAsking, label.cluster?.px, ...label.lines.map((line) => line.text)].join());
     const drawn = [mx, my, zoom, bearing, camera.width, camera.height, ratio, palette.label, palette.scale, document.fonts.size, document.fonts.status, ...words].join('|');
     if (drawn === this.drawn) return; // most pictures change robots only
     this.drawn = drawn;
@@ -52,6 +52,7 @@ export class LabelLayer {
   /** Draw one label; false if something else is there. */
   #one(label, x, y, palette, taken) {
     const { context } = this;
+    if (label.cluster) return drawCluster(context, label, x, y, palette, taken, this.texts);
     if (label.clearPx) {
       const clear = label.clearPx * palette.scale;
       taken.push([x - clear, y - clear, x + clear, y + clear]);
@@ -99,4 +100,52 @@ export class LabelLayer {
   destroy() {
     this.canvas.remove();
   }
+}
+
+const SIGN_PX = 9;
+const SIGNS = { 1: [[-1, -1], [1, -1], [1, 1], [-1, 1]], 2: [[0, -1.15], [1.15, 1], [-1.15, 1]], 3: [[0, -1.3], [1.3, 0], [0, 1.3], [-1.3, 0]] };
+
+/** A disc with its count; the sign of the worst inside it sits on its shoulder, as shape, number and colour. */
+function drawCluster(context, { cluster, lines }, x, y, palette, taken, texts) {
+  const radius = (cluster.px / 2) * palette.scale;
+  taken.push([x - radius, y - radius, x + radius, y + radius]);
+  context.beginPath();
+  context.arc(x, y, radius, 0, 7);
+  context.fillStyle = cluster.fill;
+  context.fill();
+  context.lineWidth = 2.5;
+  context.strokeStyle = palette.halo;
+  context.stroke();
+  const [line] = lines;
+  texts.push(line.text);
+  context.font = `${line.weight} ${line.size * palette.scale}px ${palette.font}`;
+  context.fillStyle = cluster.ink;
+  const wide = context.measureText(line.text).width;
+  context.fillText(line.text, x - wide / 2, y + line.size * palette.scale * 0.36);
+  if (cluster.level) drawSign(context, cluster, x + radius * 0.78, y - radius * 0.78, palette);
+  return true;
+}
+
+function drawSign(context, { level, isAsking }, x, y, palette) {
+  const half = SIGN_PX * palette.scale;
+  const trace = (size) => {
+    context.beginPath();
+    if (SIGNS[level]) SIGNS[level].forEach(([sx, sy]) => context.lineTo(x + sx * size, y + sy * size));
+    else context.arc(x, y, size, 0, 7);
+    context.closePath();
+  };
+  trace(half + 3);
+  context.fillStyle = isAsking ? palette.ink : palette.halo; // a ring: nobody has seen it yet
+  context.fill();
+  if (isAsking) {
+    trace(half + 1.5);
+    context.fillStyle = palette.halo;
+    context.fill();
+  }
+  trace(half);
+  context.fillStyle = palette[`p${level}`];
+  context.fill();
+  context.font = `800 ${11 * palette.scale}px ${palette.font}`;
+  context.fillStyle = palette[`onP${level}`];
+  context.fillText(String(level), x - context.measureText(String(level)).width / 2, y + 4 * palette.scale + (level === 2 ? 2 : 0));
 }

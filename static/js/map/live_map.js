@@ -1,9 +1,10 @@
 // The live map: farm, mission, robots, marks and controls on one element. See components/live_map.py for its options.
 
-import { farmLabels, readableLabels, robotLabels } from './captions.js';
+import { clusterLabels, farmLabels, readableLabels, robotLabels } from './captions.js';
 import { Controls } from './controls.js';
 import { startEngine } from './engine_choice.js';
 import { laneRevision } from './feed.js';
+import { FleetView } from './fleet_view.js';
 import { boxOf, mercPerMetre, mercX, mercY } from './geometry.js';
 import { Intake } from './intake.js';
 import { DoseLegend, areaLabels } from './areas.js';
@@ -39,6 +40,7 @@ export class LiveMap {
   /** options: {robotId, mode, hasButtons, featuresUrl, missionUrl, vendorUrl, engine, onSelect(id)}. */
   constructor(host, options) {
     this.host = host;
+    host.hlMap = this; // what else is on the screen speaks to the map by its element
     this.options = { ...USUAL, ...options };
     this.isFollowing = this.options.mode === 'robot';
     this.shown = readLayers();
@@ -48,6 +50,7 @@ export class LiveMap {
     this.scene = new Scene(this.palette);
     this.scene.shown = this.shown;
     this.intake = new Intake(this.options, (what) => this.#told(what));
+    this.fleet = new FleetView(this);
     host.classList.add('hl-map');
     this.surface = document.createElement('div');
     this.surface.className = 'hl-map-surface';
@@ -171,6 +174,7 @@ export class LiveMap {
       scene.settle(selected.pose.mx, selected.pose.my);
       scene.trail = trailOf(selected.id);
     }
+    else this.fleet.settle();
     this.#place();
     if (intake.model) scene.setProgress(intake.progress());
     this.#draw(hasChanged);
@@ -205,6 +209,7 @@ export class LiveMap {
       ageOf: (robot) => robot.ageMs(clock),
       reachOf: (robot) => (robot.isStale ? robot.reachM(robot.ageMs(clock)) : 0),
     };
+    this.fleet.gather(this.look);
     this.scene.setRobots(this.intake.robots.values(), this.look);
     this.#keepUp(now);
     this.engine.redraw();
@@ -310,8 +315,10 @@ export class LiveMap {
     if (!this.engine || this.isGone) return;
     const { camera } = this.engine;
     const labels = this.shown.labels ? [...readableLabels(this.labels, camera), ...areaLabels(this.intake.model?.areas ?? [], camera)] : [];
-    const look = { ...this.look, palette: this.palette, metresPerPx: camera.metresPerPx, isNear: camera.zoom > NAMES_ZOOM };
-    if (this.look) labels.push(...robotLabels(this.intake.robots.values(), look));
+    const look = { ...this.look, palette: this.palette, metresPerPx: camera.metresPerPx, isNear: this.fleet.said?.layers.names ?? camera.zoom > NAMES_ZOOM };
+    if (this.look) {
+      labels.push(...robotLabels(this.fleet.single(look), look), ...clusterLabels(this.fleet.clusters, this.palette));
+    }
     this.labelLayer.draw(camera, labels, this.palette);
     this.frameNumber += 1;
     if (this.frameNumber === 1) this.#notice(); // until now the map said that it is loading
@@ -348,11 +355,19 @@ export class LiveMap {
     let best = null;
     let off = TAP_PX;
     for (const robot of this.intake.robots.values()) {
-      if (!robot.pose) continue;
+      if (!robot.pose || this.look?.isHidden?.(robot)) continue;
       const [rx, ry] = this.engine.camera.project(robot.pose.mx, robot.pose.my);
       if (Math.hypot(rx - x, ry - y) < off) [best, off] = [robot, Math.hypot(rx - x, ry - y)];
     }
-    if (best) this.options.onSelect?.(best.id);
+    if (!best) return void this.fleet.tapped(x, y);
+    this.options.onSelect?.(best.id);
+    if (this.fleet.said) window.dispatchEvent(new CustomEvent('headland:map-robot', { detail: best.id }));
+    return undefined;
+  }
+
+  /** What the list beside the map says, see FleetView. */
+  setFleet(fleet) {
+    if (this.fleet.set(fleet) && this.engine) this.#draw(true);
   }
 
   #key(event) {
@@ -381,6 +396,7 @@ export class LiveMap {
     clearTimeout(this.later);
     clearTimeout(this.lostTimer);
     this.intake.destroy();
+    this.fleet.destroy();
     this.unwatch?.();
     this.base?.destroy();
     if (this.keys) this.host.removeEventListener('keydown', this.keys);

@@ -92,7 +92,7 @@ export class Scene {
     this.isCrowd = look.count > CROWD;
     const urgent = [];
     for (const robot of robots) {
-      if (!robot.pose) continue;
+      if (!robot.pose || look.isHidden?.(robot)) continue;
       if (robot.id === look.selected) chosen = robot;
       else if (robot.level || robot.stop) urgent.push(robot);
       else this.#robot(robot, look, false);
@@ -146,7 +146,7 @@ export class Scene {
       circle('ring', robot.lengthM * 0.9, RING_PX, ink.ring);
     } else if (robot.isStale) {
       if (reach !== null && (isSelected || reach > 0)) circle('ring-thin-dash', reach, isSelected ? 46 : 34, ink.reach);
-    } else if (isSelected) {
+    } else if (isSelected || look.chosen?.has(robot.id)) {
       circle('ring', robot.lengthM * 0.95, RING_PX, robot.mode === 'manual' ? ink.manualRing : ink.ring);
     }
   }
@@ -154,7 +154,7 @@ export class Scene {
   /** What to draw, bottom to top: {lines, stamps}. */
   drawList() {
     const stamps = SHAPE_ORDER.map((shape) => this.stamps[shape]).filter((batch) => batch.count);
-    return { lines: [...this.#missionLines(), ...this.#areaLines(), ...this.#trailLines(), ...this.#planLines()], stamps };
+    return { lines: [...(this.fleetLines?.(this.origin, this.ink) ?? []), ...this.#missionLines(), ...this.#areaLines(), ...this.#trailLines(), ...this.#planLines()], stamps };
   }
 
   #missionLines() {

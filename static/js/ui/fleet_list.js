@@ -1,100 +1,216 @@
-// Every robot in three groups: needs you, watch, normal. A list that says what it knows and how old that is.
+// Every robot in three sections: needs you, watch, normal. The list says what it knows and how old that is.
 (() => {
   "use strict";
-  const { el, icon, alarm, robotGlyph, text, attr, style, LiveElement, define, words } = HL;
+  const { el, icon, text, attr, toggle, LiveElement, words } = HL;
+  const { Row, Cell } = HL.fleetRows;
+  const HELD_MS = 3000; // after a touch rows hold still this long: there is no hover to tell
+  const LATE_MS = 5000;
+  const WIDE_PX = 600;
+  const HEIGHTS = { head: 40, fold: 56, "needs-you": [92, 66], row: [76, 56], cells: 56 };
+  const GAP = 4;
 
-  const GROUPS = [["needs-you", "Needs you"], ["watch", "Watch"], ["normal", "Normal"]];
-
-  function judge(id, robot) {
-    const stop = HL.stops.worst(id);
-    if (stop?.state === "not-confirmed") return { level: 1, head: "Stop not confirmed", line: "Use the red button on the machine." };
-    const silentMs = robot.t === null || robot.t === undefined ? Infinity : HL.port.age(robot.t);
-    if (robot.is_registered === false) return { level: 4, head: "New", line: "An admin must accept it before it can be operated." };
-    if (robot.is_online === false || silentMs > HL.LOST_MS) return { level: 2, head: Number.isFinite(silentMs) ? `No link for ${words.since(silentMs)}` : "Never heard", line: Number.isFinite(silentMs) ? "Its values are old. Look at its power and radio." : "Not heard since the server started." };
-    return { level: robot.level ?? null, head: robot.text || "–", line: wording(robot.why) };
-  }
-
-  const wording = (why) => (why ? (typeof why === "string" ? why : why.text) : "");
-  const groupOf = (level) => (level === 1 || level === 2 ? "needs-you" : level === 3 || level === 4 ? "watch" : "normal");
-
-  class Row {
-    constructor(id) {
-      this.sign = el("span");
-      this.glyph = el("span", { class: "glyph" });
-      this.name = el("span", { class: "name h-ell" });
-      this.head = el("span");
-      this.line = el("small");
-      this.link = el("span", { class: "fig" });
-      this.charge = el("i");
-      this.soc = el("span");
-      this.battery = el("span", { class: "fig" }, el("span", { class: "h-cell" }, this.charge), this.soc);
-      this.node = el("div", { class: "h-frow", "data-testid": `fleet-row-${id}` }, this.sign, this.glyph, this.name, el("span", { class: "state" }, this.head, this.line), this.link, this.battery,
-        el("a", { class: "h-btn go", href: `/operate/${id}`, "data-testid": `fleet-open-${id}` }, "Open"));
+  class Head {
+    constructor(line) {
+      this.title = el("span");
+      this.count = el("span", { class: "count" });
+      this.note = el("span", { class: "note h-ell" });
+      this.node = el("h2", { class: "f-head" }, this.title, this.count, this.note);
+      if (line.hook) attr(this.node, "data-testid", line.hook);
     }
-    paint(robot, verdict) {
-      const key = `${verdict.level}/${robot.family}`;
-      if (key !== this.drawn) {
-        this.drawn = key;
-        this.sign.replaceChildren(verdict.level ? alarm(verdict.level, 28) : "");
-        this.glyph.replaceChildren(robotGlyph(robot.family, 30));
-      }
-      attr(this.node, "data-level", verdict.level);
-      attr(this.node, "data-state", robot.mode ?? "unknown");
-      attr(this.node, "data-age-ms", robot.t === null || robot.t === undefined ? null : Math.round(HL.port.age(robot.t)));
-      text(this.name, robot.name);
-      text(this.head, verdict.head);
-      text(this.line, verdict.line);
-      text(this.link, robot.is_online === false ? "no link" : robot.rtt_ms === null || robot.rtt_ms === undefined ? "–" : `${Math.round(robot.rtt_ms)} ms`);
-      const hasSoc = typeof robot.soc === "number";
-      text(this.soc, hasSoc ? `${Math.round(robot.soc * 100)} %` : "–");
-      style(this.charge, "width", `${hasSoc ? robot.soc * 100 : 0}%`);
+    paint(line) {
+      text(this.title, line.title);
+      text(this.count, line.count);
+      text(this.note, line.note || "");
     }
   }
 
-  class Fleet extends LiveElement {
+  class Fold {
+    constructor(line) {
+      this.sign = el("span", { class: "sign" });
+      this.title = el("b", { class: "h-ell" });
+      this.count = el("span", { class: "h-2" });
+      this.arrow = icon("keyboard_arrow_down");
+      this.node = el("button", { type: "button", class: "f-fold", "data-testid": `fleet-fold-${line.section}`, onclick: () => this.turn() }, this.arrow, this.title, this.count);
+    }
+    turn() {
+      const { open } = HL.fleet;
+      if (!open.delete(this.section)) open.add(this.section);
+      HL.fleet.look();
+    }
+    paint(line) {
+      this.section = line.section;
+      attr(this.node, "aria-expanded", String(!line.folded));
+      text(this.arrow, line.folded ? "chevron_right" : "keyboard_arrow_down");
+      text(this.title, line.title);
+      text(this.count, line.count === 1 ? "1 robot" : `${line.count} robots`);
+    }
+  }
+
+  class Cells {
+    constructor() {
+      this.cells = new Map();
+      this.node = el("div", { class: "f-cells" });
+    }
+    paint(line) {
+      const kept = line.items.map((one) => {
+        if (!this.cells.has(one.id)) this.cells.set(one.id, new Cell(one.id));
+        const cell = this.cells.get(one.id);
+        cell.paint(one);
+        return cell.node;
+      });
+      const isSame = kept.length === this.node.children.length && kept.every((node, i) => node === this.node.children[i]);
+      if (isSame) return;
+      this.node.replaceChildren(...kept);
+      this.node.style.setProperty("--columns", line.columns);
+      const ids = new Set(line.items.map((one) => one.id));
+      for (const id of [...this.cells.keys()]) if (!ids.has(id)) this.cells.delete(id);
+    }
+  }
+
+  class RowLine {
+    constructor(line) {
+      this.row = new Row(line.item.id);
+      this.node = this.row.node;
+    }
+    paint(line) {
+      toggle(this.node, "tall", line.isTall);
+      this.row.paint(line.item);
+    }
+  }
+
+  const MAKE = { head: (line) => new Head(line), fold: (line) => new Fold(line), cells: () => new Cells(), row: (line) => new RowLine(line) };
+
+  class FleetList extends LiveElement {
     build() {
-      this.rows = new Map();
-      this.groups = Object.fromEntries(GROUPS.map(([name, label]) => {
-        const count = el("span");
-        const list = el("div");
-        const node = el("section", { "data-testid": `fleet-group-${name}`, hidden: true }, el("h2", {}, label, count), list);
-        return [name, { node, count, list }];
-      }));
-      this.note = el("div", { class: "h-notice h-card" });
-      this.append(...Object.values(this.groups).map((group) => group.node), this.note);
+      this.note = el("div", { class: "f-note", hidden: true });
+      this.offers = el("div", { class: "f-offers" });
+      this.place = el("div", { class: "f-list", role: "list", "aria-label": "Robots", "data-testid": "fleet-list", tabindex: "-1" });
+      this.blank = el("div", { class: "h-notice h-card f-blank", hidden: true });
+      this.said = el("div", { class: "h-vh", role: "status", "aria-live": "polite" });
+      this.find = new HL.FleetFilter();
+      this.append(this.find.node, this.offers, this.note, this.place, this.blank, this.said);
+      this.scroll = new HL.FleetScroll(this.place, (line) => MAKE[line.kind](line));
+      this.place.addEventListener("pointerdown", () => (this.touchedAt = performance.now()));
+      this.held = [];
       this.from = performance.now();
     }
+    enter() {
+      this.onLook = () => ((this.isDue = true), this.find.paint(), this.offered?.paint());
+      HL.fleet.listeners.add(this.onLook);
+      HL.fleet.begin();
+      this.isDue = true;
+    }
+    leave() {
+      HL.fleet.listeners.delete(this.onLook);
+      HL.fleet.end();
+    }
+    isHeld() {
+      return this.place.matches(":hover") || performance.now() - (this.touchedAt ?? -Infinity) < HELD_MS;
+    }
     paint() {
-      const robots = Object.entries(HL.port.fleet()).map(([id, robot]) => [id, robot, judge(id, robot)]);
-      robots.sort((a, b) => (a[2].level ?? 9) - (b[2].level ?? 9) || a[1].name.localeCompare(b[1].name));
-      const wanted = { "needs-you": [], watch: [], normal: [] };
-      for (const [id, robot, verdict] of robots) {
-        if (!this.rows.has(id)) this.rows.set(id, new Row(id));
-        this.rows.get(id).paint(robot, verdict);
-        wanted[groupOf(verdict.level)].push(this.rows.get(id).node);
+      this.warn();
+      if (!this.isDue) return this.scroll.draw(); // ages run on
+      this.isDue = false;
+      const { filter, groups, open } = HL.fleet;
+      const items = HL.fleet.visible();
+      const now = HL.fleetOrder.sections(items, { sort: filter.sort, groups, open });
+      const key = JSON.stringify([filter, [...open]]);
+      const isHeld = this.isHeld() && key === this.key && this.held.length;
+      const { sections, moved } = isHeld ? HL.fleetOrder.hold(this.held, now) : { sections: now, moved: 0 };
+      this.key = key;
+      this.held = sections;
+      this.moved = moved;
+      this.scroll.set(this.lines(sections));
+      this.say(items);
+      this.announce(now);
+    }
+    lines(sections) {
+      const width = this.place.clientWidth;
+      const isWide = width >= WIDE_PX;
+      toggle(this.place, "wide", isWide);
+      const columns = width >= WIDE_PX ? 3 : width >= 300 ? 2 : 1;
+      const lines = [];
+      for (const section of sections) {
+        const count = section.count ?? section.items.length;
+        if (!count && section.key !== "needs-you") continue;
+        lines.push(section.canFold ? { key: `fold ${section.key}`, kind: "fold", section: section.key, height: HEIGHTS.fold, gap: GAP, title: section.title, count, folded: section.folded }
+          : { key: `head ${section.key}`, kind: "head", height: HEIGHTS.head, title: section.title, count, note: this.noteOf(section), hook: `fleet-group-${section.key}` });
+        if (section.kind === "cells") this.addCells(lines, section, columns);
+        else for (const item of section.items) lines.push(rowLine(section, item, isWide));
       }
-      for (const [name, nodes] of Object.entries(wanted)) this.place(this.groups[name], nodes);
-      for (const id of [...this.rows.keys()]) if (!HL.port.fleet()[id]) this.rows.delete(id);
-      this.say(robots.length);
+      this.ids = sections.flatMap((section) => section.items.map((one) => one.id));
+      return lines;
     }
-    // rows change place only while no pointer is over the list: a row must not slip away under a finger
-    place(group, nodes) {
-      attr(group.node, "hidden", !nodes.length);
-      text(group.count, nodes.length);
-      const isSame = nodes.length === group.list.children.length && nodes.every((node, i) => node === group.list.children[i]);
-      if (!isSame && !(group.list.matches(":hover") && nodes.length === group.list.children.length)) group.list.replaceChildren(...nodes);
+    addCells(lines, section, columns) {
+      for (let i = 0; i < section.items.length; i += columns) {
+        const items = section.items.slice(i, i + columns);
+        lines.push({ key: `cells ${section.key} ${i}`, kind: "cells", height: HEIGHTS.cells, gap: GAP, items, columns, keys: items.map((one) => one.id) });
+      }
     }
-    say(count) {
-      attr(this.note, "hidden", count > 0);
-      if (count) return;
-      const isKnown = HL.port.server().isKnown;
-      const key = isKnown ? "none" : performance.now() - this.from > 5000 ? "lost" : "loading";
-      if (key === this.said) return;
-      this.said = key;
+    noteOf(section) {
+      if (section.key === "needs-you") return this.moved ? "order waits while you point at it" : section.items.length > 1 ? "by priority, then time until help is needed" : section.items.length ? "" : "Nobody";
+      if (section.key !== "normal") return "";
+      const { newestMs, oldestMs } = HL.fleetOrder.figures(HL.fleet.items);
+      return newestMs === null ? "" : `newest data ${words.age(newestMs)}, oldest ${words.age(oldestMs)}`;
+    }
+    // an old list says so, and since when
+    warn() {
+      const { silentMs, isKnown } = HL.port.server();
+      const isOld = isKnown && silentMs > HL.LOST_MS;
+      const total = HL.fleet.items.length;
+      const shown = this.shownCount ?? total;
+      const isPart = !isOld && HL.fleet.isNarrowed(HL.fleet.filter) && shown < total;
+      const loaded = HL.fleet.items.filter((one) => Number.isFinite(one.ageMs)).length;
+      const isLoading = !isOld && !isPart && loaded < total && performance.now() - this.from < LATE_MS;
+      const key = isOld ? `old ${Math.floor(silentMs / 60000)}` : isPart ? `part ${shown} ${total}` : isLoading ? `load ${loaded} ${total}` : "";
+      toggle(this, "old", isOld);
+      attr(this.note, "hidden", !key);
+      if (key === this.noted) return;
+      this.noted = key;
+      const again = (label, act) => el("button", { type: "button", class: "h-btn", "data-testid": "fleet-note-act", onclick: act }, label);
+      if (isOld) this.note.replaceChildren(icon("cloud_off", "m"), el("span", {}, `List is from ${words.wall(new Date(Date.now() - silentMs))}.`), again("Try again", () => window.dispatchEvent(new Event("online"))));
+      else if (isPart) this.note.replaceChildren(el("span", {}, `You see ${shown} of ${total} robots.`), again("Show all", () => HL.fleet.setFilter({ ...HL.fleet.NO_FILTER, sort: HL.fleet.filter.sort })));
+      else if (isLoading) this.note.replaceChildren(icon("hourglass_top", "m"), el("span", {}, `${total} robots, ${loaded} loaded`));
+    }
+    say(items) {
+      this.shownCount = items.length;
+      const total = HL.fleet.items.length;
+      attr(this.blank, "hidden", total > 0);
+      attr(this.place, "hidden", !total);
+      if (total) return;
+      const isKnown = HL.port.server().isKnown && Boolean(window.headland.state("fleet"));
+      const key = isKnown ? "none" : performance.now() - this.from > LATE_MS ? "lost" : "loading";
+      if (key === this.blankKey) return;
+      this.blankKey = key;
       const [sign, head, line] = { none: ["smart_toy", "No robots yet", "Robots that are heard appear here; an admin accepts them."], lost: ["cloud_off", "List did not load", "Server did not answer in 5 s. STOP still works."], loading: ["hourglass_top", "Loading fleet", ""] }[key];
-      this.note.replaceChildren(icon(sign, "l"), el("b", { class: "h-t18 h-b" }, head), el("span", { class: "h-2" }, line), key === "loading" ? el("div", { class: "h-skeleton" }, ...[220, 180, 200].map((w) => { const bar = el("i"); bar.style.width = `${w}px`; return bar; })) : "");
+      const add = key === "none" && HL.fleet.can("manage_robots") ? el("a", { class: "h-btn", href: "/admin" }, "Add a robot") : "";
+      this.blank.replaceChildren(icon(sign, "l"), el("b", { class: "h-t18 h-b" }, head), el("span", { class: "h-2" }, line), add, key === "loading" ? el("div", { class: "h-skeleton" }, ...[220, 180, 200].map((w) => { const bar = el("i"); bar.style.width = `${w}px`; return bar; })) : "");
+    }
+    // who newly needs somebody is spoken once
+    announce(sections) {
+      const needs = sections.find((section) => section.key === "needs-you")?.items ?? [];
+      const fresh = this.known ? needs.filter((one) => !this.known.has(one.id)) : [];
+      this.known = new Set(needs.map((one) => one.id));
+      if (fresh.length) text(this.said, fresh.slice(0, 3).map((one) => `${one.robot.name}: ${one.verdict.head}`).join(". "));
+    }
+    // keys: next and previous in the order that is shown
+    step(by) {
+      const ids = this.ids ?? [];
+      if (!ids.length) return;
+      const at = ids.indexOf(HL.fleet.current);
+      const next = ids[at < 0 ? (by > 0 ? 0 : ids.length - 1) : Math.min(ids.length - 1, Math.max(0, at + by))];
+      HL.fleet.setCurrent(next);
+      this.scroll.reveal(`row ${next}`);
+      this.scroll.reveal(next);
+      HL.fleetMap.show(next);
+      text(this.said, `${HL.fleet.name(next)}: ${HL.fleet.item(next)?.verdict.head ?? ""}`);
     }
   }
 
-  define("hl-fleet", Fleet);
+  function rowLine(section, item, isWide) {
+    const [narrow, wide] = section.key === "needs-you" ? HEIGHTS["needs-you"] : HEIGHTS.row;
+    return { key: `row ${item.id}`, kind: "row", height: isWide ? wide : narrow, gap: GAP, item, isTall: section.key === "needs-you" };
+  }
+
+  HL.FleetList = FleetList;
 })();

@@ -5,6 +5,7 @@
   const { config } = HL;
   const CONNECTING_MS = 5000; // a page that has never heard the server says "connecting" this long, then "lost"
   const HERE_MS = 1000;
+  const MOST_TOPICS = 40; // control of more robots than this is followed by lease events alone
   const bornAt = performance.now();
   const EMPTY = Object.freeze({});
   let topics = "";
@@ -50,12 +51,13 @@
 
   function here() {
     const tick = lane.tick();
-    if (tick !== null) for (const id of held) lane.send({ k: "here", robot: id, tick });
+    const ids = [...held];
+    if (tick !== null) for (let i = 0; i < ids.length; i += 100) lane.send({ k: "here", robots: ids.slice(i, i + 100), tick });
   }
 
   function watch() {
     if (!config.user) return;
-    const wanted = ["fleet", "alarms", ...new Set([HL.view?.robot, followed, ...held].filter(Boolean).map((id) => `robot/${id}`))];
+    const wanted = ["fleet", "alarms", ...new Set([HL.view?.robot, followed, ...held].filter(Boolean).map((id) => `robot/${id}`))].slice(0, MOST_TOPICS);
     if (wanted.join() === topics) return;
     topics = wanted.join();
     lane.sub(wanted);

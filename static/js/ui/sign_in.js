@@ -56,7 +56,16 @@
       this.body = el("div");
       this.append(this.body);
       this.showForm();
-      if (stopToken()) this.load();
+      if (location.hash.startsWith("#wall=")) this.wall(location.hash.slice(6));
+      else if (stopToken()) this.load();
+    }
+    // the key stands behind the #, so that no server and no log ever reads it in an address
+    async wall(key) {
+      history.replaceState(null, "", location.pathname);
+      const answer = await post("/fleet/walls/open", { key });
+      if (!answer.ok) return text(this.message, "This wall screen was taken out. Ask a supervisor for a new address.");
+      keepToken(answer.stop_token);
+      return location.replace("/wall");
     }
     async load() {
       try {

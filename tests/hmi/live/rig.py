@@ -60,3 +60,22 @@ class HubRig:
         pose = domain.Pose(lat_deg, 5.0, 0.0, 0.0, 0.0, speed_mps, 0.0, domain.Stamp(now_s, now_s))
         self.store.put_telemetry(robot_id, domain.Telemetry(pose, None, None, None, None, None))
         self.store.announce()
+
+    def pause(self, robot_id: str) -> None:
+        """Let a robot report that it is paused."""
+        now_s = self.clock.mono_s()
+        stamp = domain.Stamp(now_s, now_s)
+        state = domain.RobotState(domain.Mode.PAUSED, ("Paused",), now_s, 0, None, None, (), None, stamp)
+        self.store.put_state(robot_id, state)
+        self.store.announce()
+
+    def heartbeat(self, robot_id: str, rtt_s: float = 0.08) -> None:
+        """Let a robot be heard."""
+        self.store.admit(robot_id)
+        self.store.put_heartbeat(robot_id, boot="boot1", challenge="c", heard_s=self.clock.mono_s())
+        self.store.put_round_trip(robot_id, rtt_s)
+        self.store.announce()
+
+    def take_all(self, box: Outbox) -> None:
+        """Empty a lane."""
+        box.take(self.hub.snapshot)

@@ -213,7 +213,7 @@ def test_the_fleet_goes_out_at_most_twice_a_second_and_only_what_changed() -> No
     assert set(rig.take(lane)[0]["d"]["fleet"]["robots"]) == {ID, "weeder-02"}
     rig.hub.beat()
     rig.take(lane)
-    rig.move(ID, lat_deg=53.0)
+    rig.pause(ID)
     rig.clock.advance(FLEET_S / 2)
     rig.hub.beat()
     assert [f["k"] for f in rig.take(lane)] == ["tick"]
@@ -221,7 +221,54 @@ def test_the_fleet_goes_out_at_most_twice_a_second_and_only_what_changed() -> No
     rig.hub.beat()
     delta = rig.take(lane)[0]["d"]["fleet"]["robots"]
     assert list(delta) == [ID]
-    assert delta[ID]["lat"] == 53.0
+    assert delta[ID]["mode"] == "paused"
+
+
+def test_a_robot_that_only_moves_changes_no_entry_of_the_fleet() -> None:
+    rig = HubRig(ID)
+    rig.move(ID)
+    lane = rig.lane("fleet")
+    rig.hub.beat()
+    rig.take(lane)
+    for step in range(20):
+        rig.clock.advance(FLEET_S)
+        rig.move(ID, lat_deg=52.0 + step / 1000)
+        rig.hub.beat()
+        assert [f["k"] for f in rig.take(lane)] == ["tick"]
+
+
+def test_when_robots_were_heard_goes_out_as_one_binary_frame() -> None:
+    rig = HubRig(ID, "weeder-02")
+    lane = rig.lane("fleet")
+    rig.hub.beat()
+    snapshot = rig.take(lane)[0]["d"]["fleet"]
+    number = {i: e["n"] for i, e in snapshot["robots"].items()}
+    assert sorted(number.values()) == [0, 1]
+    assert snapshot["beats"] == {ID: [None, None], "weeder-02": [None, None]}
+    rig.heartbeat("weeder-02", rtt_s=0.091)
+    rig.clock.advance(FLEET_S)
+    rig.hub.beat()
+    rig.take_all(lane)  # it came online: that changes its entry, too
+    rig.heartbeat("weeder-02", rtt_s=0.091)
+    rig.clock.advance(FLEET_S)
+    rig.hub.beat()
+    (frame,) = [f for f in lane.take(rig.hub.snapshot) if isinstance(f, bytes)]
+    magic, _rev, m, count = struct.unpack_from("<4sIdI", frame)
+    assert (magic, m, count) == (b"HLB1", pytest.approx(rig.clock.mono_s() * 1000), 1)
+    assert struct.unpack_from("<IHH", frame, 20) == (number["weeder-02"], 50, 91)
+
+
+def test_a_robot_that_goes_silent_changes_its_entry_although_nothing_of_it_arrives() -> None:
+    rig = HubRig(ID)
+    rig.heartbeat(ID)
+    lane = rig.lane("fleet")
+    rig.hub.beat()
+    rig.take(lane)
+    rig.clock.advance(10)
+    rig.store.refresh_links()
+    rig.hub.beat()
+    entry = rig.take(lane)[0]["d"]["fleet"]["robots"][ID]
+    assert (entry["is_online"], entry["level"]) == (False, 2)
 
 
 def test_a_robot_that_left_is_null_in_the_fleet() -> None:
@@ -253,6 +300,29 @@ def test_places_go_out_as_one_binary_frame_of_what_moved() -> None:
     magic, _rev, m, count = struct.unpack_from("<4sIdI", frame)
     assert (magic, m, count) == (b"HLP1", pytest.approx(rig.clock.mono_s() * 1000), 1)
     assert struct.unpack_from("<IiiHH", frame, 20) == (1, -335_000_000, 50_000_000, 9000, 25)
+
+
+def test_the_places_of_silent_robots_are_in_the_snapshot_with_their_age() -> None:
+    rig = HubRig(ID)
+    rig.move(ID)
+    rig.clock.advance(600)
+    places = rig.take(rig.lane("poses"))[0]["d"]["poses"]["places"]
+    assert places[ID][0] == 52.0
+    assert rig.clock.mono_s() * 1000 - places[ID][3] == pytest.approx(600_000)
+
+
+def test_places_of_a_crowd_go_out_at_the_rate_of_the_lists() -> None:
+    ids = [f"weeder-{n:03}" for n in range(101)]
+    rig = HubRig(*ids)
+    lane = rig.lane("poses")
+    rig.take_all(lane)
+    frames = 0
+    for _ in range(20):
+        rig.move(ids[0])
+        rig.clock.advance(0.1)
+        rig.hub.beat()
+        frames += sum(isinstance(f, bytes) for f in lane.take(rig.hub.snapshot))
+    assert 3 <= frames <= 4
 
 
 def test_a_lane_that_left_is_forgotten() -> None:

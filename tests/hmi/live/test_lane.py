@@ -45,7 +45,7 @@ async def test_here_and_drive_reach_the_handler_with_their_session() -> None:
         await ws.send('{"k":"ping","n":1}')
         await frame(ws, "pong")
         assert site.heard == [
-            ("martha", Here(ID, "boot1-1")),
+            ("martha", Here("boot1-1", ID)),
             ("martha", Drive(ID, 0.2, -0.1, "boot1-2")),
         ]
 

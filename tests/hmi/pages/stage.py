@@ -35,7 +35,8 @@ from hmi.security.session_info import SessionInfo
 from hmi.settings import Settings
 from hmi.store.fleet import FleetStore
 from tests.components import map_field
-from tests.hmi.pages import alarm_stage, maps_stage, maps_stage_routes
+from tests.hmi.live.crowd import Crowd
+from tests.hmi.pages import alarm_stage, fleet_stage, maps_stage, maps_stage_routes
 
 SHA = "ab" * 32
 NAMES = {Role.OPERATOR: "Martha Keller", Role.SUPERVISOR: "Anna Ostermeier", Role.ADMIN: "Jonas Weber"}
@@ -168,6 +169,14 @@ class Stage:
             {"owner": person(self.scene.owner), "since_s": 1.0, "asked": [p for p in [person(self.scene.asked)] if p]},
         )
 
+    async def run_crowd(self, count: int) -> None:
+        """Let many robots report twice a second instead."""
+        await self.hub.start()
+        crowd = Crowd(self.fleet, count, self.clock.mono_s)
+        while True:
+            crowd.step()
+            await asyncio.sleep(0.5)
+
     async def run(self) -> None:
         """Let the robot speak ten times a second."""
         await self.hub.start()
@@ -273,6 +282,7 @@ def build(stage: Stage) -> FastAPI:
         return stage.mission
 
     app.include_router(alarm_stage.router(stage.alarms, stage.orders.append))
+    app.include_router(fleet_stage.router(fleet_stage.FleetStage()))
     app.include_router(maps_stage_routes.router(maps_stage.MapStage(), stage.sessions))
 
     @app.post("/stage/{scene}")
@@ -371,14 +381,17 @@ def main() -> None:
     """Serve until killed; the first line says where."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--port", type=int, default=0)
-    port = parser.parse_args().port
+    parser.add_argument("--crowd", type=int, default=0, help="so many robots instead of the one that scenes are about")
+    options = parser.parse_args()
+    port = options.port
     stage = Stage()
     server = uvicorn.Server(
         uvicorn.Config(build(stage), host="127.0.0.1", port=port, log_level="warning", ws_per_message_deflate=False)
     )
 
     async def serve() -> None:
-        task = asyncio.create_task(stage.run(), name="stage")
+        playing = stage.run_crowd(options.crowd) if options.crowd else stage.run()
+        task = asyncio.create_task(playing, name="stage")
         serving = asyncio.create_task(server.serve(), name="server")
         while not server.started and not serving.done():  # noqa: ASYNC110 - uvicorn offers no event
             await asyncio.sleep(0.05)

@@ -98,7 +98,7 @@ def show(look: Look) -> Callable[..., tuple[Page, Played]]:
     """Open the missions screen on played missions."""
 
     def open_screen(*missions: dict[str, Any], role: str = "supervisor", **more: Any) -> tuple[Page, Played]:
-        page = look("/fleet", role=role, size=more.get("size", "landscape"))
+        page = look("/operate", role=role, size=more.get("size", "landscape"))
         played = Played(page, list(missions))
         played.status = more.get("status", 200)
         page.get_by_test_id("nav-missions").click()

@@ -74,7 +74,7 @@ def plan(look: Look) -> Callable[..., tuple[Page, PlayedPlans]]:
     """Open the Plan screen."""
 
     def open_screen(size: str = "landscape") -> tuple[Page, PlayedPlans]:
-        page = look("/fleet", role="supervisor", size=size)
+        page = look("/operate", role="supervisor", size=size)
         played = PlayedPlans(page)
         page.get_by_test_id("nav-missions").click()
         page.get_by_test_id("mission-plan").click()

@@ -89,7 +89,7 @@ def show(look: Look) -> Callable[..., tuple[Page, PlayedQueue]]:
     """Open the queue on played REST."""
 
     def open_queue(queue: dict[str, Any], role: str = "operator", **more: Any) -> tuple[Page, PlayedQueue]:
-        page = look("/fleet", role=role, size=more.get("size", "landscape"))
+        page = look("/operate", role=role, size=more.get("size", "landscape"))
         played = PlayedQueue(page, queue)
         played.queue_status = more.get("status", 200)
         page.get_by_test_id("nav-missions").click()

@@ -1,0 +1,169 @@
+"""Who is responsible for which robot: take, give back, hand over to somebody who takes it over, and the shift book.
+
+A hand-over is an offer. Until the other person takes it, the one who gives stays responsible: no robot is ever
+nobody's because somebody looked away. Responsibility is not control: it moves nothing and needs no lease.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from hmi.clock import Clock
+from hmi.commands.ports import AuditSink, LaneEvent
+from hmi.commands.refusal import OrderRefused
+from hmi.domain.role import Permission, may
+from hmi.security.authorization import Authorize
+from hmi.security.session_info import SessionInfo
+from hmi.store.audit_chain import AuditEntry
+from hmi.store.database import Database
+from hmi.store.duty import Duties, Duty, HandOver
+from hmi.store.users import User
+
+NOT_YOURS, NOBODY, NOT_OFFERED = "not_yours", "nobody", "not_offered"
+
+
+@dataclass(frozen=True, slots=True)
+class Responsible:
+    """The person who answers for a robot."""
+
+    user_id: str
+    user_name: str
+
+
+@dataclass(frozen=True, slots=True)
+class DutyParts:
+    """What the desk is wired to.
+
+    Args:
+        people: the farm's people, from the database; blocks.
+        name_of: what people call a robot.
+    """
+
+    duties: Duties
+    database: Database
+    people: Callable[[str], list[User]]
+    name_of: Callable[[str], str]
+    audit: AuditSink
+    authorize: Authorize
+    clock: Clock
+    on_event: LaneEvent
+
+
+class DutyDesk:
+    """Raises (every method with a session): ``NotSignedIn``, ``NotAllowed``, ``OrderRefused``, ``StoreError``."""
+
+    def __init__(self, parts: DutyParts) -> None:
+        self._parts = parts
+
+    def responsible_for(self, robot_id: str) -> Responsible | None:
+        """Return who answers for a robot, ``None`` if nobody does; from memory."""
+        duty = self._parts.duties.of(robot_id)
+        return Responsible(duty.user_id, duty.user_name) if duty.user_id else None
+
+    def all(self, session: SessionInfo) -> list[Duty]:
+        """Return every duty and offer."""
+        self._parts.authorize(session, Permission.WATCH)
+        return self._parts.duties.all()
+
+    async def book(self, session: SessionInfo) -> list[HandOver]:
+        """Return the newest lines of the shift book."""
+        self._parts.authorize(session, Permission.WATCH)
+        return await self._parts.database.run(self._parts.duties.book)
+
+    async def people(self, session: SessionInfo) -> list[User]:
+        """Return who may be made responsible: active people who may operate."""
+        self._parts.authorize(session, Permission.WATCH)
+        known = await self._parts.database.run(self._parts.people, session.farm_id)
+        return [one for one in known if one.is_active and may(one.role, Permission.PAUSE)]
+
+    async def take(self, session: SessionInfo, robots: Sequence[str], note: str = "") -> list[Duty]:
+        """Become responsible for robots that are nobody's; a supervisor may take anybody's."""
+        for robot_id in robots:
+            self._parts.authorize(session, Permission.PAUSE, robot_id)
+            self._refuse_foreign(session, robot_id)
+        now = self._parts.clock.utc()
+        mine = [Duty(robot_id, session.user_id, session.user_name, now, note) for robot_id in robots]
+        return await self._write(session, mine, "taken", session.user_name, note)
+
+    async def release(self, session: SessionInfo, robots: Sequence[str], note: str = "") -> list[Duty]:
+        """Be responsible no longer; they are nobody's then, and the screen says so."""
+        for robot_id in robots:
+            self._parts.authorize(session, Permission.PAUSE, robot_id)
+            self._refuse_foreign(session, robot_id)
+        return await self._write(session, [Duty(one, note=note) for one in robots], "released", "", note)
+
+    async def hand_over(self, session: SessionInfo, robots: Sequence[str], to_user: str, note: str) -> list[Duty]:
+        """Offer robots to somebody; who gives stays responsible until the other takes them."""
+        to = next((one for one in await self.people(session) if one.id == to_user), None)
+        if to is None:
+            raise OrderRefused(NOBODY, "Nobody of that name may operate robots here.")
+        if to.id == session.user_id:
+            return await self.take(session, robots, note)
+        for robot_id in robots:
+            self._parts.authorize(session, Permission.PAUSE, robot_id)
+            self._refuse_foreign(session, robot_id)
+        now = self._parts.clock.utc()
+        offered = [
+            replace(
+                self._parts.duties.of(robot_id), offered_to=to.id, offered_name=to.name,
+                offered_by=session.user_name, offered_at=now, offered_note=note,
+            )
+            for robot_id in robots
+        ]  # fmt: skip
+        return await self._write(session, offered, "offered", to.name, note)
+
+    async def accept(self, session: SessionInfo, robots: Sequence[str]) -> list[Duty]:
+        """Take over what was offered to this person."""
+        duties = self._offered(session, robots)
+        now = self._parts.clock.utc()
+        mine = [Duty(one.robot_id, session.user_id, session.user_name, now, one.offered_note) for one in duties]
+        return await self._write(session, mine, "accepted", session.user_name, _first_note(duties))
+
+    async def decline(self, session: SessionInfo, robots: Sequence[str], note: str = "") -> list[Duty]:
+        """Leave what was offered with who gave it; the giver may withdraw an offer the same way."""
+        duties = [self._parts.duties.of(one) for one in robots]
+        is_giver = all(one.offered_to and one.user_id == session.user_id for one in duties)
+        if not is_giver:
+            duties = self._offered(session, robots)
+        kept = [Duty(one.robot_id, one.user_id, one.user_name, one.since, one.note) for one in duties]
+        return await self._write(session, kept, "withdrawn" if is_giver else "declined", "", note)
+
+    def _offered(self, session: SessionInfo, robots: Sequence[str]) -> list[Duty]:
+        duties = [self._parts.duties.of(one) for one in robots]
+        for one in duties:
+            self._parts.authorize(session, Permission.PAUSE, one.robot_id)
+            if one.offered_to != session.user_id:
+                name = self._parts.name_of(one.robot_id)
+                raise OrderRefused(NOT_OFFERED, f"{name} is not offered to you any more.")
+        return duties
+
+    def _refuse_foreign(self, session: SessionInfo, robot_id: str) -> None:
+        duty = self._parts.duties.of(robot_id)
+        if duty.user_id in ("", session.user_id) or may(session.role, Permission.TAKE_LEASE):
+            return
+        name = self._parts.name_of(robot_id)
+        raise OrderRefused(NOT_YOURS, f"{duty.user_name} is responsible for {name}. Ask for a hand-over.")
+
+    async def _write(
+        self, session: SessionInfo, duties: Sequence[Duty], what: str, to_name: str, note: str
+    ) -> list[Duty]:
+        robots = tuple(one.robot_id for one in duties)
+        line = HandOver(self._parts.clock.utc(), what, session.user_name, to_name, robots, note)
+        await self._parts.database.run(self._parts.duties.write, duties, line)
+        names = ", ".join(self._parts.name_of(one) for one in robots[:8])
+        text = f"Responsibility {what}{f' ({to_name})' if to_name else ''}: {names}."
+        self._parts.audit.append(
+            AuditEntry(
+                session.farm_id, session.user_name, session.device_name, "duty", what,
+                robots[0] if len(robots) == 1 else None, "", text, {"robots": list(robots), "note": note},
+            )
+        )  # fmt: skip
+        to_user = duties[0].offered_to if what == "offered" else ""
+        told = {"what": what, "robots": list(robots), "by": session.user_name, "to_user": to_user, "note": note}
+        self._parts.on_event({"kind": "duty", **told})
+        return list(duties)
+
+
+def _first_note(duties: Sequence[Duty]) -> str:
+    return next((one.offered_note for one in duties if one.offered_note), "")

@@ -1,0 +1,103 @@
+// What the map of the whole fleet adds: clusters, marks and words from the list beside it, paths and coverage.
+
+import { clustersOf } from './clusters.js';
+
+const TAP_PX = 28;
+const EDGE_PX = 60;
+const NEAR_ZOOM = 18;
+const NEARER = 2; // zooms a tap on a cluster comes nearer
+
+export class FleetView {
+  /** map: the LiveMap it belongs to; does nothing on the map of one robot. */
+  constructor(map) {
+    this.map = map;
+    this.isOn = map.options.mode === 'fleet';
+    this.said = null;
+    this.clusters = [];
+  }
+
+  /**
+   * Take what the list says: {verdicts: Map, chosen: Set, current, isSeen(id), layers: {names, paths, coverage}}.
+   *
+   * True when the map looks different by it.
+   */
+  set(said) {
+    const before = this.said?.key;
+    this.said = said;
+    said.key = `${said.current}|${[...said.chosen]}|${JSON.stringify(said.layers)}`;
+    let hasChanged = before !== said.key;
+    for (const robot of this.map.intake.robots.values()) hasChanged = this.#mark(robot, said) || hasChanged;
+    this.#layers(said.layers);
+    return hasChanged;
+  }
+
+  #mark(robot, { verdicts, isSeen }) {
+    const verdict = verdicts.get(robot.id);
+    if (!verdict) return false;
+    const next = { level: verdict.level, text: verdict.level ? verdict.head : '', isOut: !isSeen(robot.id), isAsking: verdict.look === 'unacknowledged' };
+    const isSame = Object.entries(next).every(([key, value]) => robot[key] === value);
+    if (!isSame) Object.assign(robot, next);
+    return !isSame;
+  }
+
+  /** Missions load when somebody asks for their paths or their coverage. */
+  async #layers(layers) {
+    const isWanted = layers.paths || layers.coverage;
+    if (!isWanted && !this.missions) return;
+    const { FleetMissions } = await import('./fleet_missions.js');
+    const { map } = this;
+    if (map.isGone) return;
+    this.missions ??= new FleetMissions(map.options.missionUrl, () => map.engine?.redraw());
+    this.missions.show(layers, isWanted ? map.intake.robots : new Map());
+    map.scene.fleetLines = (origin, ink) => this.missions.lines(origin, ink);
+  }
+
+  /** Keep positions near the origin of what is drawn. */
+  settle() {
+    if (!this.isOn) return;
+    for (const { pose } of this.map.intake.robots.values()) {
+      if (pose) return void this.map.scene.settle(pose.mx, pose.my);
+    }
+  }
+
+  /** Work out clusters, and tell `look` who is in one, who is filtered out and who is chosen. */
+  gather(look) {
+    if (!this.isOn) return;
+    const { intake, engine, palette } = this.map;
+    if (this.said) look.selected = this.said.current;
+    const { of, list } = clustersOf(intake.robots.values(), engine.camera, { now: look.now, current: look.selected, scale: palette.scale });
+    this.clusters = list;
+    look.chosen = this.said?.chosen ?? null;
+    look.isHidden = (robot) => robot.isOut || of.has(robot.id);
+  }
+
+  /** Robots that are drawn as such: not filtered out, in no cluster. */
+  single(look) {
+    const robots = this.map.intake.robots.values();
+    return this.isOn ? [...robots].filter((robot) => !look.isHidden(robot)) : robots;
+  }
+
+  /** Bring a robot into sight, near if asked. */
+  show(id, isNear = false) {
+    const { engine, intake } = this.map;
+    const pose = intake.robots.get(id)?.pose;
+    if (!pose || !engine) return;
+    const { camera } = engine;
+    const [x, y] = camera.project(pose.mx, pose.my);
+    const isInSight = x > EDGE_PX && y > EDGE_PX && x < camera.width - EDGE_PX && y < camera.height - EDGE_PX;
+    if (isNear || !isInSight) engine.ease({ mx: pose.mx, my: pose.my, zoom: isNear ? Math.max(camera.zoom, NEAR_ZOOM) : camera.zoom });
+  }
+
+  tapped(x, y) {
+    const { engine } = this.map;
+    const hit = this.clusters.find((one) => {
+      const [cx, cy] = engine.camera.project(one.mx, one.my);
+      return Math.hypot(cx - x, cy - y) < TAP_PX;
+    });
+    if (hit) engine.ease({ mx: hit.mx, my: hit.my, zoom: engine.camera.zoom + NEARER });
+  }
+
+  destroy() {
+    this.missions?.destroy();
+  }
+}

@@ -1,0 +1,85 @@
+// Finding robots: a search, an order, filters, and views that a person keeps.
+(() => {
+  "use strict";
+  const { el, icon, text, attr, toggle } = HL;
+  const SORTS = [["attention", "Attention"], ["group", "Group"], ["name", "Name"]];
+  const STATES = [["", "Any state"], ["needs", "Needs you"], ["working", "Working"], ["idle", "Not working"], ["offline", "No link"]];
+
+  class FleetFilter {
+    constructor() {
+      this.input = el("input", { class: "h-input", type: "search", placeholder: "Find a robot, mission or field", "aria-label": "Find a robot, mission or field", "data-testid": "fleet-search" });
+      this.input.value = HL.fleet.filter.q;
+      this.input.addEventListener("input", () => HL.fleet.setFilter({ q: this.input.value.trim() }));
+      this.sorts = SORTS.map(([key, label]) => el("button", { type: "button", "data-testid": `fleet-sort-${key}`, onclick: () => HL.fleet.setFilter({ sort: key }) }, label));
+      this.more = el("button", { type: "button", class: "h-btn ico", "aria-label": "Filters and views", title: "Filters and views", "data-testid": "fleet-filter", onclick: () => openFilters() }, icon("tune"));
+      this.node = el("div", { class: "f-find" }, el("label", { class: "f-search" }, icon("search", "m"), this.input, el("span", { class: "h-key" }, "/")), el("div", { class: "f-findrow" }, el("div", { class: "h-seg", role: "group", "aria-label": "Order" }, ...this.sorts), this.more));
+      this.paint();
+    }
+    paint() {
+      const { filter } = HL.fleet;
+      this.sorts.forEach((button, i) => attr(button, "aria-pressed", String(filter.sort === SORTS[i][0])));
+      toggle(this.more, "on", HL.fleet.isNarrowed({ ...filter, q: "" }));
+      if (this.input.value.trim() !== filter.q && document.activeElement !== this.input) this.input.value = filter.q;
+    }
+  }
+
+  const check = (label, isOn, hook, change) => {
+    const box = el("input", { type: "checkbox", "data-testid": hook, onchange: () => change(box.checked) });
+    box.checked = isOn;
+    return el("label", { class: "f-check" }, box, el("span", {}, label));
+  };
+
+  function openFilters() {
+    const { filter, groups } = HL.fleet;
+    const families = Object.entries(HL.fleetOrder.FAMILIES).filter(([key]) => HL.fleet.items.some((one) => one.robot.family === key));
+    const state = el("select", { class: "h-select", "data-testid": "fleet-filter-state", onchange: () => HL.fleet.setFilter({ state: state.value }) }, ...STATES.map(([value, label]) => el("option", { value }, label)));
+    const group = el("select", { class: "h-select", "data-testid": "fleet-filter-group", onchange: () => HL.fleet.setFilter({ group: group.value }) }, el("option", { value: "" }, "Any group"), ...groups.map((one) => el("option", { value: one.id }, `${one.name} (${one.robots.length})`)));
+    state.value = filter.state;
+    group.value = filter.group;
+    const kinds = families.map(([key, label]) => check(label, filter.families.includes(key), `fleet-filter-${key}`, (isOn) => HL.fleet.setFilter({ families: isOn ? [...HL.fleet.filter.families, key] : HL.fleet.filter.families.filter((one) => one !== key) })));
+    HL.sheet({
+      title: "Filters and views", hook: "fleet-filters",
+      body: [
+        check("Mine: robots I am responsible for", filter.mine, "fleet-filter-mine", (isOn) => HL.fleet.setFilter({ mine: isOn })),
+        el("div", { class: "f-checks" }, ...kinds),
+        el("div", { class: "h-form" }, el("label", { class: "h-field" }, "State", state), el("label", { class: "h-field" }, "Group", group)),
+        views(), groupsOf(),
+        el("div", { class: "h-row" }, el("a", { class: "h-btn", href: "/wall", "data-testid": "wall-open" }, icon("tablet", "m"), "Wall mode"), HL.fleet.can("manage_walls") ? el("button", { type: "button", class: "h-btn", "data-testid": "wall-manage", onclick: () => HL.fleetWalls() }, "Wall screens") : ""),
+      ],
+      buttons: [["Show all", (close) => (HL.fleet.setFilter({ ...HL.fleet.NO_FILTER }), close())], ["Done", (close) => close(), true]],
+    });
+  }
+
+  function views() {
+    const list = el("div", { class: "f-kept" });
+    const name = el("input", { class: "h-input", maxlength: "80", placeholder: "Name of this view", "aria-label": "Name of this view", "data-testid": "fleet-view-name" });
+    const said = el("span", { class: "h-error", role: "alert" });
+    const draw = () => list.replaceChildren(...HL.fleet.views.map((view) => el("div", { class: "h-row" },
+      el("button", { type: "button", class: "h-btn f-view", "data-testid": `fleet-view-${view.id}`, onclick: () => (HL.fleet.setFilter({ ...HL.fleet.NO_FILTER, ...view.filter }), HL.closeSheet()) }, view.name),
+      el("button", { type: "button", class: "h-btn q ico", "aria-label": `Delete view ${view.name}`, onclick: async () => (await HL.port.api("DELETE", `/fleet/views/${view.id}`), await HL.fleet.loadViews(), draw()) }, icon("delete", "m")))));
+    const save = async () => {
+      if (!name.value.trim()) return text(said, "Give the view a name.");
+      const { q, ...filter } = HL.fleet.filter;
+      const answer = await HL.port.api("POST", "/fleet/views", { name: name.value, filter: { ...filter, q } });
+      text(said, answer.ok ? "" : answer.text);
+      if (answer.ok) name.value = "";
+      await HL.fleet.loadViews();
+      draw();
+      return undefined;
+    };
+    draw();
+    return el("section", { class: "f-kepts" }, el("b", { class: "h-t16" }, "My views"), list, el("div", { class: "h-row" }, name, el("button", { type: "button", class: "h-btn", "data-testid": "fleet-view-save", onclick: save }, "Save this view")), said);
+  }
+
+  function groupsOf() {
+    if (!HL.fleet.groups.length) return "";
+    const list = el("div", { class: "f-kept" });
+    const draw = () => list.replaceChildren(...HL.fleet.groups.map((one) => el("div", { class: "h-row" },
+      el("button", { type: "button", class: "h-btn f-view", "data-testid": `fleet-choose-${one.id}`, onclick: () => (HL.fleet.chooseAll(one.robots.filter((id) => id in HL.port.fleet())), HL.closeSheet()) }, `Choose ${one.name}`, el("span", { class: "h-2" }, ` ${one.robots.length}`)),
+      HL.fleet.can("pause") ? el("button", { type: "button", class: "h-btn q ico", "aria-label": `Delete group ${one.name}`, onclick: async () => (await HL.port.api("DELETE", `/fleet/groups/${one.id}`), await HL.fleet.loadGroups(), draw()) }, icon("delete", "m")) : "")));
+    draw();
+    return el("section", { class: "f-kepts" }, el("b", { class: "h-t16" }, "Groups of this farm"), list);
+  }
+
+  Object.assign(HL, { FleetFilter, fleetFilters: openFilters });
+})();

@@ -1,0 +1,164 @@
+// What a robot's row says, and in which order rows stand. Pure: no DOM, no lane; the caller gives states and times.
+(() => {
+  "use strict";
+  const SOON_S = 900; // a robot that needs somebody within a quarter of an hour is watched
+  const LOST_MS = 3500;
+  const FOLD_ABOVE = 200; // robots beyond which those that need nobody fold into groups
+  const ACTIVE = { unacknowledged: 0, latched: 1, acknowledged: 2, returned: 3 };
+  const FAMILIES = { weeder: "Weeders", planter: "Planters", uav: "Drones", other: "Other robots" };
+  const names = new Intl.Collator("en", { numeric: true });
+  const orInfinity = (value) => (typeof value === "number" ? value : Infinity);
+
+  // the worst alarm of each source: {robot id: alarm with its id}
+  function worstAlarms(alarms) {
+    const worst = {};
+    for (const [id, alarm] of Object.entries(alarms || {})) {
+      if (!alarm || !(alarm.state in ACTIVE)) continue;
+      const held = worst[alarm.source];
+      if (!held || compareAlarms(alarm, held) < 0) worst[alarm.source] = { ...alarm, id };
+    }
+    return worst;
+  }
+
+  const compareAlarms = (a, b) => a.priority - b.priority || ACTIVE[a.state] - ACTIVE[b.state] || a.raised - b.raised;
+
+  // "about 1 min", for how long clearing takes
+  const about = (s) => (s === null || s === undefined ? "" : s < 45 ? `about ${s} s` : `about ${Math.max(1, Math.round(s / 60))} min`);
+  const inTime = (s) => (s < 60 ? "now" : `in ${Math.round(s / 60)} min`);
+
+  // what clears it, who can, how long it takes
+  function advice(robot) {
+    const parts = [robot.clears, robot.who && robot.who !== "nobody" ? `Who: ${robot.who}` : "", about(robot.takes_s)];
+    return parts.filter(Boolean).map((part) => part.replace(/\.$/, "")).join(". ");
+  }
+
+  // {level, head, line, since (console ms), look, waits, helpS, group}; `ageMs` of the newest heartbeat, Infinity if never
+  function judge(robot, { ageMs, stop = null, alarm = null, words }) {
+    const found = verdict(robot, ageMs, stop, alarm, words);
+    const isSoon = !found.level && typeof robot.help_s === "number" && robot.help_s <= SOON_S && robot.mode === "auto";
+    if (isSoon) Object.assign(found, { level: 4, head: `Needs somebody ${inTime(robot.help_s)}`, line: "Battery at its reserve, or the mission ends" });
+    found.helpS = found.level === 1 || found.waits ? 0 : orInfinity(robot.help_s);
+    found.group = found.level === 1 || found.level === 2 || found.waits ? "needs-you" : found.level ? "watch" : "normal";
+    return found;
+  }
+
+  function verdict(robot, ageMs, stop, alarm, words) {
+    if (stop?.state === "not-confirmed") return { level: 1, head: "Stop not confirmed", line: "Use the red button on the machine", since: stop.t ?? null, look: "unacknowledged", waits: true };
+    if (robot.is_registered === false) return { level: 4, head: "New robot", line: "An admin must accept it before it can be operated", since: null, waits: false };
+    if (robot.is_online === false || ageMs > LOST_MS) return lost(robot, ageMs, alarm, words);
+    if (alarm) {
+      const level = alarm.priority;
+      return { level, head: alarm.title, line: [alarm.text, level <= 2 || robot.waits ? advice(robot) : ""].filter(Boolean).join(" ") || robot.why, since: alarm.t ?? null, look: alarm.state, waits: Boolean(robot.waits), alarm: alarm.id };
+    }
+    if (robot.waits || robot.level) return { level: robot.level ?? 3, head: robot.why || robot.fault || robot.text, line: advice(robot), since: robot.since ?? null, look: "acknowledged", waits: Boolean(robot.waits) };
+    return { level: null, head: robot.task || robot.text || "–", line: robot.why || "", since: robot.since ?? null, waits: false };
+  }
+
+  function lost(robot, ageMs, alarm, words) {
+    const isKnown = Number.isFinite(ageMs);
+    const look = alarm && alarm.code === "link-lost" ? alarm.state : "acknowledged";
+    const line = isKnown ? "Its values are old. Look at its power and radio" : "Not heard since the server started";
+    const level = alarm ? Math.min(2, alarm.priority) : 2;
+    return { level, head: isKnown ? `No link for ${words.since(ageMs)}` : "Never heard", line, since: robot.t ?? null, look, waits: false, isLost: true, alarm: alarm?.id };
+  }
+
+  // priority, then how soon help is needed, then who waits longest, then by name
+  function byAttention(a, b) {
+    return (a.verdict.level ?? 9) - (b.verdict.level ?? 9) || cmp(a.verdict.helpS, b.verdict.helpS) || cmp(orInfinity(a.verdict.since), orInfinity(b.verdict.since)) || byName(a, b);
+  }
+  const cmp = (a, b) => (a === b ? 0 : a < b ? -1 : 1);
+  const byName = (a, b) => names.compare(a.robot.name, b.robot.name) || cmp(a.id, b.id);
+
+  function matches(item, query) {
+    if (!query) return true;
+    const { robot, verdict: v } = item;
+    const hay = [item.id, robot.name, robot.field, robot.mission?.name, robot.text, robot.task, v.head, item.responsible].join(" ").toLowerCase();
+    return query.toLowerCase().split(/\s+/).filter(Boolean).every((word) => hay.includes(word));
+  }
+
+  // filter: {q, families: [], group: id or "", mine, state: "" | "needs" | "working" | "idle" | "offline"}
+  function passes(item, filter, { me = "", groups = [] } = {}) {
+    const { robot, verdict: v } = item;
+    if (!matches(item, filter.q)) return false;
+    if (filter.families?.length && !filter.families.includes(robot.family)) return false;
+    if (filter.group && !groups.find((one) => one.id === filter.group)?.robots.includes(item.id)) return false;
+    if (filter.mine && item.duty?.user !== me) return false;
+    if (filter.state === "needs") return v.group === "needs-you";
+    if (filter.state === "working") return isWorking(robot) && !v.isLost;
+    if (filter.state === "idle") return !isWorking(robot) && !v.isLost;
+    return filter.state === "offline" ? Boolean(v.isLost) : true;
+  }
+
+  const isWorking = (robot) => robot.mode === "auto" && robot.mission?.status === "running";
+
+  // the first saved group that holds it, else its field, else its kind
+  function homeOf(item, groups) {
+    const group = groups.find((one) => one.robots.includes(item.id));
+    return group?.name || item.robot.field || FAMILIES[item.robot.family] || FAMILIES.other;
+  }
+
+  // -> [{key, title, items, kind: "rows" | "cells", folded}] in the order they are read
+  function sections(items, { sort = "attention", groups = [], open = new Set() } = {}) {
+    if (sort === "name") return [{ key: "all", title: "All robots", kind: "rows", items: [...items].sort(byName) }];
+    if (sort === "group") return gather([...items].sort(byAttention), groups, "rows", () => false);
+    const of = (group) => items.filter((one) => one.verdict.group === group).sort(byAttention);
+    const normal = of("normal").sort(byName);
+    const isFolded = items.length > FOLD_ABOVE;
+    const rest = isFolded ? gather(normal, groups, "cells", (key) => !open.has(key)) : [];
+    return [
+      { key: "needs-you", title: "Needs you", kind: "rows", items: of("needs-you") },
+      { key: "watch", title: "Watch", kind: "rows", items: of("watch") },
+      { key: "normal", title: "Normal", kind: "cells", items: isFolded ? [] : normal, count: normal.length },
+      ...rest,
+    ];
+  }
+
+  function gather(items, groups, kind, isFolded) {
+    const homes = new Map();
+    for (const one of items) {
+      const home = homeOf(one, groups);
+      if (!homes.has(home)) homes.set(home, []);
+      homes.get(home).push(one);
+    }
+    return [...homes].sort((a, b) => names.compare(a[0], b[0])).map(([title, found]) => {
+      const key = `in-${title}`;
+      return { key, title, kind, items: isFolded(key) ? [] : found, count: found.length, folded: isFolded(key), canFold: kind === "cells" };
+    });
+  }
+
+  // Rows hold still under the pointer: those known keep their order and place, new ones come last.
+  function hold(before, now) {
+    const place = new Map(before.flatMap((section) => section.items.map((one) => [one.id, section.key])));
+    const fresh = new Map(now.flatMap((section) => section.items.map((one) => [one.id, one])));
+    const kept = before.map((section) => ({ ...section, items: section.items.filter((one) => fresh.has(one.id)).map((one) => fresh.get(one.id)) }));
+    let moved = 0;
+    for (const section of now) {
+      for (const one of section.items) {
+        if (!place.has(one.id)) (kept.find((k) => k.key === section.key) ?? kept.at(-1))?.items.push(one);
+        else if (place.get(one.id) !== section.key) moved += 1;
+      }
+    }
+    return { sections: kept, moved };
+  }
+
+  // worst of several, for clusters and folded groups: {level, look, count}
+  function worst(items) {
+    const found = items.filter((one) => one.verdict.level).sort(byAttention)[0];
+    return { level: found?.verdict.level ?? null, look: found?.verdict.look ?? null, count: items.length };
+  }
+
+  // what the strip says live: {total, working, slowestMs, oldestMs, newestMs, offline}
+  function figures(items) {
+    const heard = items.filter((one) => !one.verdict.isLost && one.robot.is_registered !== false);
+    const ages = heard.map((one) => one.ageMs).filter(Number.isFinite);
+    const links = heard.map((one) => one.robot.rtt_ms).filter((ms) => typeof ms === "number");
+    const most = (list) => (list.length ? list.reduce((a, b) => Math.max(a, b)) : null);
+    return {
+      total: items.length, working: heard.filter((one) => isWorking(one.robot)).length, offline: items.length - heard.length,
+      slowestMs: most(links), oldestMs: most(ages), newestMs: ages.length ? ages.reduce((a, b) => Math.min(a, b)) : null,
+      planters: items.some((one) => one.robot.family === "planter"),
+    };
+  }
+
+  HL.fleetOrder = { judge, worstAlarms, sections, passes, matches, hold, worst, figures, advice, homeOf, isWorking, FAMILIES, FOLD_ABOVE };
+})();

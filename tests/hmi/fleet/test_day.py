@@ -1,0 +1,89 @@
+"""Today's figures: only growth that was seen counts, and a new day begins at zero."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from datetime import date
+
+import pytest
+
+from hmi.domain.fleet_day import FleetDay
+from hmi.domain.robot import Family, Mode, OrderStatus, Robot
+from tests.hmi.presenters import robots as r
+
+TODAY, TOMORROW = date(2026, 5, 20), date(2026, 5, 21)
+
+
+def working(area_m2: float, *, mission: str = "m-1", row: int = 1, family: Family = Family.WEEDER) -> Robot:
+    """Return a robot at work."""
+    order = r.ordered(OrderStatus.RUNNING, area_done_m2=area_m2, mission_id=mission, row=row)
+    return replace(r.with_state(r.RUNNING, order=order), factsheet=replace(r.SHEET, family=family))
+
+
+def test_area_is_what_was_treated_while_somebody_watched() -> None:
+    day = FleetDay()
+    for at_s, area in ((0.0, 500.0), (2.0, 503.0), (4.0, 506.0)):
+        day.see(working(area), at_s, TODAY)
+    assert day.figures().area_m2 == pytest.approx(6.0)
+
+
+def test_another_mission_or_a_fresh_start_takes_nothing_away_and_adds_nothing() -> None:
+    day = FleetDay()
+    day.see(working(500.0), 0.0, TODAY)
+    day.see(working(0.0), 2.0, TODAY)
+    day.see(working(90_000.0, mission="m-2"), 4.0, TODAY)
+    day.see(working(90_003.0, mission="m-2"), 6.0, TODAY)
+    assert day.figures().area_m2 == pytest.approx(3.0)
+
+
+def test_plants_are_counted_for_planters_only() -> None:
+    day = FleetDay()
+    for step in range(5):
+        day.see(working(0.0, row=10 + step, family=Family.PLANTER), step * 2.0, TODAY)
+        day.see(replace(working(0.0, row=10 + step), id="weeder-02"), step * 2.0, TODAY)
+    assert day.figures().plants == 4
+
+
+def test_utilisation_is_the_share_of_heard_time_in_which_a_mission_ran() -> None:
+    day = FleetDay()
+    for step in range(4):
+        day.see(working(0.0), step * 2.0, TODAY)
+        day.see(replace(r.IDLE, id="weeder-02"), step * 2.0, TODAY)
+    assert day.figures().utilisation == pytest.approx(0.5)
+
+
+def test_time_that_nobody_saw_counts_for_nothing() -> None:
+    day = FleetDay()
+    day.see(working(0.0), 0.0, TODAY)
+    day.see(r.SILENT, 2.0, TODAY)
+    day.see(working(100.0), 3600.0, TODAY)
+    assert day.figures().heard_s == 0
+    assert day.figures().area_m2 == 0
+    assert day.figures().utilisation is None
+
+
+def test_interventions_are_told_per_hour_of_work_once_there_is_a_quarter_of_one() -> None:
+    day = FleetDay()
+    day.intervened(TODAY)
+    day.intervened(TODAY)
+    assert day.figures().interventions_per_hour is None
+    for step in range(361):
+        day.see(working(0.0), step * 5.0, TODAY)
+    assert day.figures().interventions_per_hour == pytest.approx(4.0)
+
+
+def test_a_new_day_begins_at_zero() -> None:
+    day = FleetDay()
+    day.see(working(500.0), 0.0, TODAY)
+    day.see(working(503.0), 2.0, TODAY)
+    day.intervened(TODAY)
+    day.see(working(505.0), 4.0, TOMORROW)
+    figures = day.figures()
+    assert (figures.area_m2, figures.interventions) == (pytest.approx(2.0), 0)
+
+
+def test_a_robot_driven_by_hand_is_not_working() -> None:
+    day = FleetDay()
+    for step in range(3):
+        day.see(r.with_state(working(0.0), mode=Mode.MANUAL), step * 2.0, TODAY)
+    assert day.figures().working_s == 0

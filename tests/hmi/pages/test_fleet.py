@@ -1,0 +1,201 @@
+"""The fleet screen: find, choose, order several with a result for each, keep views, hand over, stop one."""
+
+from __future__ import annotations
+
+import json
+import urllib.request
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.hmi.pages.conftest import Theatre
+
+Look = Callable[..., Page]
+
+
+@pytest.fixture
+def fleet(theatre: Theatre) -> Callable[..., dict[str, Any]]:
+    """Set the fleet's answers on stage, or read what reached it."""
+    theatre.play("running")
+
+    def call(**wish: Any) -> dict[str, Any]:
+        body = json.dumps(wish).encode() if wish else None
+        with urllib.request.urlopen(urllib.request.Request(f"{theatre.url}/stage-fleet", body)) as reply:
+            heard: dict[str, Any] = json.loads(reply.read())
+        return heard
+
+    call(anew=True)
+    return call
+
+
+def choose(page: Page, *robots: str) -> None:
+    """Tick robots."""
+    for robot in robots:
+        page.get_by_test_id(f"fleet-pick-{robot}").check()
+    expect(page.get_by_test_id("fleet-chosen")).to_have_text(f"{len(robots)} selected")
+
+
+def test_two_robots_are_found_chosen_and_paused_and_the_one_that_refused_is_tried_again(
+    look: Look, fleet: Callable[..., dict[str, Any]]
+) -> None:
+    fleet(outcomes={"weeder-01": {"outcome": "rejected", "code": "robot_silent", "text": "No link to Weeder 01."}})
+    page = look("/fleet")
+    page.get_by_test_id("fleet-search").fill("weeder")
+    expect(page.get_by_test_id("fleet-row-planter-02")).to_have_count(0)
+    expect(page.get_by_text("You see 2 of 3 robots.")).to_be_visible()
+    choose(page, "weeder-07", "weeder-01")
+    page.get_by_test_id("fleet-do-pause").click()
+    expect(page.get_by_test_id("fleet-results-sum")).to_have_text("1 of 2 took it. One did not.")
+    expect(page.get_by_test_id("fleet-result-weeder-01")).to_contain_text("No link to Weeder 01.")
+    fleet(outcomes={})
+    page.get_by_role("button", name="Try again with 1").click()
+    expect(page.get_by_test_id("fleet-results-sum")).to_have_text("It took it.")
+    orders = fleet()["orders"]
+    assert [(one["action"], sorted(one["robots"])) for one in orders] == [
+        ("pause", ["weeder-01", "weeder-07"]),
+        ("pause", ["weeder-01"]),
+    ]
+    assert orders[0]["action_id"] != orders[1]["action_id"]
+    assert all(one["tick"].startswith("stage-") for one in orders)
+
+
+def test_going_home_needs_one_slide_that_names_them_all_and_what_stands_against_it(
+    look: Look, fleet: Callable[..., dict[str, Any]]
+) -> None:
+    page = look("/fleet")
+    choose(page, "weeder-07", "planter-02")
+    page.get_by_test_id("fleet-do-home").click()
+    expect(page.get_by_test_id("fleet-home-names")).to_contain_text("Weeder 07")
+    expect(page.get_by_test_id("fleet-home-names")).to_contain_text("No link. It will not hear this")
+    assert fleet()["orders"] == []
+    page.get_by_test_id("fleet-home").focus()
+    page.keyboard.down("Enter")
+    expect(page.get_by_test_id("fleet-results-sum")).to_have_text("All 2 took it.")
+    page.keyboard.up("Enter")
+    assert [one["action"] for one in fleet()["orders"]] == ["return_home"]
+
+
+def test_a_saved_view_and_a_group_survive_a_reload(look: Look, fleet: Callable[..., dict[str, Any]]) -> None:
+    page = look("/fleet")
+    choose(page, "weeder-07", "weeder-01")
+    page.get_by_test_id("fleet-do-group").click()
+    page.get_by_test_id("fleet-group-name").fill("North")
+    page.get_by_role("button", name="Save", exact=True).click()
+    page.get_by_test_id("fleet-sort-name").click()
+    page.get_by_test_id("fleet-filter").click()
+    page.get_by_test_id("fleet-filter-group").select_option(label="North (2)")
+    page.get_by_test_id("fleet-view-name").fill("Mornings")
+    page.get_by_test_id("fleet-view-save").click()
+    expect(page.get_by_test_id("fleet-view-v-0")).to_be_visible()
+    page.get_by_role("button", name="Show all").last.click()
+    expect(page.get_by_test_id("fleet-row-planter-02")).to_be_visible()
+    page.reload()
+    expect(page.get_by_test_id("fleet-row-planter-02")).to_be_visible()
+    page.get_by_test_id("fleet-filter").click()
+    page.get_by_test_id("fleet-view-v-0").click()
+    expect(page.get_by_test_id("fleet-row-planter-02")).to_have_count(0)
+    expect(page.get_by_test_id("fleet-sort-name")).to_have_attribute("aria-pressed", "true")
+    page.reload()
+    expect(page.get_by_test_id("fleet-sort-name")).to_have_attribute("aria-pressed", "true")
+    expect(page.get_by_test_id("fleet-row-weeder-07")).to_be_visible()
+    expect(page.get_by_test_id("fleet-row-planter-02")).to_have_count(0)
+
+
+def test_a_hand_over_waits_for_the_other_to_take_over(look: Look, fleet: Callable[..., dict[str, Any]]) -> None:
+    martha = look("/fleet")
+    choose(martha, "weeder-07")
+    martha.get_by_test_id("fleet-do-duty").click()
+    martha.get_by_test_id("duty-person").select_option("supervisor")
+    martha.get_by_test_id("duty-note").fill("07 pulls to the left")
+    martha.get_by_role("button", name="Hand over", exact=True).last.click()
+    expect(martha.get_by_test_id("toast")).to_contain_text("You stay responsible until it is taken over.")
+    anna = look("/fleet", role="supervisor")
+    expect(anna.get_by_test_id("duty-offer")).to_contain_text("Martha Keller hands over Weeder 07")
+    expect(anna.get_by_test_id("duty-offer")).to_contain_text("07 pulls to the left")
+    anna.get_by_test_id("duty-accept").click()
+    expect(anna.get_by_test_id("duty-offer")).to_have_count(0)
+    anna.get_by_test_id("fleet-filter").click()
+    anna.get_by_test_id("fleet-filter-mine").check()
+    expect(anna.get_by_test_id("fleet-row-weeder-01")).to_have_count(0)
+    expect(anna.get_by_test_id("fleet-row-weeder-07")).to_be_visible()
+
+
+def test_keys_walk_the_list_and_the_row_menu_stops_this_robot_alone(
+    look: Look, theatre: Theatre, fleet: Callable[..., dict[str, Any]]
+) -> None:
+    page = look("/fleet")
+    expect(page.get_by_test_id("fleet-row-weeder-07")).to_be_visible()
+    page.keyboard.press("/")
+    expect(page.get_by_test_id("fleet-search")).to_be_focused()
+    page.keyboard.press("Escape")
+    for _ in range(3):
+        page.keyboard.press("j")
+    expect(page.get_by_test_id("fleet-row-weeder-07")).to_have_attribute("aria-current", "true")
+    page.keyboard.press("x")
+    expect(page.get_by_test_id("fleet-chosen")).to_have_text("1 selected")
+    page.keyboard.press("Escape")
+    expect(page.get_by_test_id("fleet-do-pause")).to_be_hidden()
+    page.get_by_test_id("fleet-menu-weeder-07").click()
+    expect(page.get_by_test_id("fleet-sentence")).to_contain_text("Rain in 35 min")
+    page.get_by_test_id("fleet-stop-one").click()
+    (stop,) = theatre.until_orders("stop")[:1]
+    assert stop["robots"] == ["weeder-07"]
+    expect(page.get_by_test_id("fleet-stop")).to_be_visible()
+    page.keyboard.press("j")
+    page.keyboard.press("k")
+    page.keyboard.press("Enter")
+    page.wait_for_url("**/operate/**")
+
+
+def test_a_viewer_sees_everything_and_reads_why_orders_are_off(
+    look: Look, fleet: Callable[..., dict[str, Any]]
+) -> None:
+    page = look("/fleet", role="viewer")
+    choose(page, "weeder-07")
+    page.get_by_test_id("fleet-do-pause").click()
+    expect(page.get_by_test_id("toast")).to_contain_text("Pausing needs the operator role.")
+    assert fleet()["orders"] == []
+    expect(page.get_by_test_id("fleet-kpi-working")).to_have_attribute("data-value", "1")
+    expect(page.get_by_test_id("fleet-kpi-area")).to_contain_text("7.84")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("size", ["landscape", "portrait", "desk"])
+@pytest.mark.parametrize("theme", ["day", "night", "sunlight"])
+def test_map_and_list_are_both_usable_at_every_size(
+    look: Look, fleet: Callable[..., dict[str, Any]], size: str, theme: str
+) -> None:
+    page = look("/fleet", size=size)
+    page.evaluate(f"document.documentElement.dataset.theme = '{theme}'")
+    choose(page, "weeder-07", "weeder-01")
+    for name in ("map", "fleet-list", "fleet-do-pause"):
+        box = page.get_by_test_id(name).bounding_box()
+        assert box is not None
+        assert box["width"] >= 48
+        assert box["height"] >= 48
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    small = page.evaluate(
+        """() => [...document.querySelectorAll('.f-screen button, .f-screen label.pick, .f-screen a.h-btn')]
+            .filter((one) => one.offsetParent && getComputedStyle(one).visibility !== 'hidden')
+            .map((one) => [one.dataset.testid || one.className, one.getBoundingClientRect()])
+            .filter(([, box]) => box.width && (box.width < 39.5 || box.height < 45.5)).map(([name]) => name)"""
+    )
+    assert small == []
+    slab = page.get_by_test_id("stop").bounding_box()
+    dock = page.get_by_test_id("fleet-dock").bounding_box()
+    assert slab is not None
+    assert dock is not None
+    assert dock["x"] + dock["width"] <= slab["x"] + 1 or dock["y"] + dock["height"] <= slab["y"] + 1
+
+
+@pytest.mark.long
+def test_the_wall_shows_who_is_needed_in_big_type_and_nothing_to_press_but_stop(
+    look: Look, fleet: Callable[..., dict[str, Any]]
+) -> None:
+    page = look("/wall", role="viewer", size="desk")
+    expect(page.get_by_test_id("wall-sum")).to_have_text("2 need somebody")
+    expect(page.get_by_test_id("wall-row-weeder-01")).to_contain_text("Never heard")
+    expect(page.get_by_test_id("stop")).to_be_visible()
+    assert page.locator(".w-screen button:visible").count() == 0

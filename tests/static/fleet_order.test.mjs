@@ -1,0 +1,117 @@
+// What a robot's row says and where it stands: the rules of the fleet list, without a page.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import test from 'node:test';
+import vm from 'node:vm';
+
+const HL = {};
+vm.runInContext(readFileSync(new URL('../../static/js/ui/fleet_order.js', import.meta.url), 'utf8'), vm.createContext({ HL, Intl, Map, Set }));
+const { judge, worstAlarms, sections, passes, hold, figures, advice } = HL.fleetOrder;
+const words = { since: (ms) => `${Math.floor(ms / 1000)} s` };
+
+const usual = { name: 'Weeder 01', family: 'weeder', mode: 'auto', text: 'Running', task: 'Row 12/60', is_online: true, is_registered: true, level: null, why: '', waits: false, help_s: null, since: null, mission: { status: 'running', name: 'M-1' }, field: 'Nordfeld' };
+const of = (id, robot = {}, more = {}) => {
+  const whole = { ...usual, name: id, ...robot };
+  const given = { ageMs: 200, words, ...more };
+  return { id, robot: whole, ageMs: given.ageMs, duty: more.duty, verdict: judge(whole, given) };
+};
+const ids = (section) => section.items.map((one) => one.id);
+const plain = (value) => JSON.parse(JSON.stringify(value));
+const alarm = (source, priority, state = 'unacknowledged', raised = 1) => ({ source, priority, state, raised, t: raised, title: `A${priority}`, text: 'so now' });
+
+test('needs you holds critical, high and whoever waits for a person; watch the rest that is not normal', () => {
+  const [needs, watch, normal] = sections([
+    of('p1', { level: 1 }), of('p2', { level: 2 }), of('p3', { level: 3 }), of('p4', { level: 4 }), of('ok'),
+    of('asks', { waits: true, why: 'Weed unsure.', mode: 'paused' }), of('gone', { is_online: false }), of('new', { is_registered: false }),
+  ]);
+  assert.deepEqual(plain(ids(needs)), ['p1', 'gone', 'p2', 'asks']);
+  assert.deepEqual(plain(ids(watch)), ['p3', 'new', 'p4']);
+  assert.deepEqual(plain(ids(normal)), ['ok']);
+});
+
+test('within a priority the one that needs help sooner comes first, then who waits longest, then by name', () => {
+  const [needs] = sections([
+    of('later', { level: 2, help_s: 600 }), of('sooner', { level: 2, help_s: 60 }), of('unknown', { level: 2 }),
+    of('since-9', { level: 2, help_s: 60, since: 9 }), of('since-5', { level: 2, help_s: 60, since: 5 }), of('now', { level: 2, waits: true, help_s: 600 }),
+  ]);
+  assert.deepEqual(plain(ids(needs)), ['now', 'since-5', 'since-9', 'sooner', 'later', 'unknown']);
+});
+
+test('names are ordered as people count', () => {
+  const [all] = sections([of('Weeder 10'), of('Weeder 9'), of('Weeder 1')], { sort: 'name' });
+  assert.deepEqual(plain(ids(all)), ['Weeder 1', 'Weeder 9', 'Weeder 10']);
+});
+
+test('a stop that is not confirmed outranks everything the robot said', () => {
+  const { verdict } = of('a', { level: null }, { stop: { state: 'not-confirmed', t: 5 }, alarm: alarm('a', 2) });
+  assert.equal(verdict.level, 1);
+  assert.equal(verdict.head, 'Stop not confirmed');
+  assert.equal(verdict.group, 'needs-you');
+});
+
+test('a robot that is silent says for how long, and its old state is not shown as news', () => {
+  const { verdict } = of('a', { task: 'Row 12/60' }, { ageMs: 12000 });
+  assert.deepEqual([verdict.level, verdict.head, verdict.group], [2, 'No link for 12 s', 'needs-you']);
+  assert.equal(of('b', { is_online: false }, { ageMs: Infinity }).verdict.head, 'Never heard');
+});
+
+test('the worst active alarm is joined; shelved and suppressed ones are not', () => {
+  const worst = worstAlarms({
+    x: alarm('a', 3), y: alarm('a', 2, 'acknowledged', 5), z: alarm('a', 2, 'unacknowledged', 9), s: alarm('a', 1, 'shelved'), o: alarm('b', 1, 'out_of_service'), n: null,
+  });
+  assert.equal(worst.a.id, 'z');
+  assert.equal(worst.b, undefined);
+  const { verdict } = of('a', { level: 4 }, { alarm: worst.a });
+  assert.deepEqual([verdict.level, verdict.head, verdict.look, verdict.since], [2, 'A2', 'unacknowledged', 9]);
+});
+
+test('one sentence: why, what clears it, who can, how long it takes', () => {
+  const { verdict } = of('a', { waits: true, mode: 'stopped', level: 3, why: 'Martha pressed STOP.', clears: 'Reset the stop, then resume.', who: 'operator', takes_s: 60 });
+  assert.equal(verdict.head, 'Martha pressed STOP.');
+  assert.equal(verdict.line, 'Reset the stop, then resume. Who: operator. about 1 min');
+  assert.equal(advice({ clears: 'It is ready when charged.', who: 'nobody', takes_s: null }), 'It is ready when charged');
+});
+
+test('a robot at work that needs somebody soon is watched before it stands', () => {
+  const { verdict } = of('a', { help_s: 600 });
+  assert.deepEqual([verdict.group, verdict.level, verdict.head], ['watch', 4, 'Needs somebody in 10 min']);
+  assert.equal(of('b', { help_s: 3600 }).verdict.group, 'normal');
+});
+
+test('search looks at name, id, field, mission and what is wrong; all words must fit', () => {
+  const item = of('weeder-07', { name: 'Weeder 07', field: 'Nordfeld 12' });
+  for (const q of ['weeder', '07 nord', 'm-1', 'ROW']) assert.ok(passes(item, { q }), q);
+  assert.ok(!passes(item, { q: 'weeder south' }));
+});
+
+test('filters narrow by kind, group, state and whose robots they are', () => {
+  const item = of('a', {}, { duty: { user: 'martha' } });
+  const groups = [{ id: 'g', robots: ['a'] }];
+  assert.ok(passes(item, { families: ['weeder'], group: 'g', mine: true, state: 'working' }, { me: 'martha', groups }));
+  assert.ok(!passes(item, { families: ['uav'] }));
+  assert.ok(!passes(item, { mine: true }, { me: 'anna' }));
+  assert.ok(!passes(item, { group: 'other' }, { groups }));
+  assert.ok(!passes(item, { state: 'offline' }));
+  assert.ok(passes(of('b', { is_online: false }), { state: 'offline' }));
+});
+
+test('above 200 robots those that need nobody fold into groups with counts', () => {
+  const many = Array.from({ length: 300 }, (_, i) => of(`r-${i}`, { field: i % 2 ? 'East' : 'West', level: i === 7 ? 1 : null }));
+  const found = sections(many);
+  assert.deepEqual(plain(found.map((s) => [s.title, s.items.length, s.count ?? null])), [['Needs you', 1, null], ['Watch', 0, null], ['Normal', 0, 299], ['East', 0, 149], ['West', 0, 150]]);
+  assert.equal(sections(many, { open: new Set(['in-East']) })[3].items.length, 149);
+});
+
+test('rows hold still under the pointer: they change what they say, not where they stand', () => {
+  const before = sections([of('a'), of('b'), of('c', { level: 2 })]);
+  const now = sections([of('a', { level: 1 }), of('b'), of('d')]);
+  const held = hold(before, now);
+  assert.deepEqual(plain(held.sections.map(ids)), [[], [], ['a', 'b', 'd']]);
+  assert.equal(held.sections[2].items[0].verdict.level, 1);
+  assert.equal(held.moved, 1);
+});
+
+test('the strip counts what works now and names the slowest link and the oldest datum of those heard', () => {
+  const strip = figures([of('a', { rtt_ms: 80 }), of('b', { rtt_ms: 110 }, { ageMs: 900 }), of('c', { mode: 'idle' }), of('d', { is_online: false, rtt_ms: 9000 }, { ageMs: 60000 })]);
+  assert.deepEqual(plain(strip), { total: 4, working: 2, offline: 1, slowestMs: 110, oldestMs: 900, newestMs: 200, planters: false });
+});
