@@ -27,22 +27,28 @@ def test_twenty_four_robots_are_heard_work_can_be_troubled_and_stop(tmp_path: Pa
         return Counter(one["status"] for one in caller.get("/missions")["missions"])
 
     try:
-        wait_for(lambda: sum(bool(one["is_online"]) for one in robots().values()) == 24, 40, "24 robots are heard")
+        wait_for(
+            lambda: sum(bool(one["is_online"]) for one in robots().values()) == 24,
+            within_s=40,
+            what="24 robots are heard",
+        )
         assert set(robots()) == {one.id for one in FULL}
         assert Counter(one["family"] for one in robots().values()) == {"weeder": 16, "planter": 4, "uav": 4}
-        wait_for(lambda: statuses()["running"] >= AT_WORK - 5, 90, "most of the missions run")
+        wait_for(lambda: statuses()["running"] >= AT_WORK - 5, within_s=90, what="most of the missions run")
         assert {robots()[one]["mode"] for one in ("weeder-01", "weeder-02")} == {"idle"}
         path = "/demo/robots/weeder-09/situation"
         assert caller.post(path, {"situation": "person-ahead"}).is_success
-        wait_for(lambda: "stands in front" in str(robots()["weeder-09"]["why"]), 15, "somebody stands in front")
+        wait_for(
+            lambda: "stands in front" in str(robots()["weeder-09"]["why"]), within_s=15, what="somebody stands in front"
+        )
         assert caller.get("/demo/situations")["now"]["weeder-09"] == "person-ahead"
         assert caller.post(path, {"situation": None}).is_success
         stop = {"stop_id": "fleet-demo-stop-1", "robots": "all"}
         assert caller.post("/stop", stop).is_success
         wait_for(
             lambda: all(running.world(one.id)["latched"] and running.world(one.id)["standstill"] for one in FULL),
-            15,
-            "all 24 are latched and stand",
+            within_s=15,
+            what="all 24 are latched and stand",
         )
     finally:
         caller.close()
