@@ -97,6 +97,18 @@ def test_a_robot_that_lost_the_farm_waits_for_somebody_who_walks_there() -> None
     assert farm.mode("weeder-02") == "auto"
 
 
+def test_a_robot_that_was_moved_by_hand_is_left_where_it_is() -> None:
+    farm = Farm(workers=1)
+    farm.run(70.0)
+    robot = farm.world.robots["weeder-02"]
+    assert robot.boot is not None
+    robot.boot.brain.pause("link_lost")
+    farm.run(3.0)
+    robot.machine.base.x_m += 1.0
+    farm.run(200.0)
+    assert farm.mode("weeder-02") == "paused"
+
+
 def test_a_low_battery_is_brought_home_by_somebody() -> None:
     farm = Farm(workers=1)
     farm.run(8.0)

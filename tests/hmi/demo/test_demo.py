@@ -141,8 +141,10 @@ async def test_a_full_fleet_has_its_work_from_the_first_moment(tmp_path: Path) -
         stored = demo.missions.known(job.mission.mission_id)
         assert stored is not None
         assert (stored.robot_id, stored.sha256) == (robot_id, mission_hash(job.mission))
+        assert not stored.is_supervised
     assert not {"weeder-01", "weeder-02"} & jobs.keys()
     assert len(jobs) == 17
+    assert {one.id for one in demo.robots.all() if one.is_unattended_allowed} == jobs.keys()
     demo.database.close()
 
 
