@@ -46,6 +46,7 @@ from hmi.store.alarms import AlarmStore
 from hmi.store.fleet import FleetStore
 
 ROUND_S = 1.0
+OLD_S = 10.0  # the screen says from here on that nobody may rely on the list
 STATION_SILENT = timedelta(minutes=30)
 log = logging.getLogger(__name__)
 
@@ -158,6 +159,21 @@ class AlarmRoom:
         await self.ground.close()
         await self._health_of.close()
         await asyncio.to_thread(self._kept.close)
+
+    def health(self) -> dict[str, dict[str, Any]]:
+        """Return the part of alarms for ``/api/v1/health``."""
+        is_ok = self._clock.mono_s() - self.store.checked_s < OLD_S and self._kept.health().is_ok
+        return {"alarms": {"state": "ok" if is_ok else "degraded"}}
+
+    def diagnostics(self) -> dict[str, Any]:
+        """Return counters for the diagnostics page."""
+        return {
+            "listed": len(self.store.all()),
+            "dropped": self.store.dropped,
+            "checked_s_ago": round(self._clock.mono_s() - self.store.checked_s, 1),
+            "journal": self._kept.health(),
+            "notifications": self.notifications.post.health(),
+        }
 
     # ---- what is heard ----
 
