@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 DEV_STAMP := $(VENV)/.installed-dev
 
-.PHONY: demo serve test test-fast test-long lint types bench screens lock clean tools
+.PHONY: demo serve test test-fast test-long lint types bench screens alarm-catalogue lock clean tools
 
 demo: $(STAMP)
 	@exec $(BIN)/headland demo
@@ -61,6 +61,10 @@ test-long: tools
 # `make bench NAME=stop_loaded_p99_ms` runs one.
 bench: tools
 	@$(BIN)/python -m bench $(NAME)
+
+# The page of alarm types; a test says when it is not up to date.
+alarm-catalogue: $(DEV_STAMP)
+	$(BIN)/python -c "from hmi.presenters.alarm_catalogue import markdown; open('docs/alarm_catalogue.md', 'w').write(markdown())"
 
 screens: tools
 	$(BIN)/python -m bench.screens

@@ -29,6 +29,7 @@ from hmi.domain.alarm.finding import NOTHING, Finding, detail_of
 from hmi.domain.alarm.live_alarm import LiveAlarm, Step
 from hmi.domain.alarm.shift import ShiftBook
 from hmi.domain.event import RobotEvent
+from hmi.domain.mission import MissionStatus
 from hmi.domain.robot import Robot
 from hmi.domain.role import Permission, may
 from hmi.domain.stop import StopAttempt, StopState
@@ -46,6 +47,9 @@ from hmi.store.alarms import AlarmStore
 from hmi.store.fleet import FleetStore
 
 ROUND_S = 1.0
+GRACE_S = 15.0  # robots come back within seconds of a restart
+MOVING = (MissionStatus.RUNNING, MissionStatus.PAUSED, MissionStatus.RESUMING)
+OLD_S = 10.0  # the screen says from here on that nobody may rely on the list
 STATION_SILENT = timedelta(minutes=30)
 log = logging.getLogger(__name__)
 
@@ -83,6 +87,8 @@ class AlarmRoom:
         self._shifts = ShiftBook(settings.shift_ends, farm_zone(settings.time_zone))
         self._stations: dict[str, str] = {}
         self.weather: WeatherBoard | None = None
+        self._farm_id, self._started_s = settings.farm_id, clock.mono_s()
+        self._missing: set[str] = set()
         self._task: asyncio.Task[None] | None = None
 
     # ---- lane ----
@@ -159,6 +165,21 @@ class AlarmRoom:
         await self._health_of.close()
         await asyncio.to_thread(self._kept.close)
 
+    def health(self) -> dict[str, dict[str, Any]]:
+        """Return the part of alarms for ``/api/v1/health``."""
+        is_ok = self._clock.mono_s() - self.store.checked_s < OLD_S and self._kept.health().is_ok
+        return {"alarms": {"state": "ok" if is_ok else "degraded"}}
+
+    def diagnostics(self) -> dict[str, Any]:
+        """Return counters for the diagnostics page."""
+        return {
+            "listed": len(self.store.all()),
+            "dropped": self.store.dropped,
+            "checked_s_ago": round(self._clock.mono_s() - self.store.checked_s, 1),
+            "journal": self._kept.health(),
+            "notifications": self.notifications.post.health(),
+        }
+
     # ---- what is heard ----
 
     def see(self, robot: Robot) -> None:
@@ -192,6 +213,7 @@ class AlarmRoom:
         self.watch.report(CONSOLE, "notifications", self.notifications.findings())
         self._look_at_gateway()
         self._look_at_weather()
+        self._look_for_missing(now_s)
         self.watch.sweep()
         self.store.pass_time()
         self._kept.mend(self.store.all())
@@ -222,6 +244,19 @@ class AlarmRoom:
         is_silent = self._clock.utc() - latest.at > STATION_SILENT
         text = "Nothing for half an hour. Rain and wind are not known."
         self.watch.report(source, "weather", (Finding("sensor-silent", text),) if is_silent else NOTHING)
+
+    def _look_for_missing(self, now_s: float) -> None:
+        """Miss robots that had a mission under way and were not heard since the console started."""
+        if now_s - self._started_s < GRACE_S:
+            return
+        missing = {one for one in self._fleet.registered_ids() if not self._fleet.was_heard(one)}
+        known = self._records.missions.all_known(self._farm_id) if missing or self._missing else []
+        away = {one.robot_id for one in known if one.status in MOVING and one.robot_id in missing}
+        for robot_id in away | self._missing:
+            text = "Not heard since Headland was started; its mission was under way."
+            found = (Finding("link-lost", text),) if robot_id in away else NOTHING
+            self.watch.report(str(robot_id), "missing", found)
+        self._missing = {one for one in away if one is not None}
 
     def _rules(self) -> Sequence[Rule]:
         return rules_of(self._types, lambda: self.ground.now)

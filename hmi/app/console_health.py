@@ -70,6 +70,7 @@ class ConsoleHealth:
             late_s=late_s,
             clock_jump_s=self._jump_s(),
             audit_text=self._audit_text,
+            utc=self._clock.utc(),
         )
 
     async def close(self) -> None:

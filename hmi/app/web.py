@@ -138,7 +138,7 @@ def _api(console: Console) -> ApiServices:
                 _without_credentials(console.settings.broker_url),
             ),
             is_database_reachable=records.database.is_reachable,
-            extra=console.chores.health,
+            extra=lambda: {**console.chores.health(), **console.alarms.health()},
         ),
         desk=console.desk,
         stop=console.stops,
@@ -164,6 +164,7 @@ def _diagnostics(console: Console) -> Sources:
     return {
         "ingest": console.edge.coordinator.diagnostics,
         "live": lambda: {"lanes": console.hub.lanes, "boot": console.hub.boot},
+        "alarms": console.alarms.diagnostics,
         "audit": records.audit.health,
         "recorder": records.recorder.health,
     }

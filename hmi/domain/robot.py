@@ -243,7 +243,7 @@ class LinkHealth:
 
     ``heard_s`` is when the newest heartbeat was true; ``rtt_s`` the console-robot round trip, measured at
     ``rtt_at_s``; ``rtt_max_s`` the largest of the last minute. ``wall_offset_s`` is how far its wall
-    clock is ahead of ours.
+    clock is ahead of ours. ``said_goodbye``: it was shut down in order and told so, as opposed to lost.
     """
 
     is_online: bool
@@ -256,6 +256,7 @@ class LinkHealth:
     is_broker_up: bool
     rtt_at_s: float | None = None
     wall_offset_s: float | None = None
+    said_goodbye: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -251,7 +251,8 @@ class EdgeCoordinator:
             case up.Factsheet():
                 self._store.put_factsheet(address.robot, translate.factsheet(message))
             case up.Presence():
-                self._store.put_presence(address.robot, is_online=message.online)
+                is_shutdown = message.reason == "shutdown"
+                self._store.put_presence(address.robot, is_online=message.online, is_shutdown=is_shutdown)
             case up.Node():
                 self._store.put_node(address.robot, translate.node(message, stamp))
             case _:

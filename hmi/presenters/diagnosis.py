@@ -111,7 +111,8 @@ def _goodbye(scene: Scene) -> Look:
         return Look(text, "It is heard now.", True)
     state = scene.robot.state
     doing = "nothing is known of what it did" if state is None else f"it was {state.mode.value}"
-    return Look(text, f"Without a word; {doing}.", None)
+    how = "It said that it was shut down" if scene.robot.link.said_goodbye else "Without a word"
+    return Look(text, f"{how}; {doing}.", None)
 
 
 def _gateway(scene: Scene) -> Look:

@@ -103,6 +103,7 @@ class _Record:
     boot: str | None = None
     is_online: bool = False
     is_gone: bool = False
+    said_goodbye: bool = False
     rtt_s: float | None = None
     rtt_at_s: float | None = None
     wall_offset_s: float | None = None
@@ -153,6 +154,16 @@ class FleetStore:
         """Say whether a robot is heard, without building it."""
         record = self._records.get(robot_id)
         return record is not None and record.is_online
+
+    def was_heard(self, robot_id: str) -> bool:
+        """Say whether a robot was heard since the start, without building it."""
+        record = self._records.get(robot_id)
+        return record is not None and record.heard_s is not None
+
+    def said_goodbye(self, robot_id: str) -> bool:
+        """Say whether a robot told that it was shut down, without building it."""
+        record = self._records.get(robot_id)
+        return record is not None and record.said_goodbye
 
     def registered_ids(self) -> tuple[str, ...]:
         """Return the ids of the registry."""
@@ -263,7 +274,7 @@ class FleetStore:
         record.wall_offset_s = wall_offset_s
         record.boot, record.challenge, record.heard_s = boot, challenge, heard_s
         record.active_s = self._mono_s()
-        record.is_gone = False
+        record.is_gone = record.said_goodbye = False
         record.is_online = self._is_heard(record)
         self._touch(record, Part.LINK)
 
@@ -277,9 +288,10 @@ class FleetStore:
             record.rtts.popleft()
         self._touch(record, Part.LINK)
 
-    def put_presence(self, robot_id: str, *, is_online: bool) -> None:
+    def put_presence(self, robot_id: str, *, is_online: bool, is_shutdown: bool = False) -> None:
         """Take presence or last will. It can only take away: being heard is told by heartbeats."""
         record = self._records[robot_id]
+        record.said_goodbye = is_shutdown and not is_online
         if record.is_gone == is_online:
             record.is_gone = not is_online
             record.is_online = self._is_heard(record)
@@ -364,4 +376,5 @@ class FleetStore:
             is_broker_up=self._is_broker_up,
             rtt_at_s=record.rtt_at_s,
             wall_offset_s=record.wall_offset_s,
+            said_goodbye=record.said_goodbye,
         )

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from hmi.domain.alarm.finding import NOTHING, Finding, Findings
 from hmi.domain.alarm.steady import Limit
-from hmi.domain.robot import OrderStatus
-from hmi.ingest.supervision.view import View
+from hmi.ingest.supervision.view import UNDER_WAY, View
 
 RESERVE = 0.1  # what should be left at the end, to get home; the start check asks for the same
 LOW, VERY_LOW, EMPTY = Limit(0.2, 0.02, True), Limit(0.1, 0.02, True), Limit(0.005, 0.01, True)
 _LEVELS = (("battery-empty", EMPTY), ("battery-very-low", VERY_LOW), ("battery-low", LOW))
-UNDER_WAY = (OrderStatus.RUNNING, OrderStatus.PAUSED)
 
 
 class Battery:

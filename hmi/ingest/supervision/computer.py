@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from hmi.domain.alarm.catalogue import AlarmType
 from hmi.domain.alarm.finding import NOTHING, Finding, Findings
-from hmi.ingest.supervision.view import View
+from hmi.ingest.supervision.view import View, is_under_way
 
 SHOWN_S = 3.0  # a restart is a moment; the condition holds long enough to be noticed once
+OFF_S = 600.0  # after a longer silence, without a mission, it was switched off and on again by somebody
 
 
 class Computer:
@@ -22,6 +23,7 @@ class Computer:
         assert clock_wrong.limit is not None
         self._limit, self._was_wrong = clock_wrong.limit, False
         self._boot: str | None = None
+        self._heard_s, self._was_under_way = float("-inf"), False
         self._restarted_s = float("-inf")
 
     def look(self, view: View) -> Findings | None:
@@ -30,9 +32,11 @@ class Computer:
         if link.boot is None:
             return None
         if link.boot != self._boot:
-            if self._boot is not None:
+            if self._boot is not None and (view.now_s - self._heard_s < OFF_S or self._was_under_way):
                 self._restarted_s = view.now_s
             self._boot = link.boot
+        if link.is_online:
+            self._heard_s, self._was_under_way = view.now_s, is_under_way(view.robot)
         offset_s = link.wall_offset_s
         off = None if offset_s is None else abs(offset_s)
         self._was_wrong = self._limit.is_passed(off, was_passed=self._was_wrong)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from datetime import datetime, timedelta
 from typing import Any
 
 from hmi.domain.alarm.finding import MAX_TEXT, Finding, Findings, detail_of
@@ -12,6 +13,7 @@ SHOWN_S = 5.0
 TROUBLE_S = 60.0  # a loss of messages is over when none was lost for a minute
 DISK_SHARE, DISK_BYTES = 0.05, 1_000_000_000
 SLOW_S = 1.0
+LATELY = timedelta(seconds=60)
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +26,7 @@ class Health:
         writers: name -> what is wrong with keeping records, empty for nothing.
         late_s: how late the last round came.
         clock_jump_s: by how much the wall clock was set in the last round.
-        is_audit_whole: ``None`` while that was not checked.
+        audit_text: what is wrong with the chain of the audit, empty for nothing.
     """
 
     is_broker_up: bool
@@ -35,7 +37,7 @@ class Health:
     late_s: float = 0.0
     clock_jump_s: float = 0.0
     audit_text: str = ""
-    stations_silent: Sequence[str] = ()
+    utc: datetime | None = None
 
 
 class ConsoleRules:
@@ -53,7 +55,7 @@ class ConsoleRules:
 
     def look(self, health: Health, now_s: float) -> Findings:
         """Return what holds now."""
-        found = [*self._parts(health.parts, now_s), *self._told(now_s)]
+        found = [*self._parts(health, now_s), *self._told(now_s)]
         if not health.is_broker_up:
             found.append(Finding("broker-lost", "Not connected to the MQTT broker."))
         if health.disk_free is not None and _is_full(*health.disk_free):
@@ -69,11 +71,13 @@ class ConsoleRules:
             found.append(Finding("audit-broken", health.audit_text))
         return (*found, *self._clock(health.clock_jump_s, now_s))
 
-    def _parts(self, parts: Mapping[str, Mapping[str, Any]], now_s: float) -> list[Finding]:
+    def _parts(self, health: Health, now_s: float) -> list[Finding]:
         found = []
-        for name, part in parts.items():
+        for name, part in health.parts.items():
             restarts = int(part.get("restarts") or 0)
-            if restarts > self._restarts.get(name, restarts):
+            # this console may itself be what was started again: then nothing is known of before
+            before = self._restarts.get(name, restarts - 1 if _is_back_lately(part, health.utc) else restarts)
+            if restarts > before:
                 self._restarted_s[name] = now_s
             self._restarts[name] = restarts
             if now_s - self._restarted_s.get(name, float("-inf")) < SHOWN_S:
@@ -92,6 +96,11 @@ class ConsoleRules:
         if self._jumped is None or now_s - self._jumped[1] > SHOWN_S:
             return []
         return [Finding("clock-jumped", f"The server's clock was set by {self._jumped[0]:+.0f} s.")]
+
+
+def _is_back_lately(part: Mapping[str, Any], now: datetime | None) -> bool:
+    until = (part.get("last_down") or {}).get("until_utc")
+    return now is not None and bool(until) and now - datetime.fromisoformat(str(until)) < LATELY
 
 
 def _is_full(free: int, share: float) -> bool:

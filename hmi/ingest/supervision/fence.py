@@ -10,8 +10,8 @@ import shapely
 from shapely.geometry import Point, Polygon
 
 from hmi.domain.alarm.finding import NOTHING, Finding, Findings
-from hmi.domain.robot import Family, Mode, OrderStatus
-from hmi.ingest.supervision.view import View
+from hmi.domain.robot import Family, Mode
+from hmi.ingest.supervision.view import View, is_under_way
 
 METRES_PER_DEG = 111_320.0
 MARGIN_M = 0.5
@@ -74,9 +74,7 @@ class Fence:
             return None
         if robot.factsheet is not None and robot.factsheet.family is Family.UAV:
             return NOTHING
-        order = state.order
-        is_under_way = order is not None and order.status in (OrderStatus.RUNNING, OrderStatus.PAUSED)
-        if not is_under_way and state.mode not in SELF_MOVING:
+        if not is_under_way(robot) and state.mode not in SELF_MOVING:
             return NOTHING  # it may be on a trailer
         pose = telemetry.pose
         x_m, y_m = ground.metres(pose.lat_deg, pose.lon_deg)

@@ -16,10 +16,13 @@ class AllSilent:
 
     Args:
         is_online: whether a robot is heard now.
+        said_goodbye: whether it told that it was shut down.
     """
 
-    def __init__(self, is_online: Callable[[str], bool]) -> None:
-        self._is_online = is_online
+    def __init__(
+        self, is_online: Callable[[str], bool], said_goodbye: Callable[[str], bool] = lambda _robot_id: False
+    ) -> None:
+        self._is_online, self._said_goodbye = is_online, said_goodbye
         self._online: set[str] = set()
         self._fell: dict[str, float] = {}
         self._lost: set[str] = set()
@@ -29,7 +32,8 @@ class AllSilent:
         """Return the finding while most of those that fell silent together are not back."""
         online = {one for one in robots if self._is_online(one)}
         self._fell = {one: at for one, at in self._fell.items() if now_s - at < TOGETHER_S and one not in online}
-        self._fell.update(dict.fromkeys(self._online - online, now_s))
+        fallen = (one for one in self._online - online if not self._said_goodbye(one))
+        self._fell.update(dict.fromkeys(fallen, now_s))
         self._online = online
         if self._lost:
             self._lost |= self._fell.keys()

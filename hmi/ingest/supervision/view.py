@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from hmi.domain.alarm.finding import Findings
-from hmi.domain.robot import Robot
+from hmi.domain.robot import OrderStatus, Robot
 
 
 class Mission(Protocol):
@@ -41,6 +41,15 @@ class View:
     robot: Robot
     now_s: float
     mission: Mission | None = None
+
+
+UNDER_WAY = (OrderStatus.RUNNING, OrderStatus.PAUSED)
+
+
+def is_under_way(robot: Robot) -> bool:
+    """Say whether the robot has a mission that was begun and not ended."""
+    order = robot.state.order if robot.state is not None else None
+    return order is not None and order.status in UNDER_WAY
 
 
 MissionOf = Callable[[str], Mission | None]

@@ -61,7 +61,7 @@ class Watch:
         self._fleet, self._clock, self._conditions, self._tell = fleet, clock, conditions, tell
         self._make_rules, self._mission_of = make_rules, mission_of
         self._watched: dict[str, _Watched] = {}
-        self._silence = AllSilent(fleet.is_online)
+        self._silence = AllSilent(fleet.is_online, fleet.said_goodbye)
 
     def see(self, robot: Robot) -> None:
         """Look at a robot that changed; on the event loop, does not wait."""

@@ -79,3 +79,28 @@ async def test_a_fault_stays_while_the_robot_is_silent_for_nobody_knows_better()
         rig.run(60)
         assert set(rig.states().values()) == {"unacknowledged"}
         assert "robot-fault.weeder-01.nozzle-7" in rig.states()
+
+
+async def test_a_robot_that_was_shut_down_in_order_is_not_lost_unless_it_had_work() -> None:
+    async with AlarmRig(ROBOT, "weeder-02") as rig:
+        rig.run(3, ROBOT, "weeder-02")
+        order = up.OrderState(mission_id="m-1", revision=1, sha256="a" * 64, status="paused", row=1, rows=9, segment=0,
+                              segment_s_m=0.0, area_m2=9.0, area_done_m2=1.0, distance_m=1.0)  # fmt: skip
+        rig.say(rig.wire("weeder-02").state(mode="paused", path=[], order=order))
+        for robot_id in (ROBOT, "weeder-02"):
+            rig.say(rig.wire(robot_id).presence(online=False, reason="shutdown"))
+        rig.run(10)
+        assert rig.states() == {"link-lost.weeder-02": "unacknowledged"}
+
+
+async def test_a_whole_fleet_that_goes_to_bed_in_order_raises_nothing_and_so_does_its_morning() -> None:
+    fleet = tuple(f"weeder-{number:02d}" for number in range(10))
+    async with AlarmRig(*fleet) as rig:
+        rig.run(3, *fleet)
+        for robot_id in fleet:
+            rig.say(rig.wire(robot_id).presence(online=False, reason="shutdown"))
+        rig.run(700)
+        for robot_id in fleet:
+            rig.wire(robot_id).boot, rig.wire(robot_id).booted_s = "boot-bbbb", rig.clock.mono_s()
+        rig.run(10, *fleet)
+        assert rig.states() == {}

@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from hmi.domain.alarm.catalogue import catalogue
 from hmi.domain.alarm.priority import Priority
+from hmi.presenters.alarm_catalogue import markdown
+from hmi.presenters.diagnosis import CHECKS, Scene, diagnose
+
+PAGE = Path(__file__).parents[4] / "docs/alarm_catalogue.md"
 
 
 def test_every_type_says_cause_consequence_steps_and_who() -> None:
@@ -32,3 +38,21 @@ def test_critical_is_only_what_may_hurt_somebody_or_blinds_everybody() -> None:
         "broker-lost",
         "all-silent",
     }
+
+
+def test_the_page_of_alarm_types_is_up_to_date() -> None:
+    assert PAGE.read_text("utf-8") == markdown(), "run `make alarm-catalogue`"
+
+
+def test_every_guided_check_is_known_and_never_fails_for_want_of_values() -> None:
+    for one in catalogue().values():
+        assert set(one.diagnosis) <= CHECKS.keys(), one.code
+        if one.diagnosis:
+            found = diagnose(one.diagnosis, Scene(0.0, None))
+            assert len(found["steps"]) == len(one.diagnosis)
+            assert found["conclusion"].endswith(".")
+
+
+def test_whatever_is_suppressed_by_design_is_suppressed_by_the_console() -> None:
+    causes = {cause for one in catalogue().values() for cause in one.suppressed_by}
+    assert causes == {"broker-lost", "all-silent"}
