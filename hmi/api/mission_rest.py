@@ -143,6 +143,7 @@ def _view(view: RestView) -> dict[str, Any]:
                 "name": one.name,
                 "kind": one.kind,
                 "row": one.row,
+                "lap": one.lap,
                 "length_m": round(one.length_m, 1),
                 "is_present": one.is_present,
             }

@@ -61,13 +61,19 @@ class Progress:
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """One row or headland lap still to do; ``number`` is its segment in the document, from 0."""
+    """A row or headland lap still to do, or a piece of one.
+
+    Args:
+        number: its segment in the document, from 0.
+        row: 0 off the rows; ``lap`` then says which lap of those that are left, from 1.
+    """
 
     number: int
     kind: str
     row: int
     length_m: float
     is_present: bool = False
+    lap: int = 0
 
     @property
     def name(self) -> str:
@@ -196,11 +202,24 @@ def pieces_of(document: Mapping[str, Any], progress: Progress) -> list[Piece]:
     """Return the rows and laps that are left, in driving order."""
     head, tail, first = cut(document["segments"], progress.segment, progress.segment_s_m)
     is_inside = len(head) > first
+    laps = _laps(tail)
     return [
-        Piece(number, one["kind"], one["row"], length_m(one), is_inside and number == first)
-        for number, one in enumerate(tail, first)
+        Piece(number, one["kind"], one["row"], length_m(one), is_inside and number == first, lap)
+        for number, (one, lap) in enumerate(zip(tail, laps, strict=True), first)
         if is_work(one)
     ]
+
+
+def _laps(segments: Sequence[Segment]) -> list[int]:
+    """Return for each segment which lap it is of, 0 off the laps; where the tool switches a lap goes on."""
+    found: list[int] = []
+    count = 0
+    for k, one in enumerate(segments):
+        is_lap = one["kind"] == "headland"
+        goes_on = is_lap and k > 0 and found[k - 1] > 0 and not one.get("pivot")
+        count += is_lap and not goes_on
+        found.append(count if is_lap else 0)
+    return found
 
 
 def is_work(segment: Segment) -> bool:

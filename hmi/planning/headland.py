@@ -19,6 +19,7 @@ from hmi.planning.swaths import Swath
 
 _ARC_STEPS = 12  # per quarter circle: 7.5 degrees a piece
 _MOST_PLACES = 12  # of a lap where joining it is tried
+_NEARLY = 0.99
 _LONG_M = 25.0  # pieces longer than this are joined near their ends too
 
 
@@ -94,13 +95,22 @@ def _wide(polygon: Polygon, lacking_m: float, radius_m: float) -> list[LinearRin
     Around a corner that juts in, a lap bends with its distance from the border; ``lacking_m`` is what that lacks.
     Around a hole the lap is laid so much wider; the outer one cuts such corners, on the machine's inner side.
     """
-    if lacking_m <= 0:
-        return [polygon.exterior, *polygon.interiors]
-    outer = polygons_of(
-        Polygon(polygon.exterior).buffer(radius_m, quad_segs=_ARC_STEPS).buffer(-radius_m, quad_segs=_ARC_STEPS)
-    )
-    holes = [Polygon(ring).buffer(lacking_m, quad_segs=_ARC_STEPS) for ring in polygon.interiors]
-    return [outer[0].exterior if outer else polygon.exterior, *(hole.exterior for hole in holes)]
+    outer = _rounded(Polygon(polygon.exterior), 0.0, radius_m)
+    holes = [_rounded(Polygon(ring), max(lacking_m, 0.0), radius_m) for ring in polygon.interiors]
+    return [outer.exterior if outer else polygon.exterior, *(hole.exterior for hole in holes if hole)]
+
+
+def _rounded(area: Polygon, wider_m: float, radius_m: float) -> Polygon | None:
+    """Return an area grown by ``wider_m`` with its bays filled and its spikes cut, so that its edge bends gently.
+
+    Growing narrows a bay by as much, and rounds a spike, where two branches of a lap meet, to a curve that is too
+    tight but smooth.
+    """
+    filled = area.buffer(wider_m + radius_m, quad_segs=_ARC_STEPS).buffer(-radius_m, quad_segs=_ARC_STEPS)
+    spike_m = _NEARLY * radius_m  # arcs of the radius itself are sampled and must stay
+    cut = polygons_of(filled.buffer(-spike_m, quad_segs=_ARC_STEPS).buffer(spike_m, quad_segs=_ARC_STEPS))
+    found = cut or polygons_of(filled)
+    return found[0] if found else None
 
 
 def after_rows(

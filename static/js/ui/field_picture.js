@@ -4,7 +4,7 @@
   const NS = "http://www.w3.org/2000/svg";
   const METRES_PER_DEGREE = 111320;
   const MARGIN = 0.05;
-  const LAYERS = [["exit", "way"], ["approach", "way"], ["turn", "turn"], ["headland", "headland"], ["row", "row"]];
+  const LAYERS = [["exit", "way"], ["approach", "way"], ["turn", "turn"], ["idle", "idle"], ["headland", "headland"], ["row", "row"]];
 
   function svg(tag, props, ...children) {
     const node = document.createElementNS(NS, tag);
@@ -20,6 +20,9 @@
     const scale = Math.cos((lat0 * Math.PI) / 180) * METRES_PER_DEGREE;
     return { flat: ([lon, lat]) => [(lon - lon0) * scale, (lat0 - lat) * METRES_PER_DEGREE], unflat: ([x, y]) => [lon0 + x / scale, lat0 - y / METRES_PER_DEGREE] };
   }
+
+  // a piece of a row or lap that is driven with the tool off
+  const lookOf = ({ kind, tool_on: isOn }) => (isOn === false && (kind === "row" || kind === "headland") ? "idle" : kind);
 
   const path = (points, isClosed) => `M${points.map(([x, y]) => `${x.toFixed(2)} ${y.toFixed(2)}`).join("L")}${isClosed ? "Z" : ""}`;
 
@@ -38,7 +41,7 @@
   function fieldPicture(collection, title) {
     const { features } = collection;
     const { flat, unflat } = projection(features);
-    const lines = features.filter((one) => one.geometry.type === "LineString").map((one) => ({ kind: one.properties.kind, points: one.geometry.coordinates.map(flat) }));
+    const lines = features.filter((one) => one.geometry.type === "LineString").map((one) => ({ kind: lookOf(one.properties), points: one.geometry.coordinates.map(flat) }));
     const parcels = features.filter((one) => one.properties.kind === "parcel").map((one) => one.geometry.coordinates.map((ring) => ring.map(flat)));
     const homes = features.filter((one) => one.properties.kind === "home").map((one) => flat(one.geometry.coordinates));
     const [x0, y0, x1, y1] = box([...parcels.flat(2), ...lines.flatMap((one) => one.points), ...homes]);
@@ -64,7 +67,8 @@
       root.append(svg("circle", { class: "start", cx: sx, cy: sy, r: mark }), svg("rect", { class: "end", x: ex - mark, y: ey - mark, width: 2 * mark, height: 2 * mark }));
     }
     for (const [x, y] of homes) root.append(svg("path", { class: "home", d: `M${x - mark * 1.4} ${y}L${x} ${y - mark * 1.6}L${x + mark * 1.4} ${y}V${y + mark * 1.4}H${x - mark * 1.4}Z` }));
-    root.frame = { flat, unflat, box: [x0 - pad, y0 - pad, x1 + pad, y1 + pad] };
+    const [u0, v0, u1, v1] = parcels.length ? box(parcels.flat(2)) : [x0, y0, x1, y1];
+    root.frame = { flat, unflat, field: [u0 - pad, v0 - pad, u1 + pad, v1 + pad], box: [x0 - pad, y0 - pad, x1 + pad, y1 + pad] };
     root.append(...(HL.areaShapes?.(drawnIn(features, flat)) ?? []));
     return root;
   }

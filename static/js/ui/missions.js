@@ -26,7 +26,7 @@
       attr(this.pick, "hidden", isPicked === null);
       this.box.checked = Boolean(isPicked);
       text(this.name, mission.name);
-      text(this.line, `${mission.field_name} · ${robotName(mission.robot_id)} · ${when(mission.updated_utc)}`);
+      text(this.line, `${mission.field_name} · ${robotName(mission.robot_id)} · ${HL.queue.when(Date.parse(mission.updated_utc), undefined)}`);
       text(this.chip, HL.plan.status(mission.status));
     }
   }

@@ -4,6 +4,7 @@
   const { el, text, attr } = HL;
   const NS = "http://www.w3.org/2000/svg";
   const FREE = { left: 20, right: 76, top: 70, bottom: 100 }; // pixels that views, zoom and scrubber stand on
+  const NAME_PX = 8; // a letter
   const TIMES = 8; // shades of the time view: more cannot be told apart
   const VIEWS = [["path", "Path"], ["turns", "Turns"], ["overlap", "Overlap"], ["time", "Time"]];
 
@@ -64,7 +65,8 @@
         const points = outline.map((place) => this.flat(place));
         const mean = (k) => points.reduce((sum, point) => sum + point[k], 0) / points.length;
         const word = svg("g", { class: "sign" }, svg("text", { "text-anchor": "middle", y: 5 }, name));
-        this.names.push({ node: word, x: mean(0), y: mean(1) });
+        const xs = points.map((point) => point[0]);
+        this.names.push({ node: word, x: mean(0), y: mean(1), wide: Math.max(...xs) - Math.min(...xs), least: NAME_PX * name.length });
         this.overlay.append(svg("path", { class: dose === 0 ? "a-area drawn off" : "a-area drawn", d: `${line(points)}Z` }), word);
       }
       this.root.append(this.overlay);
@@ -202,6 +204,7 @@
       this.root.style.setProperty("--row", Math.min(1.3, Math.max(0.15, (0.35 * (this.drawing?.machine?.tool_width_m ?? 3)) / px)).toFixed(2));
       const scale = px.toFixed(4);
       for (const { node, x, y } of [...(this.signs ?? []), ...(this.names ?? [])]) attr(node, "transform", `translate(${x} ${-y}) scale(${scale})`);
+      for (const { node, wide, least } of this.names ?? []) node.style.display = wide / px < least ? "none" : ""; // a name wider than its area covers its neighbours
       if (this.arrow) attr(this.arrow, "transform", `scale(${scale})`);
       if (this.hatch) attr(this.hatch, "patternTransform", `rotate(45) scale(${scale})`);
     }

@@ -36,7 +36,7 @@
       this.pen.ended = () => ((this.tools.hidden = false), this.waiting && this.show(this.waiting));
       this.holder.replaceChildren(root, this.view.buttons(), this.pen.bar);
       this.node.hidden = false;
-      this.view.fit(this.frame.box);
+      this.view.fit(this.frame.field); // what is drawn lies in the field, the way home is of no use here
       if (before) Object.assign(this.view, { window: before, isWhole: false });
       this.view.apply();
       this.paint();

@@ -52,13 +52,13 @@
     choices(homes) {
       const rows = new Map(); // a row may lie there in several pieces, e.g. on both sides of an obstacle
       for (const one of this.rest.pieces) {
-        const key = one.row || `lap ${one.number}`;
+        const key = one.row || `lap ${one.lap ?? one.number}`;
         if (rows.has(key)) rows.get(key).push(one.number);
         else rows.set(key, Object.assign([one.number], { one }));
       }
       const chips = [...rows.values()].map((numbers) => {
         const { one } = numbers;
-        const chip = el("button", { type: "button", class: "h-btn h-piece", role: "checkbox", "aria-checked": "true", title: `${one.name}, ${one.length_m} m`, "data-testid": `rest-piece-${one.number}`, onclick: () => { const isOut = !this.out.has(one.number); for (const number of numbers) isOut ? this.out.add(number) : this.out.delete(number); attr(chip, "aria-checked", String(!isOut)); this.soon(); } }, one.row ? String(one.row) : "Lap");
+        const chip = el("button", { type: "button", class: "h-btn h-piece", role: "checkbox", "aria-checked": "true", title: `${one.name}, ${one.length_m} m`, "data-testid": `rest-piece-${one.number}`, onclick: () => { const isOut = !this.out.has(one.number); for (const number of numbers) isOut ? this.out.add(number) : this.out.delete(number); attr(chip, "aria-checked", String(!isOut)); this.soon(); } }, one.row ? String(one.row) : `Lap ${one.lap ?? ""}`.trim());
         return chip;
       });
       const pick = (label, hook, options) => el("label", { class: "h-field" }, label, (this[hook] = el("select", { class: "h-select", "data-testid": `rest-${hook}`, onchange: () => this.soon() }, ...options.map(([value, name]) => el("option", { value }, name)))));

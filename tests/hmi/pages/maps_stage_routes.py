@@ -52,67 +52,83 @@ def router(stage: MapStage, sessions: Sessions) -> APIRouter:
 
 
 def _play(played: StageMap, request: Request, rest: str, session: SessionInfo, body: Any) -> Any:
-    match request.method, rest.split("/"):
-        case "GET", [""]:
-            return played.published(session)
-        case "POST", ["draft"]:
+    """Answer a request to the map by what it is about."""
+    about, *more = rest.split("/")
+    match about:
+        case "" if request.method == "GET":
+            found: Any = played.published(session)
+        case "draft":
+            found = _draft(played, request.method, more, session, body)
+        case "versions":
+            found = _versions(played, more, session)
+        case "imports":
+            found = _imports(played, request.method, more, session, body)
+        case "export":
+            found = _export(request, more)
+        case "walks":
+            points = [WalkPoint(**one) for one in body["points"]]
+            found = asdict(outline(points, body["is_closed"], body["tolerance_m"]))
+        case "features":
+            found = {"id": more[0], "entries": HISTORY}
+        case _:
+            found = None
+    return JSONResponse({"code": "not_found", "text": "Nothing here."}, 404) if found is None else found
+
+
+def _draft(played: StageMap, method: str, more: list[str], session: SessionInfo, body: Any) -> Any:
+    match method, more:
+        case "POST", []:
             return played.open(session, is_taking=body["take"])
-        case "POST", ["draft", "transactions"]:
+        case "POST", ["transactions"]:
             return played.change(session, body["id"], body["label"], body["changes"])
-        case "POST", ["draft", "operations"]:
+        case "POST", ["operations"]:
             return played.operate(session, body)
-        case "POST", ["draft", "undo" | "redo" as way]:
+        case "POST", ["undo" | "redo" as way]:
             return played.walk(session, is_back=way == "undo")
-        case "POST", ["draft", "publish"]:
+        case "POST", ["publish"]:
             return played.publish(session, body["note"], is_shrinking_ok=body["is_shrinking_ok"])
-        case "GET", ["draft", "checks"]:
+        case "POST", ["preview"]:
+            return played.preview(body)
+        case "GET", ["checks"]:
             found = findings(played.held().features)
             blocks = sum(one["level"] == 2 for one in found)
             return {"findings": found, "blocks": blocks, "looks": len(found) - blocks}
-        case "GET", ["draft", "diff"]:
+        case "GET", ["diff"]:
             return played.difference()
-        case "DELETE", ["draft"]:
+        case "DELETE", []:
             played.draft = None
             return JSONResponse(None, 200)
-        case "GET", ["versions"]:
-            rows = [
-                {
-                    "version": n,
-                    "published_utc": "2026-05-12T07:30:00+00:00",
-                    "by": "Jonas Weber",
-                    "note": played.note,
-                    "size": len(played.features),
-                }
-                for n in range(played.version, 11, -1)
-            ]
-            return {"versions": rows}  # fmt: skip
-        case "POST", ["versions", number, "restore"]:
-            played.open(session, is_taking=False)
-            draft = played.mine(session)
-            before = draft.features["hangacker"]
-            change = {"id": "hangacker", "before": before, "after": None}
-            played.change(session, f"restore-{number}", f"Content of v{number}", [change])
-            return {**played.state(session), "features": collection(draft.features)}
-        case "POST", ["imports"]:
+    return None
+
+
+def _versions(played: StageMap, more: list[str], session: SessionInfo) -> Any:
+    if not more:
+        fixed = {"published_utc": "2026-05-12T07:30:00+00:00", "by": "Jonas Weber", "note": played.note}
+        size = len(played.features)
+        return {"versions": [{"version": n, **fixed, "size": size} for n in range(played.version, 11, -1)]}
+    played.open(session, is_taking=False)
+    draft = played.mine(session)
+    change = {"id": "hangacker", "before": draft.features["hangacker"], "after": None}
+    played.change(session, f"restore-{more[0]}", f"Content of v{more[0]}", [change])
+    return {**played.state(session), "features": collection(draft.features)}
+
+
+def _imports(played: StageMap, method: str, more: list[str], session: SessionInfo, body: Any) -> Any:
+    match method, more:
+        case "POST", []:
             return played.read(body["name"], body["size"])
-        case "POST", ["imports", _, "take"]:
+        case "POST", [_, "take"]:
             return played.take(session, body)
-        case "POST", ["draft", "preview"]:
-            return played.preview(body)
-        case "POST", ["walks"]:
-            points = [WalkPoint(**one) for one in body["points"]]
-            return asdict(outline(points, body["is_closed"], body["tolerance_m"]))
-        case "GET", ["features", feature_id, "history"]:
-            return {"id": feature_id, "entries": HISTORY}
-        case "GET", ["imports", _, "progress"]:
+        case "GET", [_, "progress"]:
             return {"share": 0.4, "shapes": 2400}
-        case "DELETE", ["imports", _]:
+        case "DELETE", [_]:
             return JSONResponse(None, 200)
-        case "GET", ["export", "losses"]:
-            lost = ["Home 1", "Hedge"] if request.query_params["format"] == "fiware" else []
-            return {"left_out": lost, "cut": []}
-        case "GET", ["export"]:
-            kind = request.query_params["format"]
-            headers = {"content-disposition": f'attachment; filename="farm.{kind}"'}
-            return PlainTextResponse(f"{kind} of {request.query_params['of']}", headers=headers)
-    return JSONResponse({"code": "not_found", "text": "Nothing here."}, 404)
+    return None
+
+
+def _export(request: Request, more: list[str]) -> Any:
+    kind = request.query_params["format"]
+    if more == ["losses"]:
+        return {"left_out": ["Home 1", "Hedge"] if kind == "fiware" else [], "cut": []}
+    headers = {"content-disposition": f'attachment; filename="farm.{kind}"'}
+    return PlainTextResponse(f"{kind} of {request.query_params['of']}", headers=headers)

@@ -141,3 +141,15 @@ def test_one_piece_left_out_is_driven_through_with_the_tool_off() -> None:
     row = [one for one in made.document["segments"] if one["row"] == 5]
     through = [one for one in row if one["points"] == segments()[number]["points"]]
     assert [(one["tool_on"], one.get("dose")) for one in through] == [(False, None)]
+
+
+def test_the_pieces_of_a_lap_are_told_to_be_of_one_lap() -> None:
+    def piece(kind: str, x: float, *, tool_on: bool = True, row: int = 0, pivot: bool = False) -> Document:
+        points = [[x, 0.0], [x + 1.0, 0.0]]
+        return {"kind": kind, "points": points, "speed_mps": 0.4, "tool_on": tool_on, "row": row, "pivot": pivot}
+
+    lap = [piece("headland", 3), piece("headland", 4, tool_on=False), piece("headland", 5)]
+    other = [piece("turn", 6, tool_on=False), piece("headland", 7), piece("headland", 8, pivot=True)]
+    path = [piece("row", 1, row=1), piece("turn", 2, tool_on=False), *lap, *other]
+    found = pieces_of({"segments": path}, Progress("a" * 64, 0, 0.0))
+    assert [(one.row, one.lap) for one in found] == [(1, 0), (0, 1), (0, 1), (0, 2), (0, 3)]
