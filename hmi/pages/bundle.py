@@ -19,7 +19,7 @@ STATIC = Path(__file__).resolve().parents[2] / "static"
 STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 """Cascade order of what every page carries: tokens first, screens last."""
 
-SCREEN_STYLES = ("maps", "plan", "queue", "fleet")
+SCREEN_STYLES = ("maps", "plan", "queue", "fleet", "demo")
 """Styles that a screen fetches with its scripts."""
 
 SCRIPTS = {

@@ -12,7 +12,7 @@ SCRIPT = "demo"
 def place(services: PageServices, robot_id: str = "") -> None:
     """Place the button; ``robot_id`` is chosen in the panel at first."""
     if services.settings.demo:
-        LiveElement("hl-demo-button", data_robot=robot_id)
+        LiveElement("hl-demo-button", data_robot=robot_id, data_style=bundle.screen_style_url(SCRIPT))
 
 
 def code(services: PageServices, others: str = "") -> str:

@@ -1,9 +1,8 @@
 // Demo only: a sheet that lets something happen to a simulated robot, and ends it.
 (() => {
   "use strict";
-  const { el, icon, text, attr, LiveElement, define } = HL;
+  const { el, icon, text, LiveElement, define } = HL;
   const ASK_MS = 2000;
-  const FAMILY = { weeder: "weeder", planter: "planter", uav: "UAV" };
 
   const may = () => HL.config.rights.includes("pause");
   const robots = () =>
@@ -15,7 +14,7 @@
     build() {
       this.known = null; // situations, null while loading
       this.on = {};
-      this.pick = el("select", { class: "h-input", "data-testid": "demo-robot", "aria-label": "Robot", onchange: () => this.draw() });
+      this.pick = el("select", { "data-testid": "demo-robot", "aria-label": "Robot", onchange: () => this.draw() });
       this.note = el("p", { class: "h-2 h-t14", role: "status", "data-testid": "demo-note" });
       this.list = el("div", { class: "demo-list" });
       this.append(
@@ -92,8 +91,14 @@
     }
   }
 
+  function dress(href) {
+    if (!href || document.querySelector(`link[href="${href}"]`)) return;
+    document.head.append(el("link", { rel: "stylesheet", href }));
+  }
+
   class DemoButton extends LiveElement {
     build() {
+      dress(this.dataset.style);
       this.append(el("button", { type: "button", class: "h-btn", "data-testid": "demo-open", "aria-haspopup": "dialog", onclick: () => HL.demoPanel(this.dataset.robot) }, icon("smart_toy"), "Demo"));
     }
   }
@@ -104,11 +109,6 @@
     HL.sheet({ title: "Demo: let something happen", body: [panel], buttons: [["Close", (done) => done(), true]], hook: "demo-panel" });
   }
 
-  const css = `.demo-list{display:flex;flex-direction:column;border-top:1px solid var(--hl-line);overflow-y:auto;overscroll-behavior:contain;max-height:min(52vh,460px)}
-.demo-row{display:flex;gap:16px;align-items:center;justify-content:space-between;padding:8px 2px;border-bottom:1px solid var(--hl-line)}
-.demo-row[data-state=on]{background:var(--hl-p3-soft)}.demo-row b,.demo-row small{display:block}.demo-row small{color:var(--hl-ink-2);font-size:14px;line-height:1.35}
-.demo-row .h-btn{flex:none;min-width:84px;justify-content:center}.demo-pick{display:flex;align-items:center;gap:12px;margin:8px 0}.demo-pick select{flex:1;min-height:48px}hl-demo-panel{display:block}`;
-  document.head.append(el("style", {}, css));
   define("hl-demo-panel", Panel);
   define("hl-demo-button", DemoButton);
   HL.demoPanel = demoPanel;
