@@ -7,7 +7,8 @@ from hmi.presenters.words import has_mission, mode_of
 
 RESERVE: dict[Family, float] = {Family.UAV: 0.3}
 USUAL_RESERVE = 0.15  # of the battery: what the queue asks for, too
-WAITS_FOR = frozenset({"operator", "anybody at the machine", "supervisor", "anybody"})
+NOBODY = frozenset({"", "nobody"})  # a hold that clears by itself names nobody
+_DRIVES_AWAY = frozenset({"return_home", "start_horn"})
 STEP_S = 60.0  # told in whole minutes: a figure that changes each second says nothing more
 
 
@@ -26,9 +27,12 @@ def waits_for_person(robot: Robot) -> bool:
     safety, hold = robot.safety, robot.state.hold
     if safety is not None and (safety.latched or safety.hardware_stop):
         return True
-    if hold is not None and hold.who in WAITS_FOR:
-        return True
-    return mode_of(robot) in (Mode.FAULT, Mode.PAUSED) and hold is None
+    mode = mode_of(robot)
+    if mode is Mode.MANUAL:
+        return False
+    if hold is not None:
+        return hold.who not in NOBODY and not (mode is Mode.AUTO and hold.code in _DRIVES_AWAY)
+    return mode in (Mode.FAULT, Mode.PAUSED)
 
 
 def hover_s(robot: Robot) -> float | None:

@@ -5,6 +5,7 @@
   const { Row, Cell } = HL.fleetRows;
   const HELD_MS = 3000; // after a touch rows hold still this long: there is no hover to tell
   const LATE_MS = 5000;
+  const ALARMS_OLD_MS = 10000; // the supervision looks every second or so
   const WIDE_PX = 600;
   const HEIGHTS = { head: 40, fold: 56, "needs-you": [92, 66], row: [76, 56], cells: 56 };
   const GAP = 4;
@@ -159,16 +160,20 @@
       const isOld = isKnown && silentMs > HL.LOST_MS;
       const total = HL.fleet.items.length;
       const shown = this.shownCount ?? total;
-      const isPart = !isOld && HL.fleet.isNarrowed(HL.fleet.filter) && shown < total;
+      const checked = window.headland.state("alarms")?.summary?.checked;
+      const alarmsMs = typeof checked === "number" ? HL.port.age(checked) : 0;
+      const isBlind = !isOld && alarmsMs > ALARMS_OLD_MS;
+      const isPart = !isOld && !isBlind && HL.fleet.isNarrowed(HL.fleet.filter) && shown < total;
       const loaded = HL.fleet.items.filter((one) => Number.isFinite(one.ageMs)).length;
-      const isLoading = !isOld && !isPart && loaded < total && performance.now() - this.from < LATE_MS;
-      const key = isOld ? `old ${Math.floor(silentMs / 60000)}` : isPart ? `part ${shown} ${total}` : isLoading ? `load ${loaded} ${total}` : "";
+      const isLoading = !isOld && !isBlind && !isPart && loaded < total && performance.now() - this.from < LATE_MS;
+      const key = isOld ? `old ${Math.floor(silentMs / 60000)}` : isBlind ? `blind ${Math.floor(alarmsMs / 1000)}` : isPart ? `part ${shown} ${total}` : isLoading ? `load ${loaded} ${total}` : "";
       toggle(this, "old", isOld);
       attr(this.note, "hidden", !key);
       if (key === this.noted) return;
       this.noted = key;
       const again = (label, act) => el("button", { type: "button", class: "h-btn", "data-testid": "fleet-note-act", onclick: act }, label);
       if (isOld) this.note.replaceChildren(icon("cloud_off", "m"), el("span", {}, `List is from ${words.wall(new Date(Date.now() - silentMs))}.`), again("Try again", () => window.dispatchEvent(new Event("online"))));
+      else if (isBlind) this.note.replaceChildren(icon("warning", "m"), el("span", {}, `Alarms are ${words.since(alarmsMs)} old. Do not rely on them.`));
       else if (isPart) this.note.replaceChildren(el("span", {}, `You see ${shown} of ${total} robots.`), again("Show all", () => HL.fleet.setFilter({ ...HL.fleet.NO_FILTER, sort: HL.fleet.filter.sort })));
       else if (isLoading) this.note.replaceChildren(icon("hourglass_top", "m"), el("span", {}, `${total} robots, ${loaded} loaded`));
     }
