@@ -29,7 +29,6 @@ ESCALATE_AFTER_S: Mapping[Priority, float] = {
     Priority.MEDIUM: 1800.0,
 }
 Listener = Callable[[Step], None]
-_END = {What.RETURNED, What.ACKNOWLEDGED, What.CLEARED}
 
 
 ESCALATION = "escalation"
@@ -115,7 +114,6 @@ class AlarmStore:
 
     def apply(self, changes: Iterable[Change]) -> None:
         """Take over what came and went."""
-        touched: set[str] = set()
         for change in changes:
             match change.turn:
                 case Turn.COMES:
@@ -124,11 +122,8 @@ class AlarmStore:
                     self._goes(change)
                 case Turn.REWORDED:
                     self._reworded(change)
-            touched.add(change.key.source)
             if change.key.source == CONSOLE and change.turn is not Turn.REWORDED:
                 self._suppress_by(change.key.code, is_on=change.turn is Turn.COMES)
-        for source in touched:
-            self._regroup(source)
 
     def restore(self, alarm: Alarm, escalated_at: datetime | None = None) -> bool:
         """Take over an alarm from before a restart; ``False`` if the catalogue does not know it any more."""
@@ -274,15 +269,19 @@ class AlarmStore:
     def _regroup(self, source: str) -> None:
         """Number the alarms of a source anew under what came first."""
         here = {i: self._live[i] for i in self._at.get(source, ()) if self._live[i].alarm.phase is not Phase.NORMAL}
+        if len(here) == 1:
+            self._place(next(iter(here.values())), "", 1, 1)
+            return
         by_key: dict[AlarmKey, str] = {one.alarm.key: i for i, one in here.items()}
         for group in first_outs([one.alarm for one in here.values()], self._follows_from):
             members = [group.first, *group.follows]
             for place, alarm in enumerate(members, 1):
-                live = here[by_key[alarm.key]]
-                new = replace(live, first=group.first.key.id, place=place, group=len(members))
-                if new != live:
-                    self._live[new.id] = new
-                    self._touch(new.id)
+                self._place(here[by_key[alarm.key]], group.first.key.id, place, len(members))
+
+    def _place(self, live: LiveAlarm, first: str, place: int, group: int) -> None:
+        if (live.first or live.id, live.place, live.group) != (first or live.id, place, group):
+            self._live[live.id] = replace(live, first=first or live.id, place=place, group=group)
+            self._touch(live.id)
 
     def _follows_from(self, code: str) -> frozenset[str]:
         return self._types[code].follows_from

@@ -6,6 +6,7 @@ from hmi.domain.alarm.finding import NOTHING, Finding, Findings
 from hmi.domain.alarm.steady import Limit
 from hmi.ingest.supervision.view import UNDER_WAY, View
 
+SURELY_ENOUGH = 0.3
 RESERVE = 0.1  # what should be left at the end, to get home; the start check asks for the same
 LOW, VERY_LOW, EMPTY = Limit(0.2, 0.02, True), Limit(0.1, 0.02, True), Limit(0.005, 0.01, True)
 _LEVELS = (("battery-empty", EMPTY), ("battery-very-low", VERY_LOW), ("battery-low", LOW))
@@ -31,7 +32,7 @@ class Battery:
         soc = battery.soc
         if soc > 0.5 and not self._passed and view.mission is None:
             return NOTHING
-        level = self._level(soc)
+        level = self._level(soc) if soc < SURELY_ENOUGH or self._passed else None
         short = self._short(view, soc)
         if level is None:
             return NOTHING if short is None else (short,)
@@ -50,6 +51,8 @@ class Battery:
         order = view.robot.state.order if view.robot.state is not None else None
         needed = view.mission.battery_share if view.mission is not None else None
         if order is None or needed is None or order.status not in UNDER_WAY or order.area_m2 <= 0:
+            return None
+        if soc - needed >= RESERVE:
             return None
         rest = needed * max(0.0, 1 - order.area_done_m2 / order.area_m2)
         if soc - rest >= RESERVE:

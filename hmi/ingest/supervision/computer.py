@@ -38,8 +38,9 @@ class Computer:
         if link.is_online:
             self._heard_s, self._was_under_way = view.now_s, is_under_way(view.robot)
         offset_s = link.wall_offset_s
-        off = None if offset_s is None else abs(offset_s)
-        self._was_wrong = self._limit.is_passed(off, was_passed=self._was_wrong)
+        if self._was_wrong or (offset_s is not None and not -self._limit.at < offset_s < self._limit.at):
+            off = None if offset_s is None else abs(offset_s)
+            self._was_wrong = self._limit.is_passed(off, was_passed=self._was_wrong)
         is_new = view.now_s - self._restarted_s < SHOWN_S
         if not is_new and not self._was_wrong:
             return NOTHING

@@ -55,7 +55,8 @@ class Ground:
 class Fence:
     """Whether a machine that moves by itself left the farm's ground; drones may.
 
-    The distance to the edge is measured anew only when the machine may have come that far.
+    The distance to the edge is measured anew only when the machine left a box around where it was measured last,
+    in which it cannot have come that far.
     """
 
     codes = frozenset({"outside-fence"})
@@ -63,7 +64,7 @@ class Fence:
     def __init__(self, ground_of: Callable[[], Ground | None]) -> None:
         self._ground_of = ground_of
         self._ground: Ground | None = None
-        self._at = (math.inf, math.inf)
+        self._at = self._safe = (0.0, 0.0)
         self._outside_m = 0.0
 
     def look(self, view: View) -> Findings | None:
@@ -77,11 +78,19 @@ class Fence:
         if not is_under_way(robot) and state.mode not in SELF_MOVING:
             return NOTHING  # it may be on a trailer
         pose = telemetry.pose
-        x_m, y_m = ground.metres(pose.lat_deg, pose.lon_deg)
-        moved_m = math.hypot(x_m - self._at[0], y_m - self._at[1])
-        if ground is not self._ground or not moved_m < -self._outside_m:
-            self._ground, self._at, self._outside_m = ground, (x_m, y_m), ground.outside_m(x_m, y_m)
+        lat_deg, lon_deg = self._at
+        safe_lat, safe_lon = self._safe
+        is_near = -safe_lat < pose.lat_deg - lat_deg < safe_lat and -safe_lon < pose.lon_deg - lon_deg < safe_lon
+        if ground is self._ground and is_near:
+            return NOTHING
+        self._measure(ground, pose.lat_deg, pose.lon_deg)
         accuracy_m = telemetry.gnss.accuracy_m if telemetry.gnss is not None else 0.0
         if self._outside_m <= max(MARGIN_M, accuracy_m):
             return NOTHING
         return (Finding("outside-fence", f"{self._outside_m:.1f} m outside the farm's edge."),)
+
+    def _measure(self, ground: Ground, lat_deg: float, lon_deg: float) -> None:
+        self._ground, self._at = ground, (lat_deg, lon_deg)
+        self._outside_m = ground.outside_m(*ground.metres(lat_deg, lon_deg))
+        half_m = max(0.0, -self._outside_m) / math.sqrt(2)
+        self._safe = half_m / METRES_PER_DEG, half_m / ground.metres_per_lon

@@ -37,6 +37,8 @@ class Motion:
         elif not is_stopped:
             self._latched_s = self._stood = None
         mode = robot.state.mode if robot.state is not None else Mode.UNKNOWN
+        if mode is Mode.AUTO and not is_stopped:
+            return NOTHING
         tool = robot.telemetry.tool if robot.telemetry is not None else None
         is_tool_on = tool is not None and tool.state == "on"
         if not is_stopped and mode not in TOOL_MUST_BE_OFF:

@@ -6,7 +6,7 @@ from collections import deque
 
 from hmi.domain.alarm.catalogue import AlarmType
 from hmi.domain.alarm.finding import NOTHING, Finding, Findings
-from hmi.domain.robot import Mode, Order, OrderStatus
+from hmi.domain.robot import Mode, Order, OrderStatus, RobotState
 from hmi.ingest.supervision.view import View
 
 SAMPLE_S, WINDOW_S = 60.0, 900.0
@@ -28,6 +28,8 @@ class Progress:
         self._place: tuple[object, ...] = ()
         self._since_s = 0.0
         self._shares: deque[tuple[float, float]] = deque()
+        self._state: RobotState | None = None
+        self._found: Findings = NOTHING
 
     def look(self, view: View) -> Findings | None:
         """See ``Rule``."""
@@ -36,9 +38,16 @@ class Progress:
             return None
         order = state.order
         if order is None or state.mode is not Mode.AUTO or order.status is not OrderStatus.RUNNING:
-            self._place = ()
+            self._place, self._state = (), None
             self._shares.clear()
             return NOTHING
+        if state is self._state and view.now_s - self._since_s < self._limit_s:
+            return self._found  # nothing new was said
+        self._state = state
+        self._found = self._judge(view, state, order)
+        return self._found
+
+    def _judge(self, view: View, state: RobotState, order: Order) -> Findings:
         place = (order.mission_id, order.row, order.segment, round(order.segment_s_m, 1))
         if place != self._place:
             self._place, self._since_s = place, view.now_s

@@ -33,6 +33,8 @@ class Track:
         is_flying = robot.factsheet is not None and robot.factsheet.family is Family.UAV
         limit = self._flying if is_flying else self._limit
         was_passed = self._was_passed
+        if not was_passed and error_m is not None and -limit.at < error_m < limit.at:
+            return NOTHING
         self._was_passed = limit.is_passed(None if error_m is None else abs(error_m), was_passed=was_passed)
         if not self._was_passed:
             return NOTHING

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from hmi.domain.alarm.finding import Findings
 from hmi.domain.robot import OrderStatus, Robot
@@ -29,8 +28,7 @@ class Mission(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True)
-class View:
+class View(NamedTuple):
     """One robot at one moment.
 
     Args:

@@ -17,9 +17,10 @@ from hmi.domain.event import RobotEvent
 from hmi.domain.robot import Robot
 from hmi.ingest.supervision.faults import Faults
 from hmi.ingest.supervision.silence import AllSilent
-from hmi.ingest.supervision.view import MakeRules, MissionOf, Rule, View
+from hmi.ingest.supervision.view import MakeRules, Mission, MissionOf, Rule, View
 from hmi.store.fleet import FleetStore
 
+MISSION_S = 2.0  # figures of a mission change when it is planned anew
 SILENT_S = 0.9  # robots that speak are looked at twice a second; the round looks at the others
 log = logging.getLogger(__name__)
 
@@ -32,6 +33,9 @@ class _Watched:
     found: list[Findings] = field(default_factory=list)
     told: dict[str, Findings] = field(default_factory=dict)
     looked_s: float = float("-inf")
+    mission: Mission | None = None
+    mission_id: str = ""
+    asked_s: float = float("-inf")
 
     def all(self) -> Sequence[Finding]:
         """Return everything that holds."""
@@ -125,8 +129,7 @@ class Watch:
     def _look(self, robot: Robot, now_s: float) -> None:
         watched = self._of(robot.id)
         watched.looked_s = now_s
-        order = robot.state.order if robot.state is not None else None
-        view = View(robot, now_s, None if order is None else self._mission_of(order.mission_id))
+        view = View(robot, now_s, self._mission(watched, robot, now_s))
         for number, rule in enumerate(watched.rules):
             try:
                 found = rule.look(view)
@@ -136,6 +139,15 @@ class Watch:
             if found is not None:
                 watched.found[number] = found
         self._settle(robot.id, watched, now_s)
+
+    def _mission(self, watched: _Watched, robot: Robot, now_s: float) -> Mission | None:
+        order = robot.state.order if robot.state is not None else None
+        if order is None:
+            return None
+        if order.mission_id != watched.mission_id or now_s - watched.asked_s >= MISSION_S:
+            watched.mission_id, watched.asked_s = order.mission_id, now_s
+            watched.mission = self._mission_of(order.mission_id)
+        return watched.mission
 
     def _settle(self, source: str, watched: _Watched, now_s: float) -> None:
         changes = self._conditions.see(source, watched.all(), now_s)
