@@ -26,6 +26,7 @@
     }
     enter() {
       this.isBusy = false;
+      this.draw();
       this.ask();
       this.timer = setInterval(() => this.ask(), ASK_MS);
     }
