@@ -20,7 +20,7 @@ from tests.find_browser import find_browser
 OUT = ROOT / "docs" / "screens"
 SIZES = {"landscape": (1280, 800), "portrait": (800, 1280), "desk": (1920, 1080)}
 THEMES = ("day", "night", "sunlight")
-ROBOT, MISSION, ROW = "weeder-03", "site-wheat-2-05", 14  # a section of the experimental site, half done
+ROBOT, MISSION, ROW = "weeder-02", "trial-strip-rows", 3  # half done
 SCREENS = {
     "operate": f"/operate/{ROBOT}",
     "fleet": "/fleet",
@@ -37,7 +37,7 @@ def main() -> int:
     """Write the pictures; return an exit code."""
     OUT.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
-        running = Installation.start(Path(folder) / "data")
+        running = Installation.start(Path(folder) / "data", fleet="full")
         try:
             path = find_browser()
             options: dict[str, Any] = {"executable_path": path} if path else {}

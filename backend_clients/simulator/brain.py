@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 from backend_clients.edge import messages_up as up
@@ -21,23 +20,21 @@ from backend_clients.simulator.faults import Faults
 from backend_clients.simulator.guard import Guard
 from backend_clients.simulator.journal import EventKind, Journal
 from backend_clients.simulator.latch import Latch
-from backend_clients.simulator.machine import STOPPED, Machine
+from backend_clients.simulator.machine import Machine
 from backend_clients.simulator.memory import Memory
 from backend_clients.simulator.mission_run import MissionRun
+from backend_clients.simulator.pilot import START_HORN_S, DriveState, Pilot
 from backend_clients.simulator.route import straight
 from backend_clients.simulator.state_folder import StateFolder
-from backend_clients.simulator.tracking import Setpoint, Tracker, tracker_on
+from backend_clients.simulator.tracking import Tracker, tracker_on
 from backend_clients.simulator.watch import Watch
-from backend_clients.simulator.work import Doing, work_of
+from backend_clients.simulator.work import work_of
 from hmi.clock import Clock
 
-DEADMAN_S = 0.5  # five missed setpoints at 10 Hz
 OPERATOR_LOST_S = 3.5  # operator pulses come at 1 Hz; same figure as common ground stations
 LINK_LOST_S = 10.0
 FARM_HEARD_S = 3.0
 MANUAL_LOST_S = 10.0  # an open drive nobody uses is closed
-START_HORN_S = 3.0
-MANUAL_MAX_MPS = 1.0
 BATTERY_LOW, BATTERY_VERY_LOW = 0.2, 0.1
 LEAD_IN_M = 0.3  # nearer than this the tracker pulls it on the line while driving
 CHARGER_REACH_M = 2.0
@@ -51,15 +48,6 @@ REASONS = {
     "return_home": "to return home",
     "low_charge": "to charge",
 }
-
-
-@dataclass(slots=True)
-class DriveState:
-    """Driving by hand: the newest setpoint and when it came, on the robot's clock."""
-
-    v_mps: float = 0.0
-    yaw_rate_radps: float = 0.0
-    heard_s: float = -math.inf
 
 
 class Brain:
@@ -98,12 +86,9 @@ class Brain:
         self.run: MissionRun | None = None
         self.home_run: Tracker | None = None
         self._home_is_supervised = True
-        self._lead: Tracker | None = None
-        self._horn_left_s = 0.0
+        self.pilot = Pilot(self)
         self.hold_code = ""
         self.operator_heard_s = self.link_heard_s = clock.mono_s()
-        self._doing = Doing(STOPPED)
-        self._followed: Tracker | None = None
         self._is_button_known = False
         saved = self.memory.load_safety(boot)
         self.latch = Latch(saved.latch)
@@ -159,12 +144,12 @@ class Brain:
     @property
     def is_on_lead(self) -> bool:
         """Whether it is on its way to the path of the mission."""
-        return self._lead is not None
+        return self.pilot.lead is not None
 
     @property
     def cross_track_m(self) -> float | None:
         """Distance from the line being followed, left positive; ``None`` while there is none."""
-        tracker = self._tracker()
+        tracker = self.pilot.tracker
         return tracker.left_of_line_m if tracker is not None and self.is_auto else None
 
     # ---- one step -------------------------------------------------------------------------------------
@@ -192,18 +177,17 @@ class Brain:
 
     def step(self, dt_s: float) -> None:
         """Decide, and let the machine live, for ``dt_s`` of its own time."""
-        self._doing, self._followed = Doing(STOPPED), None
         self.hold_code = ""
         run, machine = self.run, self.machine
         before_m, driven_m = run.tracker.s_m if run is not None else 0.0, machine.base.distance_m
-        wanted = self._decide(dt_s)
+        wanted = self.pilot.decide(dt_s)
         machine.is_charging = self._is_at_charger()
         machine.is_airborne = self._is_airborne()
         is_braking = wanted.v_mps == 0 and not wanted.is_pivoting
-        machine.step(dt_s, wanted, is_braking=is_braking, tool_on=self._doing.tool_on)
-        if self._followed is not None:
-            self._followed.carry(machine.base, machine.base.distance_m - driven_m)
-        if run is not None and run.status == "running" and self._lead is None:
+        machine.step(dt_s, wanted, is_braking=is_braking, tool_on=self.pilot.doing.tool_on)
+        if self.pilot.followed is not None:
+            self.pilot.followed.carry(machine.base, machine.base.distance_m - driven_m)
+        if run is not None and run.status == "running" and self.pilot.lead is None:
             self._count(run, before_m, dt_s)
         self._note_rest()
         self.watch.look()
@@ -216,78 +200,8 @@ class Brain:
             self.run.rest(self.place)
             self.save()
 
-    def _decide(self, dt_s: float) -> Setpoint:
-        if self.is_stopped:
-            return STOPPED
-        if self.drive is not None:
-            return self._decide_manual(self.drive)
-        if not self.is_auto:
-            return STOPPED
-        reason = self._waiting_for()
-        if reason:
-            self._horn_left_s = START_HORN_S
-            self.hold_code = reason
-            return STOPPED
-        if self._horn_left_s > 0:
-            self._horn_left_s -= dt_s
-            self.hold_code = "start_horn"
-            return STOPPED
-        return self._follow(dt_s)
-
-    def _decide_manual(self, drive: DriveState) -> Setpoint:
-        if self.clock.mono_s() - drive.heard_s > DEADMAN_S:
-            return STOPPED
-        if self.machine.base.speed_mps:
-            self.machine.is_crane_at_limit = False  # moved by hand, it reaches again
-        v = min(max(drive.v_mps, -MANUAL_MAX_MPS), MANUAL_MAX_MPS)
-        if v > 0 and self.machine.is_way_blocked():
-            self.hold_code = "person_ahead"
-            return STOPPED
-        return Setpoint(v, drive.yaw_rate_radps, is_pivoting=v == 0 and drive.yaw_rate_radps != 0)
-
-    def _waiting_for(self) -> str:
-        if self.machine.is_way_blocked():
-            return "person_ahead"
-        if self.home_run is not None:
-            return ""
-        if self.machine.is_rtk_float and self.profile.needs_rtk:
-            return "rtk_float"
-        return "tool_interlock" if self.machine.is_cover_open else self.work.waits_for()
-
-    def _follow(self, dt_s: float) -> Setpoint:
-        tracker = self._tracker()
-        assert tracker is not None
-        wanted = tracker.steer(*self.machine.measured_pose(), dt_s)
-        if tracker.is_done:
-            self._arrived(tracker)
-            return STOPPED
-        if self.run is not None and tracker is self.run.tracker:
-            self._doing = self.work.guide(self.run, wanted, dt_s)
-            wanted = self._doing.wanted
-        self._followed = tracker
-        return wanted
-
-    def _tracker(self) -> Tracker | None:
-        if self.home_run is not None:
-            return self.home_run
-        return self._lead or (self.run.tracker if self.run is not None else None)
-
-    def _arrived(self, tracker: Tracker) -> None:
-        if tracker is self.home_run:
-            self.home_run = None
-            self.actions.close("finished")
-            self.note("mission", "Home reached")
-        elif tracker is self._lead and self.run is not None:
-            self._lead = None
-            self.run.tracker.align()
-        elif self.run is not None:
-            self.run.finish(self.journal, self.mono_ms())
-            self.actions.close("finished")
-            self.note("mission", "Mission done", self.run.mission.name)
-        self.save()
-
     def _count(self, run: MissionRun, before_m: float, dt_s: float) -> None:
-        is_working = self._doing.is_working and (self.machine.tool_on or not self._doing.tool_on)
+        is_working = self.pilot.doing.is_working and (self.machine.tool_on or not self.pilot.doing.tool_on)
         run.advance(
             before_m,
             is_working=is_working,
@@ -322,7 +236,7 @@ class Brain:
         if self.run is not None and self.run.status == "running" and run.status == "running":
             run.tracker.go_on_as(self.run.tracker)
         else:
-            self._lead = None
+            self.pilot.lead = None
         self.run = run
         self.memory.save_mission(run)
         self.note("mission", "Mission changed", run.mission.name, revision=run.mission.revision)
@@ -336,7 +250,7 @@ class Brain:
             self.run.run(is_supervised=is_supervised)
         else:
             self.run.begin(is_supervised=is_supervised)
-        self._lead = self._way_to(self.run.route.point_at(self.run.tracker.s_m))
+        self.pilot.lead = self._way_to(self.run.route.point_at(self.run.tracker.s_m))
         self._set_off()
         self.note("mission", "Mission started", self.run.mission.name)
 
@@ -344,10 +258,10 @@ class Brain:
         """Go on with the paused mission, supervised as before if nothing is said; the horn sounds first."""
         assert self.run is not None
         self.run.run(is_supervised=self.run.is_supervised if is_supervised is None else is_supervised)
-        if self._lead is None:
-            self._lead = self._way_to(self.run.route.point_at(self.run.tracker.s_m))
+        if self.pilot.lead is None:
+            self.pilot.lead = self._way_to(self.run.route.point_at(self.run.tracker.s_m))
         else:
-            self._lead.align()
+            self.pilot.lead.align()
         self._set_off()
         self.note("mission", "Mission resumed", self.run.mission.name)
 
@@ -363,7 +277,7 @@ class Brain:
 
     def abort(self) -> None:
         """End the mission for good; it stays loaded and can be started from its beginning."""
-        self.home_run = self._lead = None
+        self.home_run = self.pilot.lead = None
         if self.run is not None and self.run.is_open:
             self.run.status = "aborted"
             self.note("mission", "Mission aborted", self.run.mission.name)
@@ -420,7 +334,7 @@ class Brain:
 
     def _set_off(self) -> None:
         now = self.clock.mono_s()
-        self._horn_left_s = START_HORN_S
+        self.pilot.horn_left_s = START_HORN_S
         self.operator_heard_s = max(self.operator_heard_s, now)
         self.link_heard_s = max(self.link_heard_s, now)
         self.save()

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from backend_clients.edge.messages_down import Mission
 from backend_clients.edge.topics import check_id
-from backend_clients.simulator.families import FAMILIES
+from backend_clients.simulator.families import FAMILIES, lean
 from backend_clients.simulator.profile import Family, Profile
 
 DEFAULT_LAT_DEG, DEFAULT_LON_DEG = 40.312546, -3.480860  # published position of the experimental site
@@ -26,6 +26,7 @@ class RobotConfig:
         x_m, y_m, theta_rad: where it stands at first start, which is its home too.
         soc: battery charge at first start, 0 to 1.
         family: what machine it is.
+        is_lean: cheap enough for a thousand: it runs on rails, steps and reports at 2 Hz.
     """
 
     id: str
@@ -38,6 +39,7 @@ class RobotConfig:
     theta_rad: float = 0.0
     soc: float = 0.92
     family: Family = "weeder"
+    is_lean: bool = False
 
     def __post_init__(self) -> None:
         check_id(self.id)
@@ -49,7 +51,7 @@ class RobotConfig:
     @property
     def profile(self) -> Profile:
         """What its family can do."""
-        return FAMILIES[self.family]
+        return lean(self.family) if self.is_lean else FAMILIES[self.family]
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,10 +60,12 @@ class Job:
 
     Args:
         done: share of its path that is behind it.
+        is_endless: it begins again as soon as it is done.
     """
 
     mission: Mission
     done: float = 0.0
+    is_endless: bool = False
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,23 +9,37 @@ import asyncio
 import random
 from collections import deque
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from backend_clients.edge import codec
 from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
-from backend_clients.edge.mqtt import LinkState, MqttLink, Will
+from backend_clients.edge.mqtt import LinkState, Will
 from backend_clients.edge.topics import Down, Up, parse, topic
 from backend_clients.errors import MalformedPayload, WireError
 from backend_clients.simulator.faults import fate
+from backend_clients.simulator.links import LinkMaker, RobotLink
+from backend_clients.simulator.loop_mail import LoopMail
 from backend_clients.simulator.unreadable_stop import read_anyway
 from backend_clients.simulator.world import Boot, SimRobot
 
 TICK_S = 0.05
-HEARTBEAT_TICKS = 4  # 5 Hz
-TELEMETRY_TICKS = 2  # 10 Hz
-STATE_TICKS = 10  # 2 Hz
-SAFETY_TICKS, SAFETY_STOPPING_TICKS = 4, 2  # 5 Hz, 10 Hz while stopping
-NODE_TICKS = 100  # each 5 s
+
+
+@dataclass(frozen=True, slots=True)
+class Rates:
+    """How many ticks of the session pass between two messages of a kind."""
+
+    heartbeat: int = 4  # 5 Hz at 20 ticks a second
+    telemetry: int = 2  # 10 Hz
+    state: int = 10  # 2 Hz
+    safety: int = 4  # 5 Hz
+    safety_stopping: int = 2  # 10 Hz
+    nodes: int = 100  # each 5 s
+
+
+LEAN = Rates(heartbeat=1, telemetry=1, state=1, safety=1, safety_stopping=1, nodes=60)
+"""At 2 ticks a second: 2 Hz each, the slowest that no screen calls late."""
 MAX_OUTBOX = 2000
 OUTBOX_PER_TICK = 50  # after an outage, without drowning what is live
 
@@ -35,14 +49,19 @@ class EdgeSession:
 
     Args:
         robot: the simulated machine.
-        broker_url: ``mqtt://host:port``.
+        make_link: gives it a connection at each boot.
         loop: where everything but paho's own thread runs.
+        mail: the way from that thread to the loop, shared by the robots of a process.
     """
 
-    def __init__(self, robot: SimRobot, broker_url: str, loop: asyncio.AbstractEventLoop) -> None:
-        self._robot, self._broker_url, self._loop = robot, broker_url, loop
+    def __init__(
+        self, robot: SimRobot, make_link: LinkMaker, loop: asyncio.AbstractEventLoop, mail: LoopMail | None = None
+    ) -> None:
+        self._robot, self._make_link, self._loop = robot, make_link, loop
+        self._mail = mail or LoopMail(loop)
+        self._rates = LEAN if robot.config.is_lean else Rates()
         self._boot: Boot | None = None
-        self._link: MqttLink | None = None
+        self._link: RobotLink | None = None
         self._tick = 0
         self._outbox: deque[up.Event] = deque(maxlen=MAX_OUTBOX)
         self._rng = random.Random(f"network/{robot.config.id}")  # noqa: S311
@@ -50,12 +69,17 @@ class EdgeSession:
         self.unreadable = 0
 
     @property
+    def is_lean(self) -> bool:
+        """Whether it ticks at 2 Hz."""
+        return self._robot.config.is_lean
+
+    @property
     def is_up(self) -> bool:
         """Whether the broker connection stands."""
         return self._link is not None and self._link.is_up
 
     def tick(self) -> None:
-        """Publish what is due; called at 20 Hz after the world's step."""
+        """Publish what is due; called at 20 Hz after the world's step, for a lean robot at 2 Hz."""
         if self._robot.boot is not self._boot:
             self._follow_boot()
         boot = self._boot
@@ -65,13 +89,13 @@ class EdgeSession:
         self._collect_events(boot)
         if not self.is_up:
             return
-        if self._tick % HEARTBEAT_TICKS == 0 or boot.reporter.is_ping_waiting:
+        if self._tick % self._rates.heartbeat == 0 or boot.reporter.is_ping_waiting:
             self._say(Up.HEARTBEAT, boot.reporter.heartbeat())
-        if self._tick % TELEMETRY_TICKS == 0:
+        if self._tick % self._rates.telemetry == 0:
             self._say(Up.TELEMETRY, boot.reporter.telemetry())
         self._report_safety(boot)
         self._report_state(boot)
-        if self._tick % NODE_TICKS == 0:
+        if self._tick % self._rates.nodes == 0:
             self._report_nodes(boot)
         self._empty_outbox()
 
@@ -106,20 +130,14 @@ class EdgeSession:
             return
         robot_id = self._robot.config.id
         will = Will(topic(robot_id, Up.PRESENCE), codec.encode(self._boot.reporter.goodbye("lost")))
-        self._link = MqttLink(
-            self._broker_url,
-            f"robot-{robot_id}-{self._boot.brain.boot[:8]}",
-            subscriptions=[(topic(robot_id, kind), 0 if kind in _FAST else 1) for kind in Down],
-            on_message=self._on_message,
-            on_link=self._on_link(self._boot),
-            will=will,
-        )
+        client_id = f"robot-{robot_id}-{self._boot.brain.boot[:8]}"
+        self._link = self._make_link(robot_id, client_id, self._on_message, self._on_link(self._boot), will)
         self._link.start()
 
     def _on_link(self, boot: Boot) -> Callable[[LinkState, str], None]:
         def changed(state: LinkState, _text: str) -> None:
             if state is LinkState.UP:
-                self._call(lambda: self._greet(boot))
+                self._mail.post(lambda: self._greet(boot))
 
         return changed
 
@@ -139,7 +157,7 @@ class EdgeSession:
     def _report_safety(self, boot: Boot) -> None:
         brain = boot.brain
         is_stopping = brain.is_stopped and not brain.machine.is_standing
-        due = self._tick % (SAFETY_STOPPING_TICKS if is_stopping else SAFETY_TICKS) == 0
+        due = self._tick % (self._rates.safety_stopping if is_stopping else self._rates.safety) == 0
         machine = brain.machine
         shown = (
             brain.latch.is_set,
@@ -164,9 +182,10 @@ class EdgeSession:
             brain.guard.active_lease,
             (run.sha256, run.status, run.row, run.pause_code) if run is not None else None,
         )
-        if self._shown.get(Up.STATE) != shown or self._tick % STATE_TICKS == 0:
+        is_new = self._shown.get(Up.STATE) != shown
+        if is_new or self._tick % self._rates.state == 0:
             self._shown[Up.STATE] = shown
-            self._say(Up.STATE, boot.reporter.state(), qos=1)
+            self._say(Up.STATE, boot.reporter.state(), qos=1 if is_new or not self.is_lean else 0)
 
     def _report_nodes(self, boot: Boot) -> None:
         for node in boot.reporter.nodes():
@@ -201,7 +220,7 @@ class EdgeSession:
     # ---- down ---------------------------------------------------------------------------------------
 
     def _on_message(self, name: str, payload: bytes, is_retained: bool) -> None:
-        self._call(lambda: self._arrived(name, payload, is_retained))
+        self._mail.post(lambda: self._arrived(name, payload, is_retained))
 
     def _arrived(self, name: str, payload: bytes, is_retained: bool) -> None:
         silence = self._robot.faults.silence
@@ -231,13 +250,6 @@ class EdgeSession:
         except WireError:
             self.unreadable += 1
         return None
-
-    def _call(self, work: Callable[[], None]) -> None:
-        if not self._loop.is_closed():
-            self._loop.call_soon_threadsafe(work)
-
-
-_FAST = {Down.DRIVE, Down.OPERATOR, Down.PING}
 
 
 def _as_order(message: up.Header | down.Order) -> down.Order | None:

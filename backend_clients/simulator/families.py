@@ -6,6 +6,9 @@ Sources: published data of a laser-weeding robot, of a planting machine, and of 
 
 from __future__ import annotations
 
+from dataclasses import replace
+from functools import cache
+
 from backend_clients.edge import messages_up as up
 from backend_clients.simulator.kinematics import FLYING, TRACKED, WHEELED
 from backend_clients.simulator.profile import Energy, Family, Node, Profile, Words
@@ -136,3 +139,10 @@ UAV = Profile(
 )
 
 FAMILIES: dict[Family, Profile] = {one.family: one for one in (WEEDER, PLANTER, UAV)}
+
+
+@cache
+def lean(family: Family) -> Profile:
+    """Return a family that is put on its path instead of being steered along it."""
+    profile = FAMILIES[family]
+    return replace(profile, motion=replace(profile.motion, is_on_rails=True))

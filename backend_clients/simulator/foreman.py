@@ -11,15 +11,17 @@ from collections.abc import Mapping
 
 from backend_clients.simulator.brain import Brain
 from backend_clients.simulator.config import Job
+from backend_clients.simulator.mission_run import MOVED_LIMIT_M
 from backend_clients.simulator.world import SimRobot
 from hmi.clock import Clock
 
 LOOK_EVERY_S = 1.0
 WALK_S = (45.0, 120.0)  # to the machine
 STARTING_S = 60.0
+OPERATOR_THERE_S = 5.0  # whoever has control at a screen decides
 CHARGED = 0.9
 SENT_HOME_BELOW = 0.15
-GOES_ON = ("rebooted", "continued", "link_lost")
+GOES_ON = ("rebooted", "continued", "link_lost", "battery_low")
 """Reasons of a pause that somebody beside the machine may end."""
 
 
@@ -75,8 +77,14 @@ class Foreman:
             return
         if not brain.is_farm_heard or not self._may_go(robot_id, brain):
             return
+        has_operator = brain.guard.active_lease > 0 and now_s - brain.operator_heard_s < OPERATOR_THERE_S
+        if has_operator:
+            self._due_s.pop(robot_id, None)
+            return
         if robot_id in self._to_begin:  # somebody started it before the console came up
             self._to_begin.discard(robot_id)
+            self._go(brain)
+        elif self._jobs[robot_id].is_endless and run.status == "done":
             self._go(brain)
         elif now_s >= self._due_s.setdefault(robot_id, now_s + self._walk_s(now_s)):
             del self._due_s[robot_id]
@@ -90,9 +98,11 @@ class Foreman:
         run = brain.run
         assert run is not None
         if run.status == "paused" and run.pause_code in GOES_ON:
-            return brain.machine.soc > SENT_HOME_BELOW
+            return brain.machine.soc > SENT_HOME_BELOW and run.moved_m(brain.place) <= MOVED_LIMIT_M
         if run.status == "loaded":
             return robot_id in self._to_begin and brain.machine.soc > SENT_HOME_BELOW
+        if self._jobs[robot_id].is_endless and run.status == "done":
+            return True
         has_ended = run.status == "done" or (run.status == "paused" and run.pause_code == "low_charge")
         return has_ended and brain.is_at_home and brain.machine.soc >= CHARGED
 

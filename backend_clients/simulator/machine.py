@@ -78,7 +78,8 @@ class Machine:
         self.still_s = self.still_s + dt_s if self.base.is_still else 0.0
         self._step_energy(dt_s)
         self._step_tool(dt_s)
-        self._step_error(dt_s)
+        if not self.profile.motion.is_on_rails:
+            self._step_error(dt_s)
 
     @property
     def is_standing(self) -> bool:

@@ -10,8 +10,9 @@ from msgspec.structs import replace
 from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.codec import mission_hash
-from backend_clients.simulator.brain import BATTERY_VERY_LOW, Brain, DriveState
+from backend_clients.simulator.brain import BATTERY_VERY_LOW, Brain
 from backend_clients.simulator.mission_run import AT_HOME_M, MOVED_LIMIT_M
+from backend_clients.simulator.pilot import DriveState
 from backend_clients.simulator.reports import Reporter
 from backend_clients.simulator.route import RouteError
 from backend_clients.simulator.update import continued

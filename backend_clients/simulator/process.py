@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import itertools
+import secrets
 import signal
 import socket
 import threading
@@ -20,10 +22,13 @@ from backend_clients.simulator.director import Director
 from backend_clients.simulator.edge_session import TICK_S, EdgeSession
 from backend_clients.simulator.foreman import Foreman
 from backend_clients.simulator.http_server import RobotEndpoint, application
-from backend_clients.simulator.world import World
+from backend_clients.simulator.links import LinkMaker, SharedLink, own_links
+from backend_clients.simulator.loop_mail import LoopMail
+from backend_clients.simulator.world import LEAN_TICKS, World
 from hmi.clock import Clock, SystemClock
 
 MAX_CATCH_UP_S = 0.25  # after a longer freeze the world does not jump to make up for it
+LEAN_PER_LINK = 250
 LINK_STOP_S = 0.6  # together with HTTP this keeps the promise of ending within one second
 OnReady = Callable[[int], None]
 
@@ -63,8 +68,9 @@ class Simulator:
         foreman = Foreman(world.robots, config.jobs, self._clock, seed=config.seed)
         players = frozenset(config.jobs) if config.opening is not None else frozenset()
         director = Director(world.robots, self._clock, players=players, opening=config.opening, seed=config.seed)
+        links, mail = _links(config), LoopMail(self._loop)
         sessions = {
-            robot_id: EdgeSession(robot, config.broker_url, self._loop) for robot_id, robot in world.robots.items()
+            robot_id: EdgeSession(robot, links[robot_id], self._loop, mail) for robot_id, robot in world.robots.items()
         }
 
         def on_ack(robot_id: str, ack: up.Ack) -> None:
@@ -94,15 +100,16 @@ class Simulator:
                 raise result
 
     async def _live(self, world: World, people: tuple[Foreman, Director], sessions: list[EdgeSession]) -> None:
-        """Step the world and its sessions at 20 Hz."""
+        """Step the world and its sessions at 20 Hz; lean sessions have their turn twice a second."""
         before = due = self._clock.mono_s()
-        while True:
+        turns = [[one for n, one in enumerate(sessions) if _has_turn(one, n, k)] for k in range(LEAN_TICKS)]
+        for turn in itertools.cycle(turns):
             now = self._clock.mono_s()
             world.step(min(now - before, MAX_CATCH_UP_S))
             for somebody in people:
                 somebody.look()
             before = now
-            for session in sessions:
+            for session in turn:
                 session.tick()
             due = max(due + TICK_S, self._clock.mono_s())
             await asyncio.sleep(max(due - self._clock.mono_s(), 0.001))
@@ -123,6 +130,22 @@ def run_simulator(config: SimulatorConfig, *, on_ready: OnReady | None = None) -
         await simulator.run()
 
     asyncio.run(main())
+
+
+def _has_turn(session: EdgeSession, number: int, turn: int) -> bool:
+    return not session.is_lean or number % LEAN_TICKS == turn
+
+
+def _links(config: SimulatorConfig) -> dict[str, LinkMaker]:
+    """Return who makes each robot's link: lean robots share a few connections."""
+    own = own_links(config.broker_url)
+    links = {robot.id: own for robot in config.robots}
+    lean = [robot.id for robot in config.robots if robot.is_lean]
+    for number, first in enumerate(range(0, len(lean), LEAN_PER_LINK)):
+        ids = lean[first : first + LEAN_PER_LINK]
+        shared = SharedLink(config.broker_url, f"lean-{number}-{secrets.token_hex(4)}", ids)
+        links |= dict.fromkeys(ids, shared.make)
+    return links
 
 
 class _Server(uvicorn.Server):
@@ -163,9 +186,17 @@ def _save(world: World) -> None:
             robot.boot.brain.save()
 
 
+def _close_each(sessions: list[EdgeSession]) -> None:
+    for session in sessions:
+        session.close()
+
+
 def _stop_links(sessions: list[EdgeSession]) -> None:
     # paho may sit in a connect for seconds; daemon threads let the process end all the same
-    closers = [threading.Thread(target=session.close, daemon=True) for session in sessions]
+    shared = [session for session in sessions if session.is_lean]
+    work: list[Callable[[], None]] = [session.close for session in sessions if not session.is_lean]
+    work.append(lambda: _close_each(shared))
+    closers = [threading.Thread(target=one, daemon=True) for one in work]
     for closer in closers:
         closer.start()
     until = time.monotonic() + LINK_STOP_S

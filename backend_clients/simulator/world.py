@@ -21,7 +21,9 @@ from backend_clients.simulator.reports import Reporter
 from backend_clients.simulator.state_folder import StateFolder
 from hmi.clock import Clock
 
-MAX_STEP_S = 0.1  # control gets coarse above; hastened time is cut into steps of this
+MAX_STEP_S = 0.1  # steering gets coarse above; hastened time is cut into steps of this
+MAX_RAIL_STEP_S = 0.5  # what is not steered may take longer ones
+RESTING_TICKS, LEAN_TICKS = 4, 10  # of the world's steps, between two of the robot's
 
 
 class Boot:
@@ -55,10 +57,15 @@ class SimRobot:
             self.machine.soc = saved.soc
         self._boot_at_s: float | None = None
         self.stopped_at_s: float | None = None
+        self.lived_s = 0.0  # of the world's time
+        self.is_lazy = False  # lean and in its usual round: not looked at before its turn
+        self.is_awake = False  # an order came; what it changes is not to wait for the next long step
         self.boot: Boot | None = self._power_up()
 
     def receive(self, order: down.Order, *, is_retained: bool = False) -> up.Ack | None:
         """Hand one order to the software; ``None`` too when it is switched off."""
+        if not isinstance(order, down.Ping):
+            self.is_awake = True
         return self.boot.desk.receive(order, is_retained=is_retained) if self.boot is not None else None
 
     def step(self, dt_s: float, speed: float = 1.0) -> None:
@@ -73,12 +80,33 @@ class SimRobot:
             brain = self.boot.brain
             brain.check_people()
             left_s = dt_s * speed if brain.is_auto else dt_s
+            most_s = MAX_RAIL_STEP_S if self.machine.profile.motion.is_on_rails or self.is_resting else MAX_STEP_S
             while left_s > 1e-9:
-                step_s = min(left_s, MAX_STEP_S)
+                step_s = min(left_s, most_s)
                 brain.step(step_s)
                 left_s -= step_s
             brain.memory.save_sometimes(brain)
         self._note_standstill()
+
+    @property
+    def is_resting(self) -> bool:
+        """Whether nothing moves and nothing is about to: it may live in longer steps."""
+        boot = self.boot
+        if boot is None or self._boot_at_s is not None or not self.machine.base.is_still:
+            return False
+        brain = boot.brain
+        return not brain.is_auto and brain.drive is None and not brain.machine.tool_on
+
+    @property
+    def every_ticks(self) -> int:
+        """How many of the world's steps it takes together; orders, braking and driving by hand never wait."""
+        if self.is_awake:
+            return 1
+        if self.is_resting:
+            return LEAN_TICKS if self.config.is_lean else RESTING_TICKS
+        if not self.config.is_lean or self.boot is None:
+            return 1
+        return LEAN_TICKS if self.boot.brain.is_auto and self.boot.brain.drive is None else 1
 
     def take_events(self) -> list[Happening]:
         """Return the events that happened since the last call."""
@@ -181,13 +209,25 @@ class World:
         speed: float = 1.0,
         state_dir: Path | None = None,
     ) -> None:
-        self.clock, self.speed = clock, speed
+        self.clock, self.speed, self._count, self._lived_s = clock, speed, 0, 0.0
         self.robots = {
             config.id: SimRobot(config, clock, seed=seed, state_dir=state_dir / config.id if state_dir else None)
             for config in robots
         }
 
     def step(self, dt_s: float) -> None:
-        """Let every robot live for ``dt_s`` of the clock; the caller moves the clock."""
-        for robot in self.robots.values():
-            robot.step(dt_s, self.speed)
+        """Let every robot live for ``dt_s`` of the clock; the caller moves the clock.
+
+        Robots that rest, and lean ones, take several steps together, not all of them in the same one.
+        """
+        self._count += 1
+        self._lived_s += dt_s
+        for number, robot in enumerate(self.robots.values()):
+            turn = self._count + number
+            is_lazy = robot.is_lazy and not robot.is_awake
+            if (is_lazy and turn % LEAN_TICKS) or turn % robot.every_ticks:
+                continue
+            due_s, robot.lived_s = self._lived_s - robot.lived_s, self._lived_s
+            robot.is_awake = False
+            robot.step(due_s, self.speed)
+            robot.is_lazy = robot.config.is_lean and robot.every_ticks == LEAN_TICKS

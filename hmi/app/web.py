@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from urllib.parse import urlsplit
 
-from fastapi import FastAPI
+from fastapi import APIRouter, FastAPI
 from nicegui import app as pages_app
 from nicegui import core, ui
 from starlette.staticfiles import StaticFiles
 
 from hmi import __version__
 from hmi.api.access import Access
+from hmi.api.demo import demo_routes
 from hmi.api.diagnostics import Sources
 from hmi.api.health import HealthRoutes
 from hmi.api.metrics import Gauge
@@ -19,6 +20,7 @@ from hmi.api.robots import RobotRoutes
 from hmi.api.router import PREFIX, ApiServices, build_api
 from hmi.api.sessions import SessionRoutes
 from hmi.app.console import Console
+from hmi.app.demo import SimulatorStage
 from hmi.assets import CompressedAssets
 from hmi.live.lane import lane_route
 from hmi.page_compression import CompressedPages
@@ -149,8 +151,15 @@ def _api(console: Console) -> ApiServices:
             console.base_maps.routes(),
             console.queue.routes(),
             *console.alarms.routes(),
+            *_demo_routes(console),
         ],
     )
+
+
+def _demo_routes(console: Console) -> list[APIRouter]:
+    if not console.settings.demo:
+        return []
+    return [demo_routes(SimulatorStage(console.settings.data), console.authorize)]
 
 
 def _diagnostics(console: Console) -> Sources:

@@ -99,27 +99,35 @@ def fleet(
     seed: Seed = 1,
     speed: Speed = 1.0,
     state: State = None,
-    robots: Robots = None,
+    robots: Annotated[Path | None, typer.Option(help="JSON list of robots instead of numbers of them.")] = None,
+    weeders: Annotated[int, typer.Option(min=0, max=99, help="How many laser weeders.")] = 16,
+    planters: Annotated[int, typer.Option(min=0, max=99, help="How many tree planters.")] = 4,
+    uavs: Annotated[int, typer.Option(min=0, max=99, help="How many UAVs.")] = 4,
+    lean: Annotated[int, typer.Option(min=0, max=5000, help="Only so many lean weeders, for load.")] = 0,
+    out: Annotated[Path | None, typer.Option(help="Write ids and HTTP tokens of the robots here.")] = None,
 ) -> None:
-    """Start the robots of the demo farm, at work."""
+    """Start many robots in one process: a farm at work, or a crowd for load."""
     from backend_clients.simulator.config import SimulatorConfig
     from backend_clients.simulator.process import run_simulator
+    from hmi.demo.crowd import fleet_rows, lean_jobs, lean_rows
     from hmi.demo.jobs import OPENING, jobs_of
 
     try:
-        rows = _rows(robots) if robots else []
+        rows = _rows(robots) if robots else lean_rows(lean) if lean else fleet_rows(weeders, planters, uavs)
         jobs = jobs_of(rows)
         config = SimulatorConfig(
             broker,
-            _configs(rows),
+            _configs(rows, robots),
             port=port,
             seed=seed,
             speed=speed,
             state_dir=state,
-            jobs=jobs,
+            jobs=jobs | lean_jobs(rows),
             opening=OPENING if jobs else None,
         )
-    except ValueError as error:
+        if out is not None:
+            _write_private(out, rows)
+    except (ValueError, OSError) as error:
         raise StartError(f"{error}.") from error
     run_simulator(config)
 
@@ -171,6 +179,11 @@ def _one(family: Any, robot: str, name: str, token: str, lat: float | None, lon:
 
 def _read(path: Path) -> tuple[Any, ...]:
     return _configs(_rows(path), path)
+
+
+def _write_private(path: Path, rows: list[dict[str, Any]]) -> None:
+    path.touch(mode=0o600)
+    path.write_text(json.dumps(rows, indent=1), encoding="utf-8")
 
 
 def _rows(path: Path) -> list[dict[str, Any]]:

@@ -100,7 +100,7 @@ def write_demo_fleet(data: Path, base_url: str, size: FleetSize = "full") -> Pat
     """
     path = data / FILE
     tokens = {row["id"]: row["token"] for row in read_demo_fleet(data)}
-    rows = [_row(one, tokens.get(one.id) or secrets.token_urlsafe(24), base_url) for one in demo_robots(size)]
+    rows = [row_of(one, tokens.get(one.id) or secrets.token_urlsafe(24), base_url) for one in demo_robots(size)]
     for row in rows:
         row["task"] = size == "full"  # a small fleet waits for whoever tries it
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -120,7 +120,8 @@ def read_demo_fleet(data: Path) -> list[dict[str, Any]]:
     return rows
 
 
-def _row(one: DemoRobot, token: str, base_url: str) -> dict[str, Any]:
+def row_of(one: DemoRobot, token: str, base_url: str) -> dict[str, Any]:
+    """Return a row of the fleet file."""
     x, y, theta = one.pose()
     return {
         "id": one.id,

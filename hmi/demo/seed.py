@@ -103,6 +103,7 @@ class DemoSeed:
                         added_at=parts.clock.utc(),
                         http_url=url,
                         http_token=token,
+                        is_unattended_allowed=bool(row.get("task")) and task_of(one.id) is not None,
                         contact_name=one.contact[0],
                         contact_phone=one.contact[1],
                     )
@@ -126,7 +127,8 @@ class DemoSeed:
             planned = planned_work()[task.mission_id]
             name = planned.document["name"]
             mission = DemoMission(task.mission_id, name, task.field_id, task.robot_id, task.width_m)
-            parts.missions.add(self._stored(mission, planned), planned.document, "Comes with the demo.")
+            stored = replace(self._stored(mission, planned), is_supervised=False)
+            parts.missions.add(stored, planned.document, "Comes with the demo.")
 
     async def _rest(self) -> None:
         try:

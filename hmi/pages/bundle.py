@@ -19,7 +19,7 @@ STATIC = Path(__file__).resolve().parents[2] / "static"
 STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 """Cascade order of what every page carries: tokens first, screens last."""
 
-SCREEN_STYLES = ("maps", "plan", "queue", "alarms")
+SCREEN_STYLES = ("maps", "plan", "queue", "alarms", "demo")
 """Styles that a screen fetches with its scripts."""
 
 SCRIPTS = {
@@ -47,6 +47,7 @@ SCRIPTS = {
         "queue_entry", "queue_arm", "queue_blackouts", "queue_timeline", "queue_list", "queue_view", "missions_bulk",
         "mission_form", "mission_ways", "missions",
     ),
+    "demo": ("demo_panel",),
     "run": ("field_picture", "start_checks", "rest_sheet"),
 }  # fmt: skip
 """Scripts by file, in load order: each uses only names of those before it.

@@ -14,7 +14,7 @@ from components.state_path import StatePath
 from components.telemetry_tile import TelemetryTile
 from hmi.domain.ids import is_id
 from hmi.domain.role import Permission
-from hmi.pages import bundle, notice
+from hmi.pages import bundle, demo_button, notice
 from hmi.pages.services import PageServices
 from hmi.security.session_info import SessionInfo
 
@@ -44,12 +44,12 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
         data_screen="operate",
         data_robot=robot_id,
         data_title=robot.name,
-        data_code=bundle.script_url("run"),
+        data_code=demo_button.code(services, bundle.script_url("run")),
     ):
         with ui.element("section").classes("h-map").props('aria-label="Map"'):
             LiveElement("hl-alarm-strip", hook="alarm-strip", data_right="acknowledge_alarm", hidden="")
             LiveMap(robot_id).classes("h-mapfill")
-            _overlay()
+            _overlay(services, robot_id)
             HoldToDrive()
             LiveElement("hl-connecting", classes="h-connecting", data_name=robot.name)
         with ui.element("aside").classes("h-side").props('aria-label="Values"'):
@@ -57,13 +57,14 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
             ActionDock()
 
 
-def _overlay() -> None:
+def _overlay(services: PageServices, robot_id: str) -> None:
     """Over the map: the view that is shown (there is one), who has control, and why the robot does not move."""
     with ui.element("div").classes("h-overlay"):
         with ui.element("div").classes("h-bar1"):
             with ui.element("div").classes("h-seg").props('role="group" aria-label="View"'):
                 ui.html(f"{icon('map', 'm')}Map", sanitize=False, tag="span").classes("on").props("aria-current=true")
             LiveElement("hl-lease", hidden="")
+            demo_button.place(services, robot_id)
         LiveElement("hl-why", classes="h-card h-why", hook="robot-why", hidden="")
 
 

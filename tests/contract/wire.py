@@ -160,15 +160,15 @@ def wait_for_retained(url: str, name: str) -> None:
 
 
 @contextlib.contextmanager
-def running_simulator(url: str, *, speed: float = 1.0, **weeder: Any) -> Iterator[Site]:
-    """Run a simulator with one weeder on a thread of this process."""
+def running_simulator(url: str, *, speed: float = 1.0, robot: str = ROBOT, **weeder: Any) -> Iterator[Site]:
+    """Run a simulator with one robot, a weeder if nothing is said, on a thread of this process."""
     ready, ports = threading.Event(), []
 
     def on_ready(port: int) -> None:
         ports.append(port)
         ready.set()
 
-    config = SimulatorConfig(url, (RobotConfig(ROBOT, "Weeder 01", TOKEN, **weeder),), speed=speed)
+    config = SimulatorConfig(url, (RobotConfig(robot, robot.title(), TOKEN, **weeder),), speed=speed)
     simulator = Simulator(config, on_ready=on_ready)
     thread = threading.Thread(target=lambda: asyncio.run(simulator.run()))
     thread.start()

@@ -211,10 +211,27 @@ async def test_testers_switch_faults_and_see_the_truth(site: Site) -> None:
         assert (await client.post("/_world", content=b'{"speed": 10}')).json()["speed"] == 10
 
 
+async def test_testers_play_a_situation_and_end_it(site: Site) -> None:
+    async with site.raw(token="") as client:
+        told = (await client.get("/_situations")).json()
+        assert told["now"] == {}
+        assert {"id", "title", "text", "families"} == set(told["situations"][0])
+        path = "/_situations/weeder-01"
+        assert (await client.post(path, content=b'{"situation": "rtk-float"}')).json()["now"] == {
+            "weeder-01": "rtk-float"
+        }
+        assert site.world.robots["weeder-01"].machine.is_rtk_float
+        assert (await client.post(path, content=b'{"situation": null}')).json()["now"] == {}
+        assert not site.world.robots["weeder-01"].machine.is_rtk_float
+        assert (await client.post(path, content=b'{"situation": "crane-limit"}')).status_code == 409
+        assert (await client.post(path, content=b'{"situation": "fire"}')).status_code == 404
+        assert (await client.post("/_situations/weeder-99", content=b'{"situation": null}')).status_code == 404
+
+
 async def test_testers_doors_are_closed_to_other_machines() -> None:
     site = Site(client=("192.168.1.20", 5000))
     async with site.raw() as client:
-        for path in ("/_faults/weeder-01", "/_world/weeder-01", "/_world"):
+        for path in ("/_faults/weeder-01", "/_world/weeder-01", "/_world", "/_situations"):
             answer = await client.get(path)
             assert (answer.status_code, answer.json()["code"]) == (403, "loopback_only")
     assert (await site.robot().safety()).robot == "weeder-01"

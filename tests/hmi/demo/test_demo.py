@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import stat
+from collections import Counter
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -12,17 +13,23 @@ import pytest
 import shapely
 from sqlalchemy import func, select
 
+from backend_clients.edge.codec import mission_hash
 from backend_clients.edge.messages_down import Mission as Wire
 from backend_clients.simulator.config import RobotConfig
+from backend_clients.simulator.enu import EnuFrame
 from backend_clients.simulator.history import simulate_mission
 from hmi.clock import FakeClock
 from hmi.demo.catalogue import CATALOGUE, plan
-from hmi.demo.farm import features
-from hmi.demo.fleet import FULL, FleetSize, read_demo_fleet, write_demo_fleet
+from hmi.demo.crowd import fleet_rows, lean_jobs, lean_rows
+from hmi.demo.farm import feature, features
+from hmi.demo.fleet import FULL, FleetSize, read_demo_fleet, robot, write_demo_fleet
 from hmi.demo.history import record_run
+from hmi.demo.jobs import jobs_of
 from hmi.demo.seed import AT_ONCE, DemoSeed, SeedParts
+from hmi.demo.work import TASKS, planned_work
 from hmi.domain.mission import MissionStatus
 from hmi.domain.mission_document import renamed
+from hmi.domain.robot import Family
 from hmi.store.database import Database
 from hmi.store.farms import Farms
 from hmi.store.features import Features
@@ -60,11 +67,24 @@ def test_every_feature_has_a_kind_a_name_and_a_sound_geometry() -> None:
 
 def test_a_robot_stands_in_its_bay_on_the_yard_and_not_in_a_wall() -> None:
     shapes = {one.id: shapely.from_geojson(json.dumps(one.geometry)) for one in features()}
-    for robot in FULL:
-        assert shapes[robot.home_id].distance(shapely.Point(robot.home)) == 0
+    yards = shapely.union_all([shapes[one.id] for one in features() if one.kind == "road"])
+    for machine in FULL:
+        assert shapes[machine.home_id].distance(shapely.Point(machine.home)) == 0
+        assert yards.covers(shapely.Point(machine.home))
         for one in features():
             if one.kind in ("building", "obstacle"):
-                assert shapes[one.id].distance(shapely.Point(robot.home)) > 0
+                assert shapes[one.id].distance(shapely.Point(machine.home)) > 0
+    assert len({machine.home for machine in FULL}) == len(FULL)
+
+
+def test_the_farm_has_six_named_parcels_and_more_a_no_entry_area_gates_and_obstacles() -> None:
+    near = [one for one in features() if one.properties["site"] == "polder"]
+    kinds = Counter(one.kind for one in near)
+    assert kinds["parcel"] >= 6
+    assert kinds["home"] == 2 + 14 + 4 + 4
+    assert min(kinds[kind] for kind in ("no-go", "gate", "obstacle", "building", "water", "hedge")) >= 1
+    crops = {one.properties["crop"] for one in near if one.kind == "parcel"}
+    assert len(crops) >= 5
 
 
 def test_the_fleet_file_starts_a_simulator_and_keeps_its_tokens_private(tmp_path: Path) -> None:
@@ -111,6 +131,60 @@ async def test_the_first_start_has_map_robots_and_short_missions_at_once(tmp_pat
     demo.database.close()
 
 
+async def test_a_full_fleet_has_its_work_from_the_first_moment(tmp_path: Path) -> None:
+    demo = Installation(tmp_path, size="full")
+    await demo.seed.at_once()
+    assert {one.id for one in demo.robots.all()} == {one.id for one in FULL}
+    assert {one.family for one in demo.robots.all()} == {Family.WEEDER, Family.PLANTER, Family.UAV}
+    jobs = jobs_of(read_demo_fleet(tmp_path))
+    for robot_id, job in jobs.items():
+        stored = demo.missions.known(job.mission.mission_id)
+        assert stored is not None
+        assert (stored.robot_id, stored.sha256) == (robot_id, mission_hash(job.mission))
+        assert not stored.is_supervised
+    assert not {"weeder-01", "weeder-02"} & jobs.keys()
+    assert len(jobs) == 17
+    assert {one.id for one in demo.robots.all() if one.is_unattended_allowed} == jobs.keys()
+    demo.database.close()
+
+
+def test_the_shipped_work_lies_in_its_fields_and_begins_at_home() -> None:
+    for task in TASKS:
+        planned = planned_work()[task.mission_id]
+        wire = msgspec.convert(planned.document, Wire)
+        frame = EnuFrame(wire.datum.lat_deg, wire.datum.lon_deg)
+        assert wire.home == pytest.approx(frame.to_enu(*reversed(robot(task.robot_id).home)), abs=0.01)
+        assert wire.segments[0].points[0] == wire.home == wire.segments[-1].points[-1]
+        field = shapely.from_geojson(json.dumps(feature(task.field_id).geometry))
+        parcel = shapely.Polygon(wire.parcel[0])
+        assert field.buffer(1e-7).covers(parcel), task
+        plane = shapely.Polygon([frame.to_enu(lat, lon) for lon, lat in wire.parcel[0]])
+        for segment in wire.segments:
+            assert not segment.tool_on or plane.buffer(0.1).covers(shapely.LineString(segment.points)), task
+
+
+def test_no_work_of_a_ground_robot_crosses_what_must_not_be_entered() -> None:
+    for task in TASKS:
+        wire = msgspec.convert(planned_work()[task.mission_id].document, Wire)
+        frame = EnuFrame(wire.datum.lat_deg, wire.datum.lon_deg)
+        if robot(task.robot_id).family is Family.UAV:
+            continue
+        path = shapely.union_all([shapely.LineString(one.points) for one in wire.segments])
+        for one in features():
+            if one.kind in ("no-go", "building") and one.properties["site"] == "polder":
+                ground = shapely.Polygon([frame.to_enu(lat, lon) for lon, lat in one.geometry["coordinates"][0]])
+                assert not ground.intersects(path), (task, one.id)
+
+
+def test_a_crowd_of_any_size_stands_on_the_farm_with_ids_of_its_own() -> None:
+    rows = fleet_rows(20, 5, 4)
+    assert len({row["id"] for row in rows}) == len(rows) == 29
+    assert len({(row["x_m"], row["y_m"]) for row in rows}) == 29
+    lean = lean_rows(1000)
+    assert len({(row["x_m"], row["y_m"]) for row in lean}) == 1000
+    assert len(lean_jobs(lean)) == 1000
+
+
 async def test_a_second_start_changes_nothing_but_addresses(tmp_path: Path) -> None:
     demo = Installation(tmp_path)
     await demo.seed.at_once()
@@ -121,9 +195,9 @@ async def test_a_second_start_changes_nothing_but_addresses(tmp_path: Path) -> N
     renamed_one = again.missions.known("trial-strip")
     assert renamed_one is not None
     assert renamed_one.name == "My strip"
-    robot = again.robots.get("weeder-01")
-    assert robot is not None
-    assert robot.http_url == "http://127.0.0.1:9009/weeder-01"
+    registered = again.robots.get("weeder-01")
+    assert registered is not None
+    assert registered.http_url == "http://127.0.0.1:9009/weeder-01"
     again.database.close()
 
 

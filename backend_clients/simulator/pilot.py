@@ -1,0 +1,112 @@
+"""What a robot wants to do in one control step: stand, wait, obey a hand, or follow what it has to follow."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from backend_clients.simulator.machine import STOPPED
+from backend_clients.simulator.tracking import Setpoint, Tracker
+from backend_clients.simulator.work import Doing
+
+if TYPE_CHECKING:
+    from backend_clients.simulator.brain import Brain
+
+DEADMAN_S = 0.5  # five missed setpoints at 10 Hz
+MANUAL_MAX_MPS = 1.0
+START_HORN_S = 3.0
+
+
+@dataclass(slots=True)
+class DriveState:
+    """Driving by hand: the newest setpoint and when it came, on the robot's clock."""
+
+    v_mps: float = 0.0
+    yaw_rate_radps: float = 0.0
+    heard_s: float = -math.inf
+
+
+class Pilot:
+    """Decides for one brain. ``lead`` is the way to the path of its mission, while it is on it."""
+
+    def __init__(self, brain: Brain) -> None:
+        self._brain = brain
+        self.lead: Tracker | None = None
+        self.horn_left_s = 0.0
+        self.doing = Doing(STOPPED)
+        self.followed: Tracker | None = None
+
+    def decide(self, dt_s: float) -> Setpoint:
+        """Return the speeds wanted in this step; sets ``doing``, ``followed`` and the brain's ``hold_code``."""
+        self.doing, self.followed = Doing(STOPPED), None
+        if self._brain.is_stopped:
+            return STOPPED
+        if self._brain.drive is not None:
+            return self._by_hand(self._brain.drive)
+        if not self._brain.is_auto:
+            return STOPPED
+        reason = self._waiting_for()
+        if reason:
+            self.horn_left_s = START_HORN_S
+            self._brain.hold_code = reason
+            return STOPPED
+        if self.horn_left_s > 0:
+            self.horn_left_s -= dt_s
+            self._brain.hold_code = "start_horn"
+            return STOPPED
+        return self._follow(dt_s)
+
+    def _by_hand(self, drive: DriveState) -> Setpoint:
+        if self._brain.clock.mono_s() - drive.heard_s > DEADMAN_S:
+            return STOPPED
+        if self._brain.machine.base.speed_mps:
+            self._brain.machine.is_crane_at_limit = False  # moved by hand, it reaches again
+        v = min(max(drive.v_mps, -MANUAL_MAX_MPS), MANUAL_MAX_MPS)
+        if v > 0 and self._brain.machine.is_way_blocked():
+            self._brain.hold_code = "person_ahead"
+            return STOPPED
+        return Setpoint(v, drive.yaw_rate_radps, is_pivoting=v == 0 and drive.yaw_rate_radps != 0)
+
+    def _waiting_for(self) -> str:
+        if self._brain.machine.is_way_blocked():
+            return "person_ahead"
+        if self._brain.home_run is not None:
+            return ""
+        if self._brain.machine.is_rtk_float and self._brain.profile.needs_rtk:
+            return "rtk_float"
+        return "tool_interlock" if self._brain.machine.is_cover_open else self._brain.work.waits_for()
+
+    def _follow(self, dt_s: float) -> Setpoint:
+        tracker = self.tracker
+        assert tracker is not None
+        wanted = tracker.steer(*self._brain.machine.measured_pose(), dt_s)
+        if tracker.is_done:
+            self._arrived(tracker)
+            return STOPPED
+        if self._brain.run is not None and tracker is self._brain.run.tracker:
+            self.doing = self._brain.work.guide(self._brain.run, wanted, dt_s)
+            wanted = self.doing.wanted
+        self.followed = tracker
+        return wanted
+
+    @property
+    def tracker(self) -> Tracker | None:
+        """What it follows: the way home, the way to its path, or its path."""
+        if self._brain.home_run is not None:
+            return self._brain.home_run
+        return self.lead or (self._brain.run.tracker if self._brain.run is not None else None)
+
+    def _arrived(self, tracker: Tracker) -> None:
+        if tracker is self._brain.home_run:
+            self._brain.home_run = None
+            self._brain.actions.close("finished")
+            self._brain.note("mission", "Home reached")
+        elif tracker is self.lead and self._brain.run is not None:
+            self.lead = None
+            self._brain.run.tracker.align()
+        elif self._brain.run is not None:
+            self._brain.run.finish(self._brain.journal, self._brain.mono_ms())
+            self._brain.actions.close("finished")
+            self._brain.note("mission", "Mission done", self._brain.run.mission.name)
+        self._brain.save()

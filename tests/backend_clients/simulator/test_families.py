@@ -1,0 +1,215 @@
+"""Every family obeys the same safety rules; each does its own work."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from backend_clients.simulator.faults import CraneLimit, LowBattery, TrayEmpty
+from tests.backend_clients.simulator.rig import Rig, small_mission
+
+FAMILIES = ("weeder", "planter", "uav")
+EFFECTS = {
+    "weeder": "Laser off, tracks brake",
+    "planter": "Drive and crane stop, hydraulics hold",
+    "uav": "Brakes and hovers",
+}
+each_family = pytest.mark.parametrize("family", FAMILIES)
+
+
+@pytest.fixture(params=[False, True], ids=["full", "lean"])
+def is_lean(request: pytest.FixtureRequest) -> bool:
+    """Return whether the robot is a lean one."""
+    return bool(request.param)
+
+
+def until(rig: Rig, wanted: object, limit_s: float) -> float:
+    """Let time pass until ``wanted()``; return how long it took."""
+    took_s = 0.0
+    while not wanted():  # type: ignore[operator]
+        assert took_s < limit_s, rig.state
+        rig.run(0.25)
+        took_s += 0.25
+    return took_s
+
+
+@each_family
+def test_a_factsheet_names_the_family_and_what_stop_does(family: str) -> None:
+    sheet = Rig(family=family).boot.reporter.factsheet()
+    assert sheet.family == family
+    assert sheet.behaviour.stop_effect == EFFECTS[family]
+    nodes = {node.name for node in Rig(family=family).boot.reporter.nodes()}
+    needed = {name for function in sheet.functions for name in function.depends_on}
+    assert needed <= nodes | {function.name for function in sheet.functions}
+
+
+@each_family
+def test_stop_brakes_latches_and_survives_the_power_cut(family: str, is_lean: bool, tmp_path: object) -> None:
+    rig = Rig(tmp_path, family=family, is_lean=is_lean)  # type: ignore[arg-type]
+    rig.start(small_mission(length_m=60.0))
+    until(rig, lambda: rig.speed > 0.8, 30.0)
+    speed, limits = rig.speed, rig.boot.reporter.factsheet().limits
+    assert rig.stop().outcome == "accepted"
+    rig.run(speed / limits.decel_mps2 + 0.5 + 0.6)
+    assert (rig.safety.latched, rig.safety.standstill, rig.safety.tool_off) == (True, True, True)
+    rig.has_page = False
+    rig.restart_process()
+    assert rig.safety.latched
+    assert rig.do("resume").code in ("stop_latched", "lease_revoked")
+
+
+@each_family
+def test_a_reset_moves_nothing_and_resume_goes_on(family: str, is_lean: bool) -> None:
+    rig = Rig(family=family, is_lean=is_lean)
+    rig.start(small_mission(length_m=60.0))
+    until(rig, lambda: rig.speed > 0.5, 30.0)
+    rig.stop()
+    rig.run(4.0)
+    assert rig.reset().outcome == "accepted"
+    place = rig.boot.brain.place
+    rig.run(5.0)
+    assert math.dist(place, rig.boot.brain.place) < 1e-6
+    assert rig.do("resume").outcome == "accepted"
+    until(rig, lambda: rig.speed > 0.3, 10.0)
+
+
+@each_family
+def test_driving_by_hand_ends_half_a_second_after_the_last_setpoint(family: str, is_lean: bool) -> None:
+    rig = Rig(family=family, is_lean=is_lean)
+    rig.do("drive_open")
+    rig.drive_for(3.0, 0.5)
+    assert rig.speed == pytest.approx(0.5, abs=0.01)
+    assert rig.safety.tool_off
+    rig.run(0.35)  # and the 0.1 s since the last one
+    assert rig.speed == pytest.approx(0.5, abs=0.01)
+    rig.run(0.1 + 0.5 / rig.config.profile.motion.brake_mps2)
+    assert rig.speed == 0
+
+
+@each_family
+def test_a_supervised_mission_pauses_when_nobody_looks_and_an_unattended_one_when_the_farm_is_silent(
+    family: str, is_lean: bool
+) -> None:
+    rig = Rig(family=family, is_lean=is_lean)
+    rig.start(small_mission(length_m=80.0))
+    rig.run(6.0)
+    rig.has_page = False
+    rig.run(4.2)
+    assert rig.state.hold is not None
+    assert (rig.state.mode, rig.state.hold.code) == ("paused", "operator_lost")
+    other = Rig(family=family, is_lean=is_lean)
+    other.start(small_mission(length_m=80.0), is_supervised=False)
+    other.has_page = False
+    other.run(9.0)
+    assert other.state.mode == "auto"
+    other.run(2.0)
+    assert other.state.hold is not None
+    assert other.state.hold.code == "link_lost"
+
+
+@each_family
+def test_a_late_order_of_an_old_lease_is_refused(family: str) -> None:
+    rig = Rig(family=family)
+    late = rig.order("drive_open")
+    rig.run(3.0)
+    answer = rig.robot.receive(late)
+    assert answer is not None
+    assert answer.code == "stale_challenge"
+
+
+def planting() -> Rig:
+    """Return a planter that stands at its first tree."""
+    rig = Rig(family="planter")
+    rig.start(small_mission(length_m=12.0))
+    until(rig, lambda: rig.robot.machine.tool_on, 30.0)
+    return rig
+
+
+def test_a_planter_stands_still_for_twenty_seconds_a_tree_and_drives_two_metres_on() -> None:
+    rig = planting()
+    first = rig.boot.brain.place
+    assert rig.speed == 0
+    assert not rig.safety.standstill  # the crane works
+    took_s = until(rig, lambda: not rig.robot.machine.tool_on, 30.0)
+    assert took_s == pytest.approx(20.0, abs=1.0)
+    until(rig, lambda: rig.robot.machine.tool_on, 30.0)
+    assert math.dist(first, rig.boot.brain.place) == pytest.approx(2.0, abs=0.15)
+    assert rig.robot.machine.seedlings == 66
+
+
+def test_stop_in_the_middle_of_a_planting_stops_the_crane_at_once() -> None:
+    rig = planting()
+    rig.stop()
+    rig.run(0.6)
+    assert (rig.safety.standstill, rig.safety.tool_off) == (True, True)
+
+
+def test_a_planter_without_seedlings_waits_for_a_tray_and_goes_on_with_a_full_one() -> None:
+    rig = planting()
+    rig.robot.set_fault(TrayEmpty(left=1))
+    until(rig, lambda: rig.state.hold is not None, 60.0)
+    hold = rig.state.hold
+    assert hold is not None
+    assert (hold.code, hold.who) == ("tray_empty", "person at the machine")
+    assert [fault.code for fault in rig.state.faults] == ["tray-empty"]
+    rig.robot.clear_fault("tray-empty")
+    until(rig, lambda: rig.robot.machine.tool_on, 30.0)
+    assert rig.robot.machine.seedlings == 67
+
+
+def test_a_crane_outside_its_limit_waits_until_somebody_drives_it_by_hand() -> None:
+    rig = Rig(family="planter")
+    rig.start(small_mission(length_m=12.0))
+    rig.run(5.0)
+    rig.robot.set_fault(CraneLimit())
+    rig.run(2.0)
+    hold = rig.state.hold
+    assert hold is not None
+    assert (hold.code, hold.text) == ("crane_limit", "The crane is outside its limit.")
+    assert rig.speed == 0
+    rig.do("drive_open")
+    rig.drive_for(1.0, 0.3)
+    rig.drive_for(1.0, -0.3)
+    assert "crane-limit" not in [fault.code for fault in rig.state.faults]
+
+
+def test_a_planter_reports_the_trees_of_a_row() -> None:
+    rig = Rig(family="planter")
+    rig.start(small_mission(rows=2, length_m=6.0))
+    until(rig, lambda: any(e.kind == "treatment" for e in rig.events), 200.0)
+    treated = next(e for e in rig.events if e.kind == "treatment")
+    assert (treated.name, treated.data["trees"]) == ("Row 1 planted", 3)
+
+
+def test_a_uav_flies_home_by_itself_at_its_reserve_and_charges_there() -> None:
+    rig = Rig(family="uav")
+    rig.start(small_mission(rows=9, length_m=200.0), is_supervised=False)
+    until(rig, lambda: rig.boot.brain.place[1] > 30, 60.0)
+    rig.robot.set_fault(LowBattery(soc=0.26))
+    assert rig.robot.machine.is_airborne
+    until(rig, lambda: rig.state.path[0] == "Return home", 60.0)
+    until(rig, lambda: rig.boot.brain.is_at_home, 120.0)
+    rig.run(2.0)
+    battery = rig.telemetry.battery
+    assert battery is not None
+    assert battery.charging
+    assert not rig.robot.machine.is_airborne
+
+
+def test_a_uav_in_the_air_lasts_about_twenty_minutes() -> None:
+    energy = Rig(family="uav").config.profile.energy
+    flying_w = energy.idle_w + energy.hover_w + energy.tool_w + 5 * energy.drive_w_per_mps
+    assert 18 * 60 < energy.capacity_j / flying_w < 25 * 60
+
+
+def test_a_lean_robot_does_the_same_mission_as_a_full_one() -> None:
+    ends = []
+    for is_lean in (False, True):
+        rig = Rig(is_lean=is_lean)
+        rig.start(small_mission(rows=2))
+        until(rig, lambda rig=rig: rig.state.order is not None and rig.state.order.status == "done", 120.0)
+        order = rig.state.order
+        assert order is not None
+        ends.append((order.row, round(order.area_done_m2 / order.area_m2, 1)))
+    assert ends[0] == ends[1] == (2, 1.0)
