@@ -42,9 +42,8 @@ SCRIPTS = {
         "queue_entry", "queue_arm", "queue_blackouts", "queue_timeline", "queue_list", "queue_view", "plan_queue",
         "missions_bulk", "mission_form", "mission_ways", "missions",
     ),
-    "run": (
-        "svg_view", "area_shape", "area_pen", "field_picture", "start_checks", "rest_map", "rest_sheet", "queue_hold",
-    ),
+    "run": ("field_picture", "start_checks", "rest_sheet", "queue_hold"),
+    "draw": ("svg_view", "area_shape", "area_pen", "rest_map"),
 }  # fmt: skip
 """Scripts by file, in load order: each uses only names of those before it.
 What few people open loads with its screen.
