@@ -52,9 +52,8 @@ SCRIPTS = {
         "fleet_dock", "fleet_duty", "fleet_menu", "fleet_strip", "fleet_map", "fleet_wall", "fleet_screen",
     ),
     "demo": ("demo_panel",),
-    "run": (
-        "svg_view", "area_shape", "area_pen", "field_picture", "start_checks", "rest_map", "rest_sheet", "queue_hold",
-    ),
+    "run": ("field_picture", "start_checks", "rest_sheet", "queue_hold"),
+    "draw": ("svg_view", "area_shape", "area_pen", "rest_map"),
 }  # fmt: skip
 """Scripts by file, in load order: each uses only names of those before it.
 What few people open loads with its screen; ``bell`` loads on every page, after STOP is ready.

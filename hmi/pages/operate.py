@@ -45,6 +45,7 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
         data_robot=robot_id,
         data_title=robot.name,
         data_code=demo_button.code(services, bundle.script_url("run")),
+        data_draw=bundle.script_url("draw"),
     ):
         with ui.element("section").classes("h-map").props('aria-label="Map"'):
             LiveElement("hl-alarm-strip", hook="alarm-strip", data_right="acknowledge_alarm", hidden="")

@@ -69,7 +69,7 @@ def _maps(services: PageServices, session: SessionInfo) -> None:
 
 
 def _missions(services: PageServices, session: SessionInfo) -> None:
-    code = f"{bundle.script_url('run')} {bundle.script_url('missions')}"
+    code = f"{bundle.script_url('run')} {bundle.script_url('draw')} {bundle.script_url('missions')}"
     with LiveElement("hl-screen", classes="h-screen", data_screen="missions", data_title="Missions", data_code=code):
         missions.build(services, session)
 

@@ -95,8 +95,10 @@ def _wide(polygon: Polygon, lacking_m: float, radius_m: float) -> list[LinearRin
     Around a corner that juts in, a lap bends with its distance from the border; ``lacking_m`` is what that lacks.
     Around a hole the lap is laid so much wider; the outer one cuts such corners, on the machine's inner side.
     """
+    if lacking_m <= 0:
+        return [polygon.exterior, *polygon.interiors]
     outer = _rounded(Polygon(polygon.exterior), 0.0, radius_m)
-    holes = [_rounded(Polygon(ring), max(lacking_m, 0.0), radius_m) for ring in polygon.interiors]
+    holes = [_rounded(Polygon(ring), lacking_m, radius_m) for ring in polygon.interiors]
     return [outer.exterior if outer else polygon.exterior, *(hole.exterior for hole in holes if hole)]
 
 

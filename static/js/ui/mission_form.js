@@ -210,6 +210,7 @@
     // the field alone, as long as there is no plan
     outline() {
       this.words();
+      this.picture.areas = this.treatment.pictured();
       if (this.shown) return;
       const geometry = this.inputs.fieldPlace?.geometry;
       const rings = geometry?.type === "Polygon" ? geometry.coordinates : geometry?.coordinates?.[0];

@@ -135,5 +135,21 @@
 
   const forgets = (mission) => (mission?.row ? `Forgets row ${mission.row} of ${mission.rows}, ${area(mission.area_done_m2 ?? 0)} done` : "Begins at the first row");
 
-  HL.rest = { change: (mission) => new Sheet(mission, "change"), later: (mission) => new Sheet(mission, "later"), fresh, forgets };
+  // Operate fetches what draws on the map only when somebody opens the sheet
+  let fetched = null;
+  function drawing() {
+    if (HL.RestMap) return Promise.resolve(true);
+    fetched ??= new Promise((resolve) => {
+      const script = el("script", { src: document.querySelector("hl-screen")?.dataset.draw, onload: () => resolve(true), onerror: () => ((fetched = null), script.remove(), resolve(false)) });
+      document.head.append(script);
+    });
+    return fetched;
+  }
+
+  async function open(mission, kind) {
+    if (await drawing()) return new Sheet(mission, kind);
+    return HL.toast("This part did not load. Try again.", "cloud_off");
+  }
+
+  HL.rest = { change: (mission) => open(mission, "change"), later: (mission) => open(mission, "later"), fresh, forgets };
 })();
