@@ -35,12 +35,12 @@
   function look() {
     const alarms = HL.fleetOrder.worstAlarms(window.headland.state("alarms")?.alarms);
     const stops = stopStates();
-    data.items = Object.entries(HL.port.fleet()).map(([id, robot]) => {
+    data.items = HL.fleetOrder.rank(Object.entries(HL.port.fleet()).map(([id, robot]) => {
       const ageMs = typeof robot.t === "number" ? HL.port.age(robot.t) : Infinity;
       const duty = data.duty[id];
       const verdict = HL.fleetOrder.judge(robot, { ageMs, stop: stops.get(id), alarm: alarms[id], words: HL.words });
       return { id, robot, ageMs, duty, responsible: duty?.name ?? "", verdict };
-    });
+    }));
     for (const id of [...data.chosen]) if (!(id in HL.port.fleet())) data.chosen.delete(id);
     changed();
   }
