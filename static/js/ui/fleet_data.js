@@ -10,7 +10,7 @@
   const data = {
     groups: [], views: [], duty: {}, people: [], book: [], day: null, freeze: null,
     filter: { ...NO_FILTER, ...HL.keep.read(FILTER_KEY, {}), q: "" },
-    chosen: new Set(), open: new Set(), current: null, items: [], listeners: new Set(),
+    stop: window.headlandStop?.state() ?? null, chosen: new Set(), open: new Set(), current: null, items: [], listeners: new Set(),
   };
 
   const me = () => HL.config.user?.id ?? "";
@@ -45,11 +45,14 @@
     changed();
   }
 
+  // what STOP knows is told at each change; asking for it costs a look at every robot
+  window.addEventListener("headland:stop", ({ detail }) => (data.stop = detail));
+
   // the worst press of each robot; `t` as console time, so that it compares with everything else
   function stopStates() {
     const worst = new Map();
     const now = window.headland.now();
-    for (const step of window.headlandStop?.state().steps ?? []) {
+    for (const step of data.stop?.steps ?? []) {
       if (step.state === "not-confirmed") worst.set(step.robot, { state: step.state, t: now === null ? null : now - (performance.now() - step.at) });
     }
     return worst;
