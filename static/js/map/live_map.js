@@ -299,7 +299,8 @@ export class LiveMap {
     const { farm, parcels, robots } = this.intake;
     const places = [...robots.values()].filter((robot) => robot.pose)
       .map(({ pose }) => ({ geometry: { type: 'Point', coordinates: [pose.lon, pose.lat] } }));
-    return boxOf([...farm.features, ...parcels.features, ...places]);
+    // a farm may have sites in several countries: the fleet map begins where the robots are
+    return boxOf(this.fleet.isOn && places.length ? places : [...farm.features, ...parcels.features, ...places]);
   }
 
   #moved() {

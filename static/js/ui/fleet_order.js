@@ -48,11 +48,15 @@
     if (robot.is_online === false || ageMs > LOST_MS) return lost(robot, ageMs, alarm, words);
     if (alarm) {
       const level = alarm.priority;
-      return { level, head: alarm.title, line: [alarm.text, level <= 2 || robot.waits ? advice(robot) : ""].filter(Boolean).join(" ") || robot.why, since: alarm.t ?? null, look: alarm.state, waits: Boolean(robot.waits), alarm: alarm.id };
+      return { level, head: alarm.title, line: [isSaid(alarm) ? "" : alarm.text, level <= 2 || robot.waits ? advice(robot) : ""].filter(Boolean).join(" ") || robot.why, since: alarm.t ?? null, look: alarm.state, waits: Boolean(robot.waits), alarm: alarm.id };
     }
     if (robot.waits || robot.level) return { level: robot.level ?? 3, head: robot.why || robot.fault || robot.text, line: advice(robot), since: robot.since ?? null, look: "acknowledged", waits: Boolean(robot.waits) };
     return { level: null, head: robot.task || robot.text || "–", line: robot.why || "", since: robot.since ?? null, waits: false };
   }
+
+  // a text that only says the title again is no news
+  const plain = (words) => (words || "").toLowerCase().replace(/[.…\s]+$/, "");
+  const isSaid = ({ title, text }) => plain(text).startsWith(plain(title)) && plain(text).length < plain(title).length + 4;
 
   function lost(robot, ageMs, alarm, words) {
     const isKnown = Number.isFinite(ageMs);
