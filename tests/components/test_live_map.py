@@ -377,7 +377,6 @@ def test_a_fleet_is_drawn_whole_and_a_tap_chooses_a_robot(the_map: MapPage) -> N
     the_map.page.evaluate(
         "(() => { const { mx, my } = map.intake.robots.get('r-7').pose; map.engine.jump({ mx, my, zoom: 21 }) })()"
     )
-    the_map.page.evaluate("map.engine.redraw()")
     the_map.page.wait_for_function("!map.fleet.clusters.some((one) => one.ids.includes('r-7'))")
     the_map.settle()
     assert "R7 not confirmed" in the_map.state()["texts"]

@@ -4,10 +4,13 @@
 const CELL_PX = 44;
 const LEAST = 3; // two machines side by side can still be told apart
 
+/** The grid changes in steps of half a zoom, not with each notch of a wheel. */
+export const stepOf = (camera) => Math.floor(camera.zoom * 2);
+
 /** {of: Map robot id -> cluster, list: [{mx, my, count, level, isAsking, px, ids}]} */
 export function clustersOf(robots, camera, { now, current = null, scale = 1 }) {
   const cells = new Map();
-  const zoom = Math.floor(camera.zoom * 2) / 2; // the grid changes in steps, not with each notch of a wheel
+  const zoom = stepOf(camera) / 2;
   const size = (CELL_PX * scale) / (512 * 2 ** zoom);
   for (const robot of robots) {
     if (!robot.pose || robot.isOut || robot.id === current || robot.stop === 'not-confirmed') continue;

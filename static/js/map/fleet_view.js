@@ -1,7 +1,7 @@
 // What the map of the whole fleet adds: clusters, marks and words from the list beside it, paths and coverage.
 
 import { clusterLabels } from './captions.js';
-import { clustersOf } from './clusters.js';
+import { clustersOf, stepOf } from './clusters.js';
 import { LabelLayer } from './labels.js';
 
 const TAP_PX = 28;
@@ -66,10 +66,16 @@ export class FleetView {
     }
   }
 
+  /** True when the view came so much nearer, or went so far, that the clusters are others now. */
+  get isOutgrown() {
+    return this.isOn && this.step !== undefined && this.step !== stepOf(this.map.engine.camera);
+  }
+
   /** Work out clusters, and tell `look` who is in one, who is filtered out and who is chosen. */
   gather(look) {
     if (!this.isOn) return;
     const { intake, engine, palette } = this.map;
+    this.step = stepOf(engine.camera);
     if (this.said) look.selected = this.said.current;
     const { of, list } = clustersOf(intake.robots.values(), engine.camera, { now: look.now, current: look.selected, scale: palette.scale });
     this.clusters = list;

@@ -307,6 +307,7 @@ export class LiveMap {
     if (!this.engine) return;
     this.controls.setCamera(this.engine.camera);
     this.base?.moved();
+    if (this.fleet.isOutgrown) this.#draw();
   }
 
   #framed() {
