@@ -372,6 +372,13 @@ def test_a_fleet_is_drawn_whole_and_a_tap_chooses_a_robot(the_map: MapPage) -> N
     the_map.put("poses", robots=places)
     expect(the_map.page.get_by_test_id("map")).to_have_attribute("data-robots", "300")
     the_map.settle()
+    clusters = the_map.page.evaluate("map.fleet.clusters.map((one) => [one.ids.includes('r-7'), one.level])")
+    assert [True, 1] in clusters  # robots that lie on each other are one disc, which carries the worst sign
+    the_map.page.evaluate(
+        "(() => { const { mx, my } = map.intake.robots.get('r-7').pose; map.engine.jump({ mx, my, zoom: 21 }) })()"
+    )
+    the_map.page.wait_for_function("!map.fleet.clusters.some((one) => one.ids.includes('r-7'))")
+    the_map.settle()
     assert "R7 not confirmed" in the_map.state()["texts"]
     chosen = places["r-7"]
     x, y = the_map.place(chosen["lon"], chosen["lat"])

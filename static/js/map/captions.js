@@ -5,6 +5,7 @@ import { clockTime, upTo } from './robots.js';
 
 const NAMED = new Set(['parcel', 'home', 'obstacle', 'building', 'no-go', 'no_go']);
 const MOST_GHOST_NAMES = 30;
+const MOST_LETTERS = 30; // of what is wrong, beside a robot; the list has all of it
 const BODY_PX = 26; // around the chosen robot no name of the farm may stand
 
 /** Field area as a person says it: "17.26 ha", small ones in m2. */
@@ -111,10 +112,12 @@ export function clusterLabels(clusters, palette) {
   }));
 }
 
+const shortened = (text) => (text.length > MOST_LETTERS ? `${text.slice(0, MOST_LETTERS - 1).trimEnd()}…` : text);
+
 function fleetLabel(robot, at, look) {
   const { palette } = look;
   if (robot.level) {
-    const text = robot.text ? `${robot.name} ${robot.text}` : robot.name;
+    const text = robot.text ? `${robot.name} ${shortened(robot.text)}` : robot.name;
     const pill = { fill: palette[`p${robot.level}`], ink: palette[`onP${robot.level}`] };
     return { ...at, lines: [{ text, size: 13, weight: 650 }], dx: 18, align: 'left', priority: 80 - robot.level, pill };
   }

@@ -1,6 +1,8 @@
 // What the map of the whole fleet adds: clusters, marks and words from the list beside it, paths and coverage.
 
-import { clustersOf } from './clusters.js';
+import { clusterLabels } from './captions.js';
+import { clustersOf, stepOf } from './clusters.js';
+import { LabelLayer } from './labels.js';
 
 const TAP_PX = 28;
 const EDGE_PX = 60;
@@ -14,6 +16,7 @@ export class FleetView {
     this.isOn = map.options.mode === 'fleet';
     this.said = null;
     this.clusters = [];
+    this.layer = this.isOn ? new LabelLayer(map.host) : null; // apart: names move with robots, clusters do not
   }
 
   /**
@@ -34,10 +37,13 @@ export class FleetView {
   #mark(robot, { verdicts, isSeen }) {
     const verdict = verdicts.get(robot.id);
     if (!verdict) return false;
-    const next = { level: verdict.level, text: verdict.level ? verdict.head : '', isOut: !isSeen(robot.id), isAsking: verdict.look === 'unacknowledged' };
-    const isSame = Object.entries(next).every(([key, value]) => robot[key] === value);
-    if (!isSame) Object.assign(robot, next);
-    return !isSame;
+    const { level } = verdict;
+    const text = level ? verdict.head : '';
+    const isOut = !isSeen(robot.id);
+    const isAsking = verdict.look === 'unacknowledged';
+    if (robot.level === level && robot.text === text && robot.isOut === isOut && robot.isAsking === isAsking) return false;
+    Object.assign(robot, { level, text, isOut, isAsking });
+    return true;
   }
 
   /** Missions load when somebody asks for their paths or their coverage. */
@@ -60,15 +66,28 @@ export class FleetView {
     }
   }
 
+  /** True when the view came so much nearer, or went so far, that the clusters are others now. */
+  get isOutgrown() {
+    return this.isOn && this.step !== undefined && this.step !== stepOf(this.map.engine.camera);
+  }
+
   /** Work out clusters, and tell `look` who is in one, who is filtered out and who is chosen. */
   gather(look) {
     if (!this.isOn) return;
     const { intake, engine, palette } = this.map;
+    this.step = stepOf(engine.camera);
     if (this.said) look.selected = this.said.current;
     const { of, list } = clustersOf(intake.robots.values(), engine.camera, { now: look.now, current: look.selected, scale: palette.scale });
     this.clusters = list;
     look.chosen = this.said?.chosen ?? null;
     look.isHidden = (robot) => robot.isOut || of.has(robot.id);
+  }
+
+  /** Draw the clusters; returns what keeps other texts off them. */
+  drawClusters(camera, palette) {
+    if (!this.layer) return [];
+    this.layer.draw(camera, clusterLabels(this.clusters, palette), palette);
+    return this.clusters.map(({ mx, my, px }) => ({ mx, my, lines: [], clearPx: px / 2, priority: 94 }));
   }
 
   /** Robots that are drawn as such: not filtered out, in no cluster. */
@@ -99,5 +118,6 @@ export class FleetView {
 
   destroy() {
     this.missions?.destroy();
+    this.layer?.destroy();
   }
 }

@@ -5,6 +5,7 @@ import { progress, readMission } from './mission.js';
 import { Robot, STALE_MS } from './robots.js';
 import { trailOf } from './trail.js';
 
+const FEW = 60; // robots that are drawn again for each change of an entry
 const EMPTY = { type: 'FeatureCollection', features: [] };
 
 /** Gathers data and says what changed: `told('robots' | 'farm' | 'mission' | 'state')`. */
@@ -118,8 +119,11 @@ export class Intake {
     const rows = state.robots ?? {};
     const places = window.headland?.state?.('poses')?.robots ?? {};
     const now = performance.now();
+    const before = this.robots.size;
     for (const id of this.robots.keys()) if (!(id in rows)) this.robots.delete(id);
-    for (const [id, row] of Object.entries(rows)) {
+    for (const id of names ?? Object.keys(rows)) {
+      const row = rows[id];
+      if (!row) continue;
       const robot = this.#robot(id);
       robot.name = row.name ?? id;
       robot.family = row.family ?? 'other';
@@ -131,7 +135,7 @@ export class Intake {
       robot.order = row.mission ?? null;
       if (!robot.pose) robot.setPose(places[id], now);
     }
-    this.told('robots');
+    if (!names || this.robots.size !== before || this.robots.size <= FEW) this.told('robots'); // else with the next places
   }
 
   /** Places alone, ten times a second; a robot without a fleet entry is not known yet. */

@@ -1,6 +1,6 @@
 // The live map: farm, mission, robots, marks and controls on one element. See components/live_map.py for its options.
 
-import { clusterLabels, farmLabels, readableLabels, robotLabels } from './captions.js';
+import { farmLabels, readableLabels, robotLabels } from './captions.js';
 import { Controls } from './controls.js';
 import { startEngine } from './engine_choice.js';
 import { laneRevision } from './feed.js';
@@ -50,11 +50,11 @@ export class LiveMap {
     this.scene = new Scene(this.palette);
     this.scene.shown = this.shown;
     this.intake = new Intake(this.options, (what) => this.#told(what));
-    this.fleet = new FleetView(this);
     host.classList.add('hl-map');
     this.surface = document.createElement('div');
     this.surface.className = 'hl-map-surface';
     host.append(this.surface);
+    this.fleet = new FleetView(this);
     this.labelLayer = new LabelLayer(host);
     this.controls = this.#controls();
     this.controls.setFollowing(this.isFollowing);
@@ -302,13 +302,15 @@ export class LiveMap {
     const { farm, parcels, robots } = this.intake;
     const places = [...robots.values()].filter((robot) => robot.pose)
       .map(({ pose }) => ({ geometry: { type: 'Point', coordinates: [pose.lon, pose.lat] } }));
-    return boxOf([...farm.features, ...parcels.features, ...places]);
+    // a farm may have sites in several countries: the fleet map begins where the robots are
+    return boxOf(this.fleet.isOn && places.length ? places : [...farm.features, ...parcels.features, ...places]);
   }
 
   #moved() {
     if (!this.engine) return;
     this.controls.setCamera(this.engine.camera);
     this.base?.moved();
+    if (this.fleet.isOutgrown) this.#draw();
   }
 
   #framed() {
@@ -317,7 +319,7 @@ export class LiveMap {
     const labels = this.shown.labels ? [...readableLabels(this.labels, camera), ...areaLabels(this.intake.model?.areas ?? [], camera)] : [];
     const look = { ...this.look, palette: this.palette, metresPerPx: camera.metresPerPx, isNear: this.fleet.said?.layers.names ?? camera.zoom > NAMES_ZOOM };
     if (this.look) {
-      labels.push(...robotLabels(this.fleet.single(look), look), ...clusterLabels(this.fleet.clusters, this.palette));
+      labels.push(...robotLabels(this.fleet.single(look), look), ...this.fleet.drawClusters(camera, this.palette));
     }
     this.labelLayer.draw(camera, labels, this.palette);
     this.frameNumber += 1;

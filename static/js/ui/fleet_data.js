@@ -10,7 +10,7 @@
   const data = {
     groups: [], views: [], duty: {}, people: [], book: [], day: null, freeze: null,
     filter: { ...NO_FILTER, ...HL.keep.read(FILTER_KEY, {}), q: "" },
-    chosen: new Set(), open: new Set(), current: null, items: [], listeners: new Set(),
+    stop: window.headlandStop?.state() ?? null, chosen: new Set(), open: new Set(), current: null, items: [], listeners: new Set(),
   };
 
   const me = () => HL.config.user?.id ?? "";
@@ -35,21 +35,24 @@
   function look() {
     const alarms = HL.fleetOrder.worstAlarms(window.headland.state("alarms")?.alarms);
     const stops = stopStates();
-    data.items = Object.entries(HL.port.fleet()).map(([id, robot]) => {
+    data.items = HL.fleetOrder.rank(Object.entries(HL.port.fleet()).map(([id, robot]) => {
       const ageMs = typeof robot.t === "number" ? HL.port.age(robot.t) : Infinity;
       const duty = data.duty[id];
       const verdict = HL.fleetOrder.judge(robot, { ageMs, stop: stops.get(id), alarm: alarms[id], words: HL.words });
       return { id, robot, ageMs, duty, responsible: duty?.name ?? "", verdict };
-    });
+    }));
     for (const id of [...data.chosen]) if (!(id in HL.port.fleet())) data.chosen.delete(id);
     changed();
   }
+
+  // what STOP knows is told at each change; asking for it costs a look at every robot
+  window.addEventListener("headland:stop", ({ detail }) => (data.stop = detail));
 
   // the worst press of each robot; `t` as console time, so that it compares with everything else
   function stopStates() {
     const worst = new Map();
     const now = window.headland.now();
-    for (const step of window.headlandStop?.state().steps ?? []) {
+    for (const step of data.stop?.steps ?? []) {
       if (step.state === "not-confirmed") worst.set(step.robot, { state: step.state, t: now === null ? null : now - (performance.now() - step.at) });
     }
     return worst;

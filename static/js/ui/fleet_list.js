@@ -204,6 +204,7 @@
       if (!ids.length) return;
       const at = ids.indexOf(HL.fleet.current);
       const next = ids[at < 0 ? (by > 0 ? 0 : ids.length - 1) : Math.min(ids.length - 1, Math.max(0, at + by))];
+      this.place.focus({ preventScroll: true }); // Enter is the list's now, not that of a button left behind
       HL.fleet.setCurrent(next);
       this.scroll.reveal(`row ${next}`);
       this.scroll.reveal(next);

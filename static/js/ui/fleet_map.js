@@ -30,7 +30,7 @@
       this.onTap = ({ detail }) => (HL.fleet.setCurrent(detail), HL.fleetMenu(detail));
       window.addEventListener("headland:map-robot", this.onTap);
       HL.fleet.listeners.add(tell);
-      this.wait = setInterval(tell, 500);
+      this.wait = setInterval(() => map()?.fleet.said || tell(), 500); // a map that came later than the list
     }
     leave() {
       window.removeEventListener("headland:map-robot", this.onTap);

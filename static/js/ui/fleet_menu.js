@@ -30,7 +30,7 @@
       title: robot.name, hook: "fleet-menu",
       body: [
         el("p", { class: "h-t16 h-b", "data-testid": "fleet-sentence" }, `${about}.`),
-        el("p", { class: "h-2 h-t14" }, [robot.mission ? `${robot.mission.name}${robot.field ? `, ${robot.field}` : ""}` : "No mission", HL.fleetDuty.line(id)].join(". ").replace("..", ".")),
+        el("p", { class: "h-2 h-t14" }, [robot.mission ? `${robot.mission.name}${robot.field && !robot.mission.name.includes(robot.field) ? `, ${robot.field}` : ""}` : "No mission", HL.fleetDuty.line(id)].join(". ").replace("..", ".")),
         el("div", { class: "f-items" },
           stopButton(id, robot.name, close),
           item("fleet-menu-open", "gamepad", "Operate", () => (close(), HL.go(`/operate/${id}`))),

@@ -48,11 +48,15 @@
     if (robot.is_online === false || ageMs > LOST_MS) return lost(robot, ageMs, alarm, words);
     if (alarm) {
       const level = alarm.priority;
-      return { level, head: alarm.title, line: [alarm.text, level <= 2 || robot.waits ? advice(robot) : ""].filter(Boolean).join(" ") || robot.why, since: alarm.t ?? null, look: alarm.state, waits: Boolean(robot.waits), alarm: alarm.id };
+      return { level, head: alarm.title, line: [isSaid(alarm) ? "" : alarm.text, level <= 2 || robot.waits ? advice(robot) : ""].filter(Boolean).join(" ") || robot.why, since: alarm.t ?? null, look: alarm.state, waits: Boolean(robot.waits), alarm: alarm.id };
     }
     if (robot.waits || robot.level) return { level: robot.level ?? 3, head: robot.why || robot.fault || robot.text, line: advice(robot), since: robot.since ?? null, look: "acknowledged", waits: Boolean(robot.waits) };
     return { level: null, head: robot.task || robot.text || "–", line: robot.why || "", since: robot.since ?? null, waits: false };
   }
+
+  // a text that only says the title again is no news
+  const plain = (words) => (words || "").toLowerCase().replace(/[.…\s]+$/, "");
+  const isSaid = ({ title, text }) => plain(text).startsWith(plain(title)) && plain(text).length < plain(title).length + 4;
 
   function lost(robot, ageMs, alarm, words) {
     const isKnown = Number.isFinite(ageMs);
@@ -67,7 +71,19 @@
     return (a.verdict.level ?? 9) - (b.verdict.level ?? 9) || cmp(a.verdict.helpS, b.verdict.helpS) || cmp(orInfinity(a.verdict.since), orInfinity(b.verdict.since)) || byName(a, b);
   }
   const cmp = (a, b) => (a === b ? 0 : a < b ? -1 : 1);
-  const byName = (a, b) => names.compare(a.robot.name, b.robot.name) || cmp(a.id, b.id);
+  const byName = (a, b) => (a.rank !== undefined && b.rank !== undefined ? a.rank - b.rank : names.compare(a.robot.name, b.robot.name) || cmp(a.id, b.id));
+
+  // comparing names as people count is dear: their order is worked out once for the same names
+  let ranked = { key: "", ranks: new Map() };
+  function rank(items) {
+    const key = items.map((one) => one.robot.name).join("\n");
+    if (key !== ranked.key) {
+      const order = [...items].sort((a, b) => names.compare(a.robot.name, b.robot.name) || cmp(a.id, b.id));
+      ranked = { key, ranks: new Map(order.map((one, i) => [one.id, i])) };
+    }
+    for (const one of items) one.rank = ranked.ranks.get(one.id);
+    return items;
+  }
 
   function matches(item, query) {
     if (!query) return true;
@@ -149,6 +165,12 @@
 
   // what the strip says live: {total, working, slowestMs, oldestMs, newestMs, offline}
   function figures(items) {
+    if (!counted.has(items)) counted.set(items, count(items));
+    return counted.get(items);
+  }
+  const counted = new WeakMap(); // one look is asked about many times
+
+  function count(items) {
     const heard = items.filter((one) => !one.verdict.isLost && one.robot.is_registered !== false);
     const ages = heard.map((one) => one.ageMs).filter(Number.isFinite);
     const links = heard.map((one) => one.robot.rtt_ms).filter((ms) => typeof ms === "number");
@@ -160,5 +182,5 @@
     };
   }
 
-  HL.fleetOrder = { judge, worstAlarms, sections, passes, matches, hold, worst, figures, advice, homeOf, isWorking, FAMILIES, FOLD_ABOVE };
+  HL.fleetOrder = { judge, rank, worstAlarms, sections, passes, matches, hold, worst, figures, advice, homeOf, isWorking, FAMILIES, FOLD_ABOVE };
 })();

@@ -58,7 +58,7 @@
       this.append(el("div", { class: "h-row" }, icon("front_hand", "f"), this.head), this.lines);
     }
     paint() {
-      const state = window.headlandStop?.state();
+      const state = HL.fleet.stop;
       const pressed = new Set((state?.steps ?? []).map((step) => step.robot));
       const robots = (state?.robots ?? []).filter((one) => pressed.has(one.id));
       const isFrozen = Boolean(HL.fleet.freeze);

@@ -9,7 +9,7 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from hmi.clock import SystemClock
-from hmi.live.frames import Drive, Here
+from hmi.live.frames import BadFrame, Drive, Here, decode_client
 from tests.hmi.live.site import ID, frame, running
 
 
@@ -159,3 +159,15 @@ async def test_a_browser_that_reads_nothing_gets_a_snapshot_not_a_backlog() -> N
                 kinds.append((found := json.loads(await ws.recv()))["k"])
         assert "delta" not in kinds
         assert found["d"]["robot/weeder-01"]["lease"] == {"since_s": 19}
+
+
+def test_one_frame_of_a_page_keeps_control_of_several_robots() -> None:
+    frame = decode_client('{"k":"here","robots":["weeder-01","weeder-02"],"tick":"boot1-1"}')
+    assert isinstance(frame, Here)
+    assert frame.each() == ["weeder-01", "weeder-02"]
+    for bad in ('{"k":"here","robots":["../x"],"tick":"t"}', '{"k":"here","robot":"weeder-01"}'):
+        with pytest.raises(BadFrame):
+            decode_client(bad)
+    many = json.dumps({"k": "here", "tick": "t", "robots": [f"w{i}" for i in range(101)]})
+    with pytest.raises(BadFrame):
+        decode_client(many)

@@ -61,6 +61,7 @@ def test_two_robots_are_found_chosen_and_paused_and_the_one_that_refused_is_trie
     assert all(one["tick"].startswith("stage-") for one in orders)
 
 
+@pytest.mark.long
 def test_going_home_needs_one_slide_that_names_them_all_and_what_stands_against_it(
     look: Look, fleet: Callable[..., dict[str, Any]]
 ) -> None:
@@ -103,6 +104,7 @@ def test_a_saved_view_and_a_group_survive_a_reload(look: Look, fleet: Callable[.
     expect(page.get_by_test_id("fleet-row-planter-02")).to_have_count(0)
 
 
+@pytest.mark.long
 def test_a_hand_over_waits_for_the_other_to_take_over(look: Look, fleet: Callable[..., dict[str, Any]]) -> None:
     martha = look("/fleet")
     choose(martha, "weeder-07")
@@ -149,12 +151,13 @@ def test_keys_walk_the_list_and_the_row_menu_stops_this_robot_alone(
     page.wait_for_url("**/operate/**")
 
 
+@pytest.mark.long
 def test_a_viewer_sees_everything_and_reads_why_orders_are_off(
     look: Look, fleet: Callable[..., dict[str, Any]]
 ) -> None:
     page = look("/fleet", role="viewer")
     choose(page, "weeder-07")
-    page.get_by_test_id("fleet-do-pause").click()
+    page.get_by_test_id("fleet-do-pause").click(force=True)
     expect(page.get_by_test_id("toast")).to_contain_text("Pausing needs the operator role.")
     assert fleet()["orders"] == []
     expect(page.get_by_test_id("fleet-kpi-working")).to_have_attribute("data-value", "1")
