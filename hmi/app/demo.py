@@ -10,7 +10,7 @@ import httpx
 from hmi.api.demo import StageAway
 from hmi.demo.fleet import read_demo_fleet
 
-LIMIT_S = 2.0
+LIMIT_S = 5.0  # the simulator shares a small machine with everything else of the demo
 
 
 class SimulatorStage:
