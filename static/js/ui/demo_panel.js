@@ -3,6 +3,7 @@
   "use strict";
   const { el, icon, text, LiveElement, define } = HL;
   const ASK_MS = 2000;
+  const LIMIT_MS = 8000;
 
   const may = () => HL.config.rights.includes("pause");
   const robots = () =>
@@ -34,7 +35,10 @@
       clearInterval(this.timer);
     }
     async ask() {
-      const answer = await HL.port.api("GET", "/demo/situations", undefined, 4000);
+      if (this.isAsking) return; // a busy machine answers late; asking again would not make it faster
+      this.isAsking = true;
+      const answer = await HL.port.api("GET", "/demo/situations", undefined, LIMIT_MS);
+      this.isAsking = false;
       if (!this.isConnected) return;
       if (answer.ok) {
         this.known = answer.situations;
@@ -49,7 +53,7 @@
       const id = this.pick.value;
       this.isBusy = true;
       this.draw();
-      const answer = await HL.port.api("POST", `/demo/robots/${encodeURIComponent(id)}/situation`, { situation }, 4000);
+      const answer = await HL.port.api("POST", `/demo/robots/${encodeURIComponent(id)}/situation`, { situation }, LIMIT_MS);
       this.isBusy = false;
       if (!answer.ok) HL.toast(`Not done: ${answer.text || "the simulator did not answer."}`, "error");
       await this.ask();
