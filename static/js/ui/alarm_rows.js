@@ -140,7 +140,8 @@
       } else {
         this.isBehind = true;
         const now = new Map(wanted.map((row) => [row.id, row]));
-        this.shown = this.shown.map((row) => now.get(row.id) ?? { ...row, isGone: true, folds: [], follows: 0 });
+        const live = HL.alarms.all(); // one that left this list may be shelved, and says so
+        this.shown = this.shown.map((row) => now.get(row.id) ?? { ...row, one: live[row.id] ?? row.one, isGone: !live[row.id], folds: [], follows: 0 });
       }
       const there = new Set(this.shown.map((row) => row.id));
       const fresh = wanted.filter((row) => !there.has(row.id));

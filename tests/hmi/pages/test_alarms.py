@@ -130,10 +130,12 @@ def test_shelving_asks_for_time_and_reason_and_comes_back_by_hand(look: Look, fa
     expect(sheet).to_have_count(0)
     [order] = farm.orders("/shelve")
     assert (order["until_shift_end"], order["reason"]) == (True, "Radio is being mended")
+    page.mouse.move(5, 5)  # the list holds still as long as the mouse is over it
     expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_have_count(0)
     page.get_by_test_id("alarms-tab-shelved").click()
     expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_contain_text("Shelved by AO until")
     page.get_by_test_id(f"alarm-shelve-{LINK}").click()
+    page.mouse.move(5, 5)
     expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_have_count(0)
     assert len(farm.until_orders("/unshelve")) == 1
 
