@@ -27,6 +27,8 @@ class SimulatorStage:
     async def situations(self) -> dict[str, Any]:
         """Return what can be played and what is on."""
         answer = await self._ask("GET", "/_situations")
+        if not answer.is_success:
+            raise StageAway(f"it answered {answer.status_code}")
         told: dict[str, Any] = answer.json()
         return told
 

@@ -41,8 +41,8 @@
       this.isAsking = false;
       if (!this.isConnected) return;
       if (answer.ok) {
-        this.known = answer.situations;
-        this.on = answer.now;
+        this.known = answer.situations ?? [];
+        this.on = answer.now ?? {};
         this.problem = "";
       } else {
         this.problem = answer.text || "The simulator does not answer.";
