@@ -66,7 +66,7 @@ _FAULTS: dict[str, tuple[str, str, str]] = {
         "Look at the camera; clear the way.",
     ),
     "tool-interlock": ("high", "The {cover} is open, the {tool} cannot work.", "Close the cover at the machine."),
-    "weed-unsure": ("low", "It cannot tell crop and weed apart here.", "Look at the row."),
+    "weed-unsure": ("medium", "It cannot tell crop and weed apart here.", "Look at the row."),
     "crane-limit": (
         "high",
         "The crane is outside its limit: joint 3 at 97 %.",

@@ -40,12 +40,12 @@
       const answer = await HL.port.api("GET", "/demo/situations", undefined, LIMIT_MS);
       this.isAsking = false;
       if (!this.isConnected) return;
-      if (answer.ok) {
-        this.known = answer.situations ?? [];
-        this.on = answer.now ?? {};
+      if (answer.ok && answer.data) {
+        this.known = answer.situations;
+        this.on = answer.now;
         this.problem = "";
       } else {
-        this.problem = answer.text || "The simulator does not answer.";
+        this.problem = answer.text || "The server did not answer in time.";
       }
       this.draw();
     }
