@@ -41,7 +41,7 @@ LANE = """
     put(topic, groups) {
       revision += 1;
       states.set(topic, { ...states.get(topic), ...groups });
-      const names = Object.keys(topic === 'poses' ? groups.robots : groups);
+      const names = Object.keys(groups.robots ?? groups); // as lane.js tells lists of robots
       for (const fn of listeners.get(topic) ?? []) fn(states.get(topic), topic, names);
       return revision;
     },
