@@ -40,11 +40,11 @@ types: $(DEV_STAMP)
 	$(BIN)/mypy
 
 # Two runs: the browser's driver keeps an event loop of its own in the main thread, where asyncio tests run theirs.
-# A file stays in one process, so that the stories of one file share one running demo.
-MANY := -n auto --maxprocesses 4 --dist loadfile
+# There a file stays in one process, so that its stories share one running demo.
+MANY := -n auto --maxprocesses 4
 test: tools lint types
-	$(BIN)/pytest $(MANY) -m "not long and not browser"
-	$(BIN)/pytest $(MANY) -m "not long and browser"
+	$(BIN)/pytest $(MANY) --dist worksteal -m "not long and not browser"
+	$(BIN)/pytest $(MANY) --dist loadfile -m "not long and browser"
 
 # The inner loop: no browser, no broker.
 test-fast: $(DEV_STAMP)
@@ -54,7 +54,7 @@ test-fast: $(DEV_STAMP)
 test-long: tools
 	HEADLAND_LONG=1 $(BIN)/pytest -m "long and not browser"
 	HEADLAND_LONG=1 $(BIN)/pytest -m "long and browser"
-	HEADLAND_LONG=1 $(BIN)/pytest $(MANY) -m "hypothesis and not browser"
+	HEADLAND_LONG=1 $(BIN)/pytest $(MANY) --dist worksteal -m "hypothesis and not browser"
 
 # `make bench NAME=stop_loaded_p99_ms` runs one.
 bench: tools

@@ -91,8 +91,7 @@ export class FleetView {
   }
 
   /** Robots that are drawn as such: not filtered out, in no cluster. */
-  single(look) {
-    const robots = this.map.intake.robots.values();
+  single(robots, look) {
     return this.isOn ? [...robots].filter((robot) => !look.isHidden(robot)) : robots;
   }
 

@@ -1,16 +1,19 @@
 // The live map: farm, mission, robots, marks and controls on one element. See components/live_map.py for its options.
 
 import { farmLabels, readableLabels, robotLabels } from './captions.js';
+import { loadBase } from './base_loader.js';
 import { Controls } from './controls.js';
 import { startEngine } from './engine_choice.js';
 import { laneRevision } from './feed.js';
-import { FleetView } from './fleet_view.js';
+import { NO_FLEET, loadFleet } from './fleet_none.js';
 import { boxOf, mercPerMetre, mercX, mercY } from './geometry.js';
 import { Intake } from './intake.js';
 import { DoseLegend, areaLabels } from './areas.js';
 import { LabelLayer } from './labels.js';
+import { keyedWay } from './keyed_way.js';
 import { LAYERS, baseChoice, keepLayers, readLayers } from './layers.js';
 import { noticeOf } from './notice.js';
+import { robotAt } from './robots.js';
 import { RobotList } from './robot_list.js';
 import { Scene } from './scene.js';
 import { readPalette, watchTheme } from './theme.js';
@@ -23,7 +26,6 @@ const GROW_MS = 500; // how often growing circles are drawn anew
 const GLIDE_PX = 0.75; // smaller steps between poses cannot be seen
 const FRAME_MS = 40; // 25 pictures a second while gliding
 const MOST_GLIDING = 50;
-const TAP_PX = 28;
 const ROBOT_ZOOM = 16.8; // 2.3 px per metre at 52 degrees north: a field of a hectare fills the screen
 const FIELD_ZOOMS = [16.2, 19.5]; // a large field keeps its rows apart, a small one its surroundings in sight
 const FIELD_MARGIN_PX = 40;
@@ -54,7 +56,7 @@ export class LiveMap {
     this.surface = document.createElement('div');
     this.surface.className = 'hl-map-surface';
     host.append(this.surface);
-    this.fleet = new FleetView(this);
+    this.fleet = NO_FLEET;
     this.labelLayer = new LabelLayer(host);
     this.controls = this.#controls();
     this.controls.setFollowing(this.isFollowing);
@@ -86,6 +88,7 @@ export class LiveMap {
     this.unwatch = watchTheme((palette) => this.#theme(palette));
     this.watch = setInterval(() => this.#watch(), WATCH_MS);
     this.host.addEventListener('keydown', (this.keys = (event) => this.#key(event)));
+    if (this.options.mode === 'fleet') await loadFleet(this);
     await this.#start(this.options.engine);
   }
 
@@ -120,21 +123,8 @@ export class LiveMap {
     this.#moved();
   }
 
-  /** Base maps load when one was chosen, or when the menu asks what there is. */
-  async #under(menu) {
-    try {
-      const { BaseMaps } = await import('./base_maps.js');
-      if (this.isGone || !this.engine) return;
-      if (!this.base) {
-        this.base = new BaseMaps({ host: this.host, url: this.options.baseMapsUrl, changed: (isLook) => (isLook ? this.#theme(readPalette()) : this.#notice()) });
-        this.base.attach(this.engine, this.palette);
-      }
-      if (menu) this.base.fill(menu);
-    } catch (error) {
-      console.warn('map: base maps did not load:', error);
-      this.engineNote ||= 'Base map did not load. Showing plain ground.';
-      this.#notice();
-    }
+  #under(menu) {
+    return loadBase(this, menu, (isLook) => (isLook ? this.#theme(readPalette()) : this.#notice()));
   }
 
   /** The graphics context is gone for good: go on without it. */
@@ -319,7 +309,7 @@ export class LiveMap {
     const labels = this.shown.labels ? [...readableLabels(this.labels, camera), ...areaLabels(this.intake.model?.areas ?? [], camera)] : [];
     const look = { ...this.look, palette: this.palette, metresPerPx: camera.metresPerPx, isNear: this.fleet.said?.layers.names ?? camera.zoom > NAMES_ZOOM };
     if (this.look) {
-      labels.push(...robotLabels(this.fleet.single(look), look), ...this.fleet.drawClusters(camera, this.palette));
+      labels.push(...robotLabels(this.fleet.single(this.intake.robots.values(), look), look), ...this.fleet.drawClusters(camera, this.palette));
     }
     this.labelLayer.draw(camera, labels, this.palette);
     this.frameNumber += 1;
@@ -354,13 +344,7 @@ export class LiveMap {
 
   #tapped(x, y) {
     this.controls.closeMenu();
-    let best = null;
-    let off = TAP_PX;
-    for (const robot of this.intake.robots.values()) {
-      if (!robot.pose || this.look?.isHidden?.(robot)) continue;
-      const [rx, ry] = this.engine.camera.project(robot.pose.mx, robot.pose.my);
-      if (Math.hypot(rx - x, ry - y) < off) [best, off] = [robot, Math.hypot(rx - x, ry - y)];
-    }
+    const best = robotAt(this.intake.robots.values(), this.engine.camera, x, y, this.look?.isHidden);
     if (!best) return void this.fleet.tapped(x, y);
     this.options.onSelect?.(best.id);
     if (this.fleet.said) window.dispatchEvent(new CustomEvent('headland:map-robot', { detail: best.id }));
@@ -374,15 +358,13 @@ export class LiveMap {
 
   #key(event) {
     if (event.target.closest('.hl-map-menu, button') || !this.engine) return;
-    const { camera } = this.engine;
-    const step = { ArrowLeft: [-80, 0], ArrowRight: [80, 0], ArrowUp: [0, -80], ArrowDown: [0, 80] }[event.key];
-    if (event.key === '+' || event.key === '=') this.#zoom(1);
-    else if (event.key === '-') this.#zoom(-1);
-    else if (step && event.shiftKey) { // plain arrows drive the robot
+    const way = keyedWay(event, this.engine.camera);
+    if (!way) return;
+    if (way.zoom) this.#zoom(way.zoom);
+    else {
       this.follow(false);
-      const [mx, my] = camera.unproject(camera.width / 2 + step[0], camera.height / 2 + step[1]);
-      this.engine.ease({ mx, my });
-    } else return;
+      this.engine.ease(way);
+    }
     event.preventDefault();
   }
 

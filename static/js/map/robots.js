@@ -114,3 +114,17 @@ export function clockTime(ageMs) {
   const time = new Date(Date.now() - ageMs);
   return [time.getHours(), time.getMinutes(), time.getSeconds()].map((part) => String(part).padStart(2, '0')).join(':');
 }
+
+const TAP_PX = 28;
+
+/** The robot under a finger, or null; `isHidden` ones are not drawn. */
+export function robotAt(robots, camera, x, y, isHidden = () => false) {
+  let best = null;
+  let off = TAP_PX;
+  for (const robot of robots) {
+    if (!robot.pose || isHidden(robot)) continue;
+    const [rx, ry] = camera.project(robot.pose.mx, robot.pose.my);
+    if (Math.hypot(rx - x, ry - y) < off) [best, off] = [robot, Math.hypot(rx - x, ry - y)];
+  }
+  return best;
+}
