@@ -42,6 +42,7 @@ class AlarmRecordRoutes:
     Args:
         scene_of: what a guided check of a source may look at.
         contact_of: whom to call about a source, ``None`` if nobody is named.
+        responsible_for: who answers for a source in this shift, empty if nobody does.
         operators: how many people are signed in who may answer alarms.
     """
 
@@ -54,6 +55,7 @@ class AlarmRecordRoutes:
     name_of: Callable[[str], str]
     scene_of: Callable[[str], Scene]
     contact_of: Callable[[str], dict[str, str] | None]
+    responsible_for: Callable[[str], str]
     operators: Callable[[], int]
 
 
@@ -81,6 +83,7 @@ def alarm_record_routes(parts: AlarmRecordRoutes) -> APIRouter:
             "sequence": happened,
             "seen_before": before,
             "contact": parts.contact_of(source),
+            "responsible": parts.responsible_for(source),
         }
 
     @router.post("/alarms/{alarm_id}/diagnose", summary="Look at live values and say what they tell")

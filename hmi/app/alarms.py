@@ -130,6 +130,7 @@ class AlarmRoom:
             name_of=self.name_of,
             scene_of=self._scene,
             contact_of=self._contact,
+            responsible_for=lambda source: self.notifications.responsible_for(source),
             operators=self._operators,
         )
         live = AlarmRoutes(self.store, self.desk, self._clock, self.name_of)

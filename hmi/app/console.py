@@ -95,6 +95,7 @@ class Console:
             on_move=self._stop_moved,
         )
         self.alarms.weather = self.queue.weather
+        self.alarms.notifications.responsible_for = self._responsible_for
         self.chores = Chores(records, self.hub, self.keeper, clock)
         see = [records.recorder.see, self.missions.tracking.see, self.alarms.see]
         self._witness = FleetWitness(edge.fleet, clock, self.stops.service.on_return, see)
@@ -186,6 +187,10 @@ class Console:
             self.records.sessions.on_ended(self._session_ended),
             self._witness.start(),
         ]
+
+    def _responsible_for(self, robot_id: str) -> str:
+        found = self.fleet.duty.responsible_for(robot_id)
+        return "" if found is None else found.user_name
 
     def _acknowledged(self, answer: Any) -> None:
         self.desk.ledger.acknowledged(answer)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from fastapi import APIRouter
 
 from hmi.api.alarm_settings import alarm_settings_routes
@@ -35,6 +37,7 @@ class NotificationRoom:
         self._farm, self._clock = settings.farm_name, clock
         self._rules = AddressRules(tuple(one.lower() for one in settings.notify_hosts), settings.notify_private)
         self.post = PostOffice(clock, self._deliver)
+        self.responsible_for: Callable[[str], str] = lambda _source: ""
         kept = AlarmSettings(records.database, settings.farm_id)
         self.desk = AlarmSettingsDesk(
             SettingsParts(
@@ -74,6 +77,7 @@ class NotificationRoom:
                 text=live.alarm.text,
                 steps=tuple(words(live.type, live.alarm.advice)["steps"]),
                 by=step.by,
+                responsible=self.responsible_for(live.alarm.key.source),
             ),
         )
 

@@ -22,7 +22,7 @@ _OCCASION = {
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """One step of one alarm, in words."""
+    """One step of one alarm, in words; ``responsible`` answers for the robot, empty if nobody does."""
 
     id: str
     what: What
@@ -34,6 +34,7 @@ class Told:
     text: str
     steps: tuple[str, ...]
     by: str = ""
+    responsible: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +88,7 @@ def _paragraph(one: Told) -> str:
     lines = [head + by, f"{one.at:%Y-%m-%d %H:%M:%S} UTC", one.text]
     if one.what in (What.RAISED, What.ESCALATED):
         lines += [f"{number}. {step}" for number, step in enumerate(one.steps, 1)]
+        lines += [f"Responsible: {one.responsible}"] if one.responsible else []
     return "\n".join(line for line in lines if line)
 
 
@@ -102,6 +104,7 @@ def _fields(one: Told) -> dict[str, Any]:
         "text": one.text,
         "steps": list(one.steps),
         "by": one.by,
+        "responsible": one.responsible,
     }
 
 

@@ -8,17 +8,23 @@ import pytest
 from playwright.sync_api import expect
 
 from tests.e2e.installation import Installation
-from tests.e2e.person import Person
+from tests.e2e.person import Person, wait_for
+from tests.e2e.test_farmer import send_mission
 
 Come = Callable[..., Person]
 
 pytestmark = [pytest.mark.browser, pytest.mark.long]
+AWAY_M = 4.0  # a robot that stands at home is not sent there
 
 
 def test_two_robots_go_home_together_and_the_silent_one_is_named_and_tried_again(
     person: Come, calm: Installation
 ) -> None:
     anna = person("supervisor")
+    send_mission(anna)
+    anna.operate("weeder-01")
+    anna.slide("mission-start")
+    wait_for(lambda: calm.world("weeder-01")["distance_m"] > AWAY_M, within_s=60, what="it left its home")
     anna.open("/fleet")
     expect(anna.hook("fleet-row-weeder-02")).to_be_visible()
     for robot in ("weeder-01", "weeder-02"):

@@ -116,7 +116,7 @@
       text(this.where, `${now.name}, raised ${W.raised(now.raised)}`);
       text(this.lasting, isGone ? "" : W.lasting(now));
       text(this.now, W.now(now));
-      text(this.story, isGone ? "Normal again. It left the list." : [W.state(now), W.story(now), now.chattering ? "It comes and goes: it is held until it was quiet for a minute." : "", now.escalated ? `Nobody answered: told on at ${W.raised(now.escalated)}.` : ""].filter(Boolean).join(". ").replaceAll("..", "."));
+      text(this.story, isGone ? "Normal again. It left the list." : [W.state(now), W.story(now), now.chattering ? "It comes and goes: it is held until it was quiet for a minute." : "", now.escalated ? `Nobody answered: told on at ${W.raised(now.escalated)}.` : "", this.loaded?.responsible ? `Responsible: ${this.loaded.responsible}.` : ""].filter(Boolean).join(". ").replaceAll("..", "."));
       this.paintActs(now, isGone);
     }
 

@@ -9,6 +9,7 @@ import json
 import stat
 import threading
 from collections.abc import Iterator
+from dataclasses import replace
 from datetime import UTC, datetime
 from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
@@ -261,6 +262,13 @@ async def test_a_mail_says_what_to_do_and_a_name_cannot_bend_its_head() -> None:
     assert "\nBcc:" not in letter
     assert "Subject: Hof Bcc: evil@evil.test Brandt: Alarm, No data link" in letter.replace("\r\n ", " ")
     assert "1. Look before you walk up to it" in letter
+
+
+def test_who_answers_for_the_robot_is_named_where_something_is_to_be_done() -> None:
+    one = replace(told(what=What.ESCALATED), responsible="Martha Keller")
+    assert "Responsible: Martha Keller" in Message("Hof", (one,)).body()
+    assert json.loads(Message("Hof", (one,)).payload())["alarms"][0]["responsible"] == "Martha Keller"
+    assert "Responsible" not in Message("Hof", (replace(one, what=What.RETURNED),)).body()
 
 
 def test_a_password_must_not_travel_unencrypted() -> None:

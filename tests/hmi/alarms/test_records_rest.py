@@ -75,6 +75,7 @@ class RecordConsole(Console):
             name_of=lambda _source: "Weeder 01",
             scene_of=lambda source: Scene(clock.mono_s(), self.field.robot(source)),
             contact_of=lambda _source: {"name": "Jonas Weber", "phone": "+49 1"},
+            responsible_for=lambda _source: "Martha Keller",
             operators=lambda: 1,
         )
         live = AlarmRoutes(self.alarms, desk, clock, lambda _source: "Weeder 01")
@@ -121,6 +122,7 @@ async def test_one_alarm_says_what_to_do_and_what_happened_in_order(console: Rec
     ]
     assert all(one["at"] % 10 == 0 for one in answer["sequence"])
     assert (answer["seen_before"], answer["contact"]["name"]) == (0, "Jonas Weber")
+    assert answer["responsible"] == "Martha Keller"
     assert (await viewer.get("/alarms/link-lost.weeder-99")).status_code == 404
 
 
