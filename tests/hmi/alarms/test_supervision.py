@@ -180,6 +180,15 @@ async def test_a_battery_that_does_not_last_is_told_with_what_is_needed() -> Non
         assert rig.one("battery-short.weeder-01").alarm.text.startswith("55 % now; the rest needs 5")
 
 
+async def test_a_battery_that_lasts_for_hours_is_told_in_the_last_hour_before_its_reserve() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        rig.missions["m-1"] = Stored(battery_share=0.9)
+        work(rig, 65, battery=up.Battery(soc=0.55, remaining_s=8000.0))
+        assert rig.states() == {}
+        work(rig, 65, battery=up.Battery(soc=0.4, remaining_s=4000.0))
+        assert set(rig.states()) == {"battery-short.weeder-01"}
+
+
 async def test_each_failed_node_is_an_alarm_of_its_own() -> None:
     async with AlarmRig(ROBOT) as rig:
         for name in ("planner", "laser_driver", "camera"):
