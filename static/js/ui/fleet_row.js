@@ -61,7 +61,7 @@
       const key = `${verdict.level}/${verdict.look}`;
       if (key !== this.drawn) {
         this.drawn = key;
-        this.sign.replaceChildren(verdict.level ? alarm(verdict.level, 26, verdict.look === "unacknowledged") : "");
+        this.sign.replaceChildren(verdict.level ? alarm(verdict.level, 26, verdict.look) : "");
       }
       text(this.head, verdict.isLost && Number.isFinite(one.ageMs) ? `No link for ${HL.words.since(HL.port.age(robot.t))}` : verdict.head);
       text(this.line, verdict.line);

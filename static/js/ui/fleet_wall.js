@@ -18,7 +18,7 @@
       const key = `${verdict.level}/${verdict.look}/${robot.family}`;
       if (key !== this.key) {
         this.key = key;
-        this.sign.replaceChildren(verdict.level ? alarm(verdict.level, 40, verdict.look === "unacknowledged") : robotGlyph(robot.family, 40));
+        this.sign.replaceChildren(verdict.level ? alarm(verdict.level, 40, verdict.look) : robotGlyph(robot.family, 40));
       }
       attr(this.node, "data-testid", `wall-row-${one.id}`);
       attr(this.node, "data-level", verdict.level);
