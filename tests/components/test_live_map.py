@@ -221,6 +221,7 @@ def test_the_map_changes_its_colours_with_the_theme(the_map: MapPage) -> None:
     assert len(set(seen)) == 3
 
 
+@pytest.mark.long
 def test_without_webgl_the_same_map_comes_from_a_canvas_and_says_so(
     browser_type: BrowserType, browser_type_launch_args: dict[str, Any], server: MapServer
 ) -> None:
@@ -251,6 +252,7 @@ def test_graphics_that_fail_while_running_are_replaced_by_the_canvas(the_map: Ma
     expect(the_map.page.get_by_test_id("map-notice")).to_contain_text("Simple map")
 
 
+@pytest.mark.long
 def test_nothing_is_asked_of_another_origin(the_map: MapPage) -> None:
     the_map.open()
     the_map.on_row()

@@ -55,6 +55,7 @@ def test_lifting_the_finger_stops_the_robot(person: Come, calm: Installation) ->
     stands_within_dead_man(calm)
 
 
+@pytest.mark.long
 def test_a_hidden_tab_stops_the_robot(person: Come, calm: Installation) -> None:
     martha = person("operator")
     drive_forward(martha, calm)

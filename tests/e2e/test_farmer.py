@@ -67,6 +67,7 @@ def test_a_farmer_weeds_pauses_drives_by_hand_and_stops(person: Come, calm: Inst
     assert calm.world(ROBOT)["latched"]
 
 
+@pytest.mark.long
 def test_sending_a_mission_does_not_move_the_robot(person: Come, calm: Installation) -> None:
     martha = person("operator")
     before = calm.world(ROBOT)

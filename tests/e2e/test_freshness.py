@@ -72,6 +72,7 @@ def test_signing_out_closes_every_page_of_the_session(person: Come, calm: Instal
         expect(page.get_by_test_id("login-name")).to_be_visible(timeout=15_000)
 
 
+@pytest.mark.long
 def test_a_draft_survives_ten_seconds_without_network(person: Come, calm: Installation) -> None:
     anna = person("admin")
     anna.open("/admin")

@@ -65,6 +65,7 @@ def test_a_hundred_kills_at_any_moment(person: Come, calm: Installation) -> None
         kill_and_stop(martha, calm, moments.choice(PARTS), wait_ms=moments.randrange(0, 3000))
 
 
+@pytest.mark.long
 def test_a_start_asked_while_the_broker_is_dead_never_acts(person: Come, calm: Installation) -> None:
     martha = person("operator")
     send_mission(martha)

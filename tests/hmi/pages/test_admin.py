@@ -68,6 +68,7 @@ def test_only_what_was_changed_is_sent_and_a_token_is_never_shown(admin: tuple[P
     assert registry.asked == [{"name": "Weeder Seven", "contact_phone": None, "is_unattended_allowed": True}]
 
 
+@pytest.mark.long
 def test_what_is_wrong_stands_at_its_field_and_nothing_typed_is_lost(admin: tuple[Page, Registry]) -> None:
     page, registry = admin
     registry.refusal = {"code": "invalid", "field": "http_url", "text": "use http://host:port/path"}
@@ -82,6 +83,7 @@ def test_what_is_wrong_stands_at_its_field_and_nothing_typed_is_lost(admin: tupl
     expect(page.locator("#robot-wrong-http_url")).to_have_text("")
 
 
+@pytest.mark.long
 def test_a_token_is_taken_away_only_by_saying_so(admin: tuple[Page, Registry]) -> None:
     page, registry = admin
     page.get_by_test_id("robot-edit-no-token").check()

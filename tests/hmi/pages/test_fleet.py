@@ -78,6 +78,7 @@ def test_going_home_needs_one_slide_that_names_them_all_and_what_stands_against_
     assert [one["action"] for one in fleet()["orders"]] == ["return_home"]
 
 
+@pytest.mark.long
 def test_a_saved_view_and_a_group_survive_a_reload(look: Look, fleet: Callable[..., dict[str, Any]]) -> None:
     page = look("/fleet")
     choose(page, "weeder-07", "weeder-01")

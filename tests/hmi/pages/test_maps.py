@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from playwright.sync_api import Browser, expect
 
-from tests.hmi.pages.conftest import SIZES, Theatre
+from tests.hmi.pages.conftest import TABLETS, Theatre
 from tests.hmi.pages.maps_screen import Show, choose, editing
 from tests.hmi.pages.maps_screen import show as show
 
@@ -23,6 +23,7 @@ def test_the_published_map_is_shown_read_only_until_somebody_edits(show: Show) -
     expect(page.get_by_test_id("editor-tool-parcel")).not_to_have_attribute("aria-disabled", "true")
 
 
+@pytest.mark.long
 def test_a_viewer_only_looks(show: Show) -> None:
     page = show(role="viewer")
     expect(page.get_by_test_id("editor-reason")).to_have_text("You cannot publish maps. Needs the planner role.")
@@ -54,6 +55,7 @@ def test_an_empty_map_says_how_to_begin(show: Show) -> None:
     expect(page.get_by_test_id("maps-empty")).to_have_count(0)
 
 
+@pytest.mark.long
 def test_an_error_gives_a_way_to_try_again(show: Show, theatre: Theatre) -> None:
     page = show(is_down=True)
     expect(page.get_by_test_id("maps-error")).to_contain_text("Map did not load")
@@ -88,7 +90,7 @@ REACH = """() => [...document.querySelectorAll('hl-maps button, hl-maps input, h
   })"""
 
 
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("size", TABLETS)
 def test_everything_is_in_reach_and_nothing_scrolls_sideways(show: Show, size: str) -> None:
     page = editing(show(size=size, rename={"hangacker": "Hangacker crossed"}))
     choose(page, "nordfeld")

@@ -94,6 +94,7 @@ def test_changes_made_offline_survive_a_reload_and_go_out_in_order(show: Show, t
     saved(page, theatre, "Crop Sugar beet to Maize", "Headland width 3.5 to 4 m")
 
 
+@pytest.mark.long
 def test_a_change_that_does_not_fit_any_more_is_named_and_the_draft_loaded_again(show: Show, theatre: Theatre) -> None:
     page = editing(show())
     theatre.play_map(rename={"nordfeld": "Nordfeld 13"}, in_draft=True)

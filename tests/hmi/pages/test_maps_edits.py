@@ -12,6 +12,7 @@ from tests.hmi.pages.maps_screen import show as show
 pytestmark = pytest.mark.browser
 
 
+@pytest.mark.long
 def test_the_chosen_parcel_shows_its_measures_and_attributes(show: Show) -> None:
     page = editing(show())
     choose(page, "nordfeld")
@@ -80,6 +81,7 @@ def test_what_is_drawn_is_saved_copied_and_deleted(show: Show, theatre: Theatre)
     assert len(heard["draft"]) == 9
 
 
+@pytest.mark.long
 def test_a_hole_and_a_cut_are_made_by_the_server(show: Show, theatre: Theatre) -> None:
     page = editing(show())
     page.get_by_test_id("editor-tool-split").click()

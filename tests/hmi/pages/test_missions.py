@@ -159,6 +159,7 @@ def test_what_cannot_be_planned_is_said_beside_the_form(show: Callable[..., tupl
     expect(page.get_by_test_id("plan-store")).to_be_disabled()
 
 
+@pytest.mark.long
 def test_a_changed_wish_must_be_looked_at_again(show: Callable[..., tuple[Page, Played]]) -> None:
     page, _ = show(mission("m-1"))
     page.get_by_test_id("mission-plan").click()
@@ -168,6 +169,7 @@ def test_a_changed_wish_must_be_looked_at_again(show: Callable[..., tuple[Page, 
     expect(page.get_by_test_id("plan-store")).to_be_disabled()
 
 
+@pytest.mark.long
 def test_a_wish_survives_a_reload(show: Callable[..., tuple[Page, Played]]) -> None:
     page, _ = show(mission("m-1"))
     page.get_by_test_id("mission-plan").click()
@@ -177,6 +179,7 @@ def test_a_wish_survives_a_reload(show: Callable[..., tuple[Page, Played]]) -> N
     expect(page.get_by_test_id("plan-width")).to_have_value("1.35")
 
 
+@pytest.mark.long
 def test_a_mission_that_never_ran_can_be_deleted(show: Callable[..., tuple[Page, Played]]) -> None:
     page, played = show(mission("m-1"), mission("m-2"))
     page.get_by_test_id("mission-row-m-2").click()
@@ -195,6 +198,7 @@ def test_an_operator_sends_but_does_not_change(show: Callable[..., tuple[Page, P
         expect(page.get_by_test_id(hook)).to_be_disabled()
 
 
+@pytest.mark.long
 def test_a_viewer_only_watches(show: Callable[..., tuple[Page, Played]]) -> None:
     page, _ = show(mission("m-1"), role="viewer")
     expect(page.get_by_test_id("mission-rights")).to_have_text(
@@ -203,11 +207,13 @@ def test_a_viewer_only_watches(show: Callable[..., tuple[Page, Played]]) -> None
     expect(page.get_by_test_id("plan-send")).to_be_disabled()
 
 
+@pytest.mark.long
 def test_without_missions_it_says_what_to_do(show: Callable[..., tuple[Page, Played]]) -> None:
     page, _ = show()
     expect(page.get_by_test_id("missions-empty")).to_contain_text("No missions yet")
 
 
+@pytest.mark.long
 def test_an_error_gives_a_way_to_try_again(show: Callable[..., tuple[Page, Played]]) -> None:
     page, played = show(mission("m-1"), status=503)
     expect(page.get_by_test_id("missions-error")).to_contain_text("Missions did not load")
@@ -216,6 +222,7 @@ def test_an_error_gives_a_way_to_try_again(show: Callable[..., tuple[Page, Playe
     expect(page.get_by_test_id("mission-row-m-1")).to_be_visible()
 
 
+@pytest.mark.long
 def test_on_a_narrow_screen_list_and_detail_take_turns(show: Callable[..., tuple[Page, Played]]) -> None:
     page, _ = show(mission("m-1"), size="portrait")
     page.get_by_test_id("mission-row-m-1").click()

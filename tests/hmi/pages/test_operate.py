@@ -10,7 +10,7 @@ from collections.abc import Callable
 import pytest
 from playwright.sync_api import Page, expect
 
-from tests.hmi.pages.conftest import SIZES, Theatre
+from tests.hmi.pages.conftest import SIZES, TABLETS, Theatre
 
 pytestmark = pytest.mark.browser
 Look = Callable[..., Page]
@@ -33,7 +33,7 @@ def slide(page: Page, hook: str, *, share: float = 1.0, is_released: bool = True
         page.mouse.up()
 
 
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("size", TABLETS)
 def test_every_value_is_shown_with_its_age_and_in_si(look: Look, theatre: Theatre, size: str) -> None:
     theatre.play("running")
     page = look(size=size)
@@ -222,7 +222,7 @@ def open_drive(page: Page) -> None:
     expect(page.get_by_test_id("drive-forward")).to_be_visible()
 
 
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("size", TABLETS)
 def test_the_robot_drives_only_while_a_pad_is_held(look: Look, theatre: Theatre, size: str) -> None:
     theatre.play("manual")
     page = look(size=size)
@@ -290,6 +290,7 @@ def test_a_slow_link_switches_driving_off(look: Look, theatre: Theatre) -> None:
     assert drives(theatre) == []
 
 
+@pytest.mark.long
 def test_speeds_above_slow_are_locked_and_units_follow_the_person(look: Look, theatre: Theatre) -> None:
     theatre.play("manual")
     page = look()
@@ -334,6 +335,7 @@ WAKE_LOCK = """window.locks = []; Object.defineProperty(navigator, 'wakeLock', {
     window.locks.push(lock); return lock; }}})"""
 
 
+@pytest.mark.long
 def test_the_screen_stays_on_exactly_while_one_has_control(look: Look, theatre: Theatre) -> None:
     theatre.play("paused", owner="operator")
     page = look()

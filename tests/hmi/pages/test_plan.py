@@ -108,6 +108,7 @@ def test_row_orders_are_compared_and_the_tapped_one_is_stored_and_sent(
     ]
 
 
+@pytest.mark.long
 def test_the_robot_travels_along_the_plan_by_keys_and_looks_along_its_row(
     plan: Callable[..., tuple[Page, PlayedPlans]],
 ) -> None:

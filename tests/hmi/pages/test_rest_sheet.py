@@ -97,6 +97,7 @@ def test_an_obstacle_drawn_with_a_finger_is_planned_around_and_then_sent(
     expect(page.get_by_test_id("toast")).to_contain_text("read the new rest back")
 
 
+@pytest.mark.long
 def test_corners_are_tapped_one_taken_back_and_an_area_taken_away(
     sheet: Callable[..., tuple[Page, PlayedRest]],
 ) -> None:
@@ -116,6 +117,7 @@ def test_corners_are_tapped_one_taken_back_and_an_area_taken_away(
     expect(page.get_by_test_id("rest-area-0")).to_have_count(0)
 
 
+@pytest.mark.long
 def test_the_arrow_keys_draw_too(sheet: Callable[..., tuple[Page, PlayedRest]]) -> None:
     page, _ = sheet()
     page.get_by_test_id("rest-draw-area").click()

@@ -139,6 +139,7 @@ def test_an_enrolled_tablet_asks_for_a_pin(look: Look, theatre: Theatre) -> None
     expect(page.get_by_test_id("nav-fleet")).to_be_visible()
 
 
+@pytest.mark.long
 def test_a_name_typed_at_sign_in_survives_a_reload(look: Look, theatre: Theatre) -> None:
     page = look("/fleet", role="")
     page.get_by_test_id("login-name").fill("oper")
@@ -147,6 +148,7 @@ def test_a_name_typed_at_sign_in_survives_a_reload(look: Look, theatre: Theatre)
     assert page.get_by_test_id("login-password").input_value() == ""
 
 
+@pytest.mark.long
 def test_a_robot_nobody_heard_of_gets_a_way_back(look: Look, theatre: Theatre) -> None:
     page = look("/operate/nobody")
     expect(page.get_by_test_id("notice")).to_contain_text("No robot nobody")
@@ -175,6 +177,7 @@ def test_admin_accepts_a_new_robot_with_an_address_from_the_registry(look: Look,
     assert (order["id"], order["http_url"]) == ("planter-09", "http://10.0.0.19:8090")
 
 
+@pytest.mark.long
 def test_every_admin_section_opens(look: Look, theatre: Theatre) -> None:
     page = look("/admin", role="admin")
     for name, text in {
