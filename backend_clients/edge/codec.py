@@ -11,6 +11,7 @@ from typing import Any
 
 import msgspec
 
+from backend_clients.edge import machine
 from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.topics import Address, Down, Up, parse
@@ -25,6 +26,9 @@ UP_TYPES: dict[Up, type[up.Header]] = {
     Up.SAFETY: up.Safety,
     Up.EVENT: up.Event,
     Up.NODE: up.Node,
+    Up.BODY: machine.Body,
+    Up.WORKSITE: machine.Worksite,
+    Up.SCAN: machine.Scan,
     Up.ACK: up.Ack,
 }
 DOWN_TYPES: dict[Down, type[down.Order]] = {
@@ -33,6 +37,7 @@ DOWN_TYPES: dict[Down, type[down.Order]] = {
     Down.STOP: down.Stop,
     Down.STOP_RESET: down.StopReset,
     Down.DRIVE: down.Drive,
+    Down.JOG: down.Jog,
     Down.OPERATOR: down.OperatorHeartbeat,
     Down.PING: down.Ping,
 }

@@ -11,22 +11,30 @@ from typing import Annotated, Literal
 
 from msgspec import UNSET, Meta, Struct, UnsetType, field
 
-from backend_clients.edge.messages_up import (
-    Count,
-    Datum,
-    Id,
-    LatDeg,
-    LonDeg,
-    Metres,
-    Name,
-    Positive,
-    Text,
-)
+from backend_clients.edge.fields import Count, Id, LatDeg, LonDeg, Metres, Name, Positive, Text
+from backend_clients.edge.machine import Point3
+from backend_clients.edge.messages_up import Datum
 
 Ref = Annotated[str, Meta(min_length=8, max_length=64, description="UUID or the like; idempotency key")]
 Sha256 = Annotated[str, Meta(pattern="^[0-9a-f]{64}$")]
 Challenge = Annotated[str, Meta(min_length=8, max_length=64, description="from the newest heartbeat")]
-Action = Literal["start", "resume", "pause", "abort", "return_home", "drive_open", "drive_close"]
+Action = Literal[
+    "start",
+    "resume",
+    "pause",
+    "abort",
+    "return_home",
+    "drive_open",
+    "drive_close",
+    "go_to",
+    "tool_retract",
+    "tool_go_to",
+    "skip_target",
+    "stock_refilled",
+    "node_start",
+    "node_stop",
+    "node_restart",
+]
 
 
 class Order(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -37,7 +45,11 @@ class Order(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Command(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """An instant action. ``pause`` and ``abort`` need no lease (``lease_token`` 0)."""
+    """An instant action. ``pause``, ``abort`` and ``node_*`` need no lease (``lease_token`` 0).
+
+    ``node`` names the node of ``node_*``; ``place`` is where ``go_to`` drives and ``tool_go_to`` moves the tool's tip,
+    ENU metres of the factsheet's datum.
+    """
 
     command_id: Ref
     action: Action
@@ -49,6 +61,8 @@ class Command(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
     mission_id: Id | None = None
     mission_sha256: Sha256 | None = None
     is_supervised: bool = True
+    node: Id | UnsetType = UNSET
+    place: Point3 | UnsetType = UNSET
 
 
 class Stop(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -81,6 +95,18 @@ class Drive(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
     challenge: Challenge
     v_mps: Annotated[float, Meta(ge=-2, le=2)]
     yaw_rate_radps: Annotated[float, Meta(ge=-2, le=2)]
+
+
+class Jog(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """10 Hz, QoS 0: joints moved by hand while driving by hand is open; rad/s or m/s by joint.
+
+    The rules of ``Drive`` hold: missing for 0.5 s the joints stop; a soft limit slows, a limit stops.
+    """
+
+    lease_token: Count
+    lease_seq: Count
+    challenge: Challenge
+    rates: Annotated[dict[Name, Annotated[float, Meta(ge=-2, le=2)]], Meta(min_length=1, max_length=16)]
 
 
 class OperatorHeartbeat(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):

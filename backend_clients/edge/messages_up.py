@@ -14,35 +14,26 @@ from typing import Annotated, Any, Literal
 
 from msgspec import Meta, Struct, field
 
-from backend_clients.edge.topics import ID_PATTERN
+from backend_clients.edge import fields
+from backend_clients.edge.fields import (
+    Count,
+    Id,
+    LatDeg,
+    Level,
+    LonDeg,
+    Metres,
+    Mode,
+    Name,
+    NodeState,
+    OrderStatus,
+    Positive,
+    Radians,
+    Share,
+    Text,
+)
+from backend_clients.edge.machine import ActiveState, Chart, GaugeInfo, Joint, LastTransition, NodeInfo
 
-# Python's $ also matches before a final newline; the look-ahead closes that hole and is valid in JSON Schema
-Id = Annotated[str, Meta(pattern=ID_PATTERN + r"(?!\n)", description="lower-case id")]
-Text = Annotated[str, Meta(max_length=400)]
-Name = Annotated[str, Meta(max_length=80)]
-Count = Annotated[int, Meta(ge=0, le=2**53)]
-Share = Annotated[float, Meta(ge=0, le=1, description="0 to 1")]
-Metres = Annotated[float, Meta(ge=-1e7, le=1e7)]
-Positive = Annotated[float, Meta(ge=0, le=1e9)]
-Radians = Annotated[float, Meta(ge=-1e3, le=1e3)]
-LatDeg = Annotated[float, Meta(ge=-90, le=90)]
-LonDeg = Annotated[float, Meta(ge=-180, le=180)]
-
-Mode = Literal["auto", "manual", "paused", "stopped", "idle", "fault"]
-Level = Literal["critical", "high", "medium", "low"]
-NodeState = Literal["unknown", "stopped", "starting", "started", "stopping", "failure"]
-OrderStatus = Literal["none", "loaded", "running", "paused", "done", "aborted", "failed"]
-
-
-class Header(Struct, frozen=True, kw_only=True):
-    """Fields every upward message carries."""
-
-    v: Literal[1] = 1
-    robot: Id
-    boot: Annotated[str, Meta(min_length=8, max_length=64, description="new at each boot")]
-    seq: Count
-    mono_ms: Annotated[Count, Meta(description="robot monotonic clock since boot, ms")]
-    wall_ms: Annotated[int, Meta(description="robot wall clock, ms since 1970; for people, not for rules")]
+Header = fields.Header
 
 
 class Presence(Header, frozen=True, kw_only=True):
@@ -99,21 +90,16 @@ class Camera(Struct, frozen=True, kw_only=True):
     height_px: Count
 
 
-class Joint(Struct, frozen=True, kw_only=True):
-    """A moving joint with its limits, radians or metres."""
-
-    name: Name
-    lower: float
-    upper: float
-    max_rate: Positive
-
-
 class Function(Struct, frozen=True, kw_only=True):
-    """Something the robot can do, and the nodes and functions it needs for it (U7)."""
+    """Something the robot can do, and the nodes and functions it needs for it (U7).
+
+    Without one of ``depends_on`` it is off; without one of ``better_with`` it is limited.
+    """
 
     name: Id
     label: Name
     depends_on: list[Id] = field(default_factory=list)
+    better_with: list[Id] = field(default_factory=list)
 
 
 class Behaviour(Struct, frozen=True, kw_only=True):
@@ -148,7 +134,10 @@ class Factsheet(Header, frozen=True, kw_only=True):
     battery: BatteryPack | None = None
     cameras: list[Camera] = field(default_factory=list)
     joints: list[Joint] = field(default_factory=list)
+    gauges: Annotated[list[GaugeInfo], Meta(max_length=32)] = field(default_factory=list)
+    nodes: Annotated[list[NodeInfo], Meta(max_length=64)] = field(default_factory=list)
     functions: list[Function] = field(default_factory=list)
+    chart: Chart | None = None
     behaviour: Behaviour = field(default_factory=Behaviour)
 
 
@@ -260,6 +249,10 @@ class State(Header, frozen=True, kw_only=True):
     actions: Annotated[list[ActionState], Meta(max_length=32)] = field(default_factory=list)
     faults: Annotated[list[Fault], Meta(max_length=64)] = field(default_factory=list)
     hold: Hold | None = None
+    active: Annotated[
+        list[ActiveState], Meta(max_length=64, description="every active state of the chart, outer first")
+    ] = field(default_factory=list)
+    last_transition: LastTransition | None = None
 
 
 class Press(Struct, frozen=True, kw_only=True):
@@ -306,6 +299,9 @@ class Node(Header, frozen=True, kw_only=True):
     cpu_pct: Positive | None = None
     restarts: Count = 0
     text: Text = ""
+    host: Name = ""
+    since_ms: Annotated[Count, Meta(description="mono_ms when this state of its life began")] | None = None
+    clock_offset_ms: Annotated[float, Meta(ge=-1e9, le=1e9, description="its clock ahead of the robot's")] | None = None
 
 
 class Ack(Header, frozen=True, kw_only=True):

@@ -43,6 +43,9 @@ UP_DELIVERY: dict[Up, Delivery] = {
     Up.SAFETY: Delivery(1, False, "5 Hz (QoS 0), 10 Hz while stopping, and at every change (QoS 1)"),
     Up.EVENT: Delivery(1, False, "as it happens; kept while offline"),
     Up.NODE: Delivery(1, True, "each 5 s, one message a node"),
+    Up.BODY: Delivery(0, False, "10 Hz while it moves, 2 Hz at rest"),
+    Up.WORKSITE: Delivery(1, True, "at each change"),
+    Up.SCAN: Delivery(0, False, "at most 1 Hz"),
     Up.ACK: Delivery(1, False, "answer to each order"),
 }
 DOWN_DELIVERY: dict[Down, Delivery] = {
@@ -51,6 +54,7 @@ DOWN_DELIVERY: dict[Down, Delivery] = {
     Down.STOP: Delivery(1, False, "each 200 ms until standstill is confirmed, each 1 s after 10 s"),
     Down.STOP_RESET: Delivery(1, False, "once, repeats with the same id are harmless"),
     Down.DRIVE: Delivery(0, False, "10 Hz while held"),
+    Down.JOG: Delivery(0, False, "10 Hz while held"),
     Down.OPERATOR: Delivery(0, False, "1 Hz while a page of the lease holder is open"),
     Down.PING: Delivery(0, False, "1 Hz"),
 }

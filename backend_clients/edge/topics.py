@@ -24,6 +24,9 @@ class Up(StrEnum):
     SAFETY = "safety"
     EVENT = "event"
     NODE = "node"
+    BODY = "body"
+    WORKSITE = "worksite"
+    SCAN = "scan"
     ACK = "ack"
 
 
@@ -35,6 +38,7 @@ class Down(StrEnum):
     STOP = "stop"
     STOP_RESET = "stop-reset"
     DRIVE = "drive"
+    JOG = "jog"
     OPERATOR = "operator"
     PING = "ping"
 

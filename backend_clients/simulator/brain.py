@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from backend_clients.edge import messages_up as up
+from backend_clients.edge.fields import Mode
 from backend_clients.edge.messages_down import Mission
 from backend_clients.simulator.action_log import ActionLog
 from backend_clients.simulator.config import RobotConfig
@@ -124,7 +124,7 @@ class Brain:
         return self.home_run is not None or (self.run is not None and self.run.status == "running")
 
     @property
-    def mode(self) -> up.Mode:
+    def mode(self) -> Mode:
         """The operating mode as reported."""
         if self.is_stopped:
             return "stopped"

@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import cache
 
 from backend_clients.edge import messages_up as up
+from backend_clients.edge.machine import Joint
 from backend_clients.simulator.kinematics import FLYING, TRACKED, WHEELED
 from backend_clients.simulator.profile import Energy, Family, Node, Profile, Words
 
@@ -47,8 +48,8 @@ WEEDER = Profile(
         up.Camera(id="tof", label="Distance, pan-tilt head", width_px=352, height_px=264),
     ),
     joints=(
-        up.Joint(name="pan", lower=-1.57, upper=1.57, max_rate=1.0),
-        up.Joint(name="tilt", lower=-0.9, upper=0.5, max_rate=1.0),
+        Joint(name="pan", lower=-1.57, upper=1.57, max_rate=1.0),
+        Joint(name="tilt", lower=-0.9, upper=0.5, max_rate=1.0),
     ),
     tool_node="laser",
     rate_per_min=110.0,
@@ -90,10 +91,10 @@ PLANTER = Profile(
     ),
     cameras=(up.Camera(id="rear", label="Work area behind", width_px=1280, height_px=720),),
     joints=(
-        up.Joint(name="slew", lower=-1.9, upper=1.9, max_rate=0.5),
-        up.Joint(name="lift", lower=-0.4, upper=1.3, max_rate=0.3),
-        up.Joint(name="elbow", lower=-2.6, upper=0.2, max_rate=0.4),
-        up.Joint(name="extension", lower=0.0, upper=4.0, max_rate=0.6),
+        Joint(name="slew", lower=-1.9, upper=1.9, max_rate=0.5),
+        Joint(name="lift", lower=-0.4, upper=1.3, max_rate=0.3),
+        Joint(name="elbow", lower=-2.6, upper=0.2, max_rate=0.4),
+        Joint(name="extension", lower=0.0, upper=4.0, max_rate=0.6),
     ),
     tool_node="crane",
     protective_field_m=6.0,
@@ -129,7 +130,7 @@ UAV = Profile(
         up.Function(name="manual-drive", label="Fly by hand", depends_on=["autopilot"]),
     ),
     cameras=(up.Camera(id="gimbal", label="Gimbal", width_px=1920, height_px=1080),),
-    joints=(up.Joint(name="tilt", lower=-1.57, upper=0.3, max_rate=1.0),),
+    joints=(Joint(name="tilt", lower=-1.57, upper=0.3, max_rate=1.0),),
     tool_node="camera",
     protective_field_m=0.0,
     needs_rtk=False,

@@ -8,6 +8,7 @@ from msgspec.structs import replace
 
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.codec import mission_hash
+from backend_clients.edge.fields import OrderStatus
 from backend_clients.edge.messages_down import Mission, Segment
 from backend_clients.simulator.enu import EnuFrame, Point
 from backend_clients.simulator.families import WEEDER
@@ -47,7 +48,7 @@ class MissionRun:
             segments.append(Segment(kind="exit", points=[end, self.home], speed_mps=profile.home_speed_mps))
         self.route = Route(segments, profile.motion)
         self.tracker = tracker_on(self.route)
-        self.status: up.OrderStatus = "loaded"
+        self.status: OrderStatus = "loaded"
         self.is_supervised = True
         self.row = 0
         self.treated_m = 0.0

@@ -140,6 +140,8 @@ class OrderDesk:
                 was_open = self._brain.drive is not None
                 self._brain.close_drive()
                 return OK if was_open else accepted("already_closed", "Driving by hand was not open.")
+            case _:
+                return refused("not_supported")
 
     def _start(self, order: down.Command) -> Verdict:
         brain, run = self._brain, self._brain.run

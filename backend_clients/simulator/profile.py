@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from backend_clients.edge import messages_up as up
+from backend_clients.edge.machine import Joint
 from backend_clients.simulator.kinematics import Motion
 
 Family = Literal["weeder", "planter", "uav"]
@@ -74,7 +75,7 @@ class Profile:
     nodes: tuple[Node, ...]
     functions: tuple[up.Function, ...]
     cameras: tuple[up.Camera, ...]
-    joints: tuple[up.Joint, ...] = ()
+    joints: tuple[Joint, ...] = ()
     tool_node: str = ""
     protective_field_m: float = 4.0
     needs_rtk: bool = True

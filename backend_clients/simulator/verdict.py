@@ -47,6 +47,7 @@ REFUSALS: dict[str, str] = {
     "weed_unsure": "It cannot tell crop and weed apart here. Look at the row before you start.",
     "crane_limit": "The crane is outside its limit. Retract it at the machine, or drive it by hand a little.",
     "tray_empty": "The seedling tray is empty. Load a tray at the machine.",
+    "not_supported": "This machine cannot do that.",
     "simulated_reject": "The robot cannot do that now (a fault switched on in the simulator).",
 }
 """Every refusal the robot can give."""

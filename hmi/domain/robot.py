@@ -9,6 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+from hmi.domain import stamp
+from hmi.domain.machine import Body, FunctionInfo, GaugeInfo, JointInfo, NodeInfo, Worksite
+from hmi.domain.state_chart import ActiveState, Chart, LastTransition
+
+Stamp = stamp.Stamp
+
 
 class Family(StrEnum):
     """Kind of machine; decides words and tiles, never safety."""
@@ -41,18 +47,6 @@ class OrderStatus(StrEnum):
     DONE = "done"
     ABORTED = "aborted"
     FAILED = "failed"
-
-
-@dataclass(frozen=True, slots=True)
-class Stamp:
-    """When something was true and when we heard it.
-
-    ``source_s`` is the robot's own time mapped on the console's monotonic clock (see
-    ``hmi.domain.freshness.ClockMap``), so that a burst of held frames keeps its true age.
-    """
-
-    source_s: float
-    received_s: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,6 +156,8 @@ class RobotState:
     faults: tuple[Fault, ...]
     hold: Hold | None
     stamp: Stamp
+    active: tuple[ActiveState, ...] = ()
+    last_transition: LastTransition | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,6 +196,9 @@ class Node:
     restarts: int
     text: str
     stamp: Stamp
+    host: str = ""
+    since_s: float | None = None
+    clock_offset_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,7 +232,11 @@ class Factsheet:
     start_horn_s: float
     keep_out_m: float
     stop_effect: str
-    functions: tuple[tuple[str, str, tuple[str, ...]], ...] = ()
+    functions: tuple[FunctionInfo, ...] = ()
+    nodes: tuple[NodeInfo, ...] = ()
+    joints: tuple[JointInfo, ...] = ()
+    gauges: tuple[GaugeInfo, ...] = ()
+    chart: Chart | None = None
     cameras: tuple[tuple[str, str], ...] = ()
     battery_wh: float | None = None
     charge_w: float | None = None
@@ -275,3 +278,5 @@ class Robot:
     state: RobotState | None = None
     safety: SafetyState | None = None
     nodes: dict[str, Node] = field(default_factory=dict)
+    body: Body | None = None
+    worksite: Worksite | None = None

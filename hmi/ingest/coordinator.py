@@ -14,6 +14,7 @@ from datetime import timedelta
 from functools import partial
 from typing import Any, Protocol
 
+from backend_clients.edge import machine
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.codec import decode_body
 from backend_clients.edge.mqtt import LinkState, MqttLink, OnLink, OnMessage
@@ -23,7 +24,7 @@ from hmi.clock import Clock
 from hmi.domain.command import Acknowledgement
 from hmi.domain.event import RobotEvent
 from hmi.domain.robot import SafetyState, Stamp
-from hmi.ingest import translate
+from hmi.ingest import translate, translate_machine
 from hmi.ingest.mailbox import CADENCE_S, FIFO_LIMIT, Letter, Mailbox
 from hmi.ingest.pinger import Pinger
 from hmi.ingest.robot_clock import Refusal, RobotClock
@@ -35,7 +36,10 @@ log = logging.getLogger(__name__)
 WATCH_S = 0.5  # how often silence and the network thread are looked at
 PING_SLOT_S = 0.05
 # QoS as the contract has it: what happened once is sent at 1, what repeats at 0
-SUBSCRIPTIONS = [(every_robot(kind), 0 if kind in (Up.HEARTBEAT, Up.TELEMETRY) else 1) for kind in Up]
+# point clouds are for the twin alone, which listens for itself
+SUBSCRIPTIONS = [
+    (every_robot(kind), 0 if kind in (Up.HEARTBEAT, Up.TELEMETRY, Up.BODY) else 1) for kind in Up if kind is not Up.SCAN
+]
 _REASONS: dict[type[WireError], str] = {
     MalformedPayload: "malformed",
     OversizedPayload: "oversized",
@@ -254,7 +258,12 @@ class EdgeCoordinator:
                 is_shutdown = message.reason == "shutdown"
                 self._store.put_presence(address.robot, is_online=message.online, is_shutdown=is_shutdown)
             case up.Node():
-                self._store.put_node(address.robot, translate.node(message, stamp))
+                to_console_s = self._to_console(clock, message, stamp)
+                self._store.put_node(address.robot, translate.node(message, stamp, to_console_s))
+            case machine.Body():
+                self._store.put_body(address.robot, partial(translate_machine.body, message, stamp))
+            case machine.Worksite():
+                self._store.put_worksite(address.robot, translate_machine.worksite(message, stamp))
             case _:
                 self._happened(address, clock, message, stamp)
 

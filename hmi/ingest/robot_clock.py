@@ -9,8 +9,8 @@ from backend_clients.edge.topics import Up
 from hmi.domain.freshness import LOST_S, ClockMap
 from hmi.domain.robot import Stamp
 
-RETAINED_KINDS = frozenset({Up.PRESENCE, Up.FACTSHEET, Up.NODE})
-ORDERED_KINDS = frozenset({Up.FACTSHEET, Up.HEARTBEAT, Up.TELEMETRY, Up.STATE, Up.SAFETY})
+RETAINED_KINDS = frozenset({Up.PRESENCE, Up.FACTSHEET, Up.NODE, Up.WORKSITE})
+ORDERED_KINDS = frozenset({Up.FACTSHEET, Up.HEARTBEAT, Up.TELEMETRY, Up.STATE, Up.SAFETY, Up.BODY, Up.WORKSITE})
 JUMP_S = 5.0  # a frame this much newer than the fastest one of its boot is a broken clock, not a fast frame
 JUMPS_BELIEVED = 3  # but a clock that says so three times running has moved
 BOOTS_REMEMBERED = 8

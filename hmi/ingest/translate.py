@@ -10,9 +10,12 @@ from collections.abc import Callable
 from datetime import datetime
 
 from backend_clients.edge import messages_up as up
+from backend_clients.edge.machine import LastTransition as LastTransitionSaid
 from hmi.domain import robot as domain
 from hmi.domain.command import Acknowledgement
 from hmi.domain.event import RobotEvent
+from hmi.domain.state_chart import ActiveState, LastTransition
+from hmi.ingest import translate_machine
 
 ToConsole = Callable[[int], float]
 
@@ -43,7 +46,13 @@ def state(m: up.State, stamp: domain.Stamp, to_console_s: ToConsole) -> domain.R
         faults=tuple(domain.Fault(f.code, f.level, f.text, f.hint) for f in m.faults),
         hold=domain.Hold(m.hold.code, m.hold.text, m.hold.clears, m.hold.who) if m.hold else None,
         stamp=stamp,
+        active=tuple(ActiveState(a.id, to_console_s(a.since_ms)) for a in m.active),
+        last_transition=_last(m.last_transition, to_console_s) if m.last_transition else None,
     )
+
+
+def _last(m: LastTransitionSaid, to_console_s: ToConsole) -> LastTransition:
+    return LastTransition(m.source, m.target, m.event, m.result, to_console_s(m.at_ms))
 
 
 def _order(m: up.OrderState) -> domain.Order:
@@ -108,16 +117,31 @@ def factsheet(m: up.Factsheet) -> domain.Factsheet:
         start_horn_s=m.behaviour.start_horn_s,
         keep_out_m=m.behaviour.keep_out_m,
         stop_effect=m.behaviour.stop_effect,
-        functions=tuple((f.name, f.label, tuple(f.depends_on)) for f in m.functions),
+        functions=translate_machine.functions(m),
+        nodes=translate_machine.nodes(m),
+        joints=translate_machine.joints(m),
+        gauges=translate_machine.gauges(m),
+        chart=translate_machine.chart(m.chart) if m.chart else None,
         cameras=tuple((c.id, c.label) for c in m.cameras),
         battery_wh=m.battery.capacity_wh if m.battery else None,
         charge_w=m.battery.charge_w if m.battery else None,
     )
 
 
-def node(m: up.Node, stamp: domain.Stamp) -> domain.Node:
+def node(m: up.Node, stamp: domain.Stamp, to_console_s: ToConsole) -> domain.Node:
     """Life cycle of one software node."""
-    return domain.Node(m.name, m.state, m.rate_hz, m.cpu_pct, m.restarts, m.text, stamp)
+    return domain.Node(
+        name=m.name,
+        state=m.state,
+        rate_hz=m.rate_hz,
+        cpu_pct=m.cpu_pct,
+        restarts=m.restarts,
+        text=m.text,
+        stamp=stamp,
+        host=m.host,
+        since_s=None if m.since_ms is None else to_console_s(m.since_ms),
+        clock_offset_s=None if m.clock_offset_ms is None else m.clock_offset_ms / 1000,
+    )
 
 
 def event(m: up.Event, stamp: domain.Stamp, at: datetime) -> RobotEvent:

@@ -20,6 +20,8 @@ GROUPS_OF: dict[Part, tuple[str, ...]] = {
     Part.STATE: ("mode", "mission", "supervisor", "tiles", "why", "actions", "checks", "faults"),
     Part.SAFETY: ("mode", "safety", "tiles", "why", "actions"),
     Part.NODES: (),
+    Part.BODY: (),
+    Part.WORKSITE: (),
 }
 
 

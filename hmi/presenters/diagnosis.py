@@ -177,7 +177,7 @@ def _functions(scene: Scene) -> Look:
     if robot is None or robot.factsheet is None or not robot.nodes:
         return _unknown(text)
     failed = {one.name for one in robot.nodes.values() if one.state == "failure"}
-    off = [label for _, label, needs in robot.factsheet.functions if failed & set(needs)]
+    off = [one.label for one in robot.factsheet.functions if failed & set(one.depends_on)]
     return Look(text, f"{', '.join(off)}." if off else "Nothing that it names.", not off)
 
 

@@ -14,6 +14,7 @@ from typing import NamedTuple, Protocol
 
 from hmi.domain import robot as domain
 from hmi.domain.freshness import LOST_S
+from hmi.domain.machine import Body, Worksite
 
 UNREGISTERED_LIMIT = 200  # robots heard but not in the registry; more would let a hostile wire fill memory
 UNREGISTERED_KEPT_S = 60.0  # one that was silent this long makes room for a new one
@@ -32,6 +33,8 @@ class Part(StrEnum):
     STATE = "state"
     SAFETY = "safety"
     NODES = "nodes"
+    BODY = "body"
+    WORKSITE = "worksite"
 
 
 ALL_PARTS = frozenset(Part)
@@ -121,6 +124,8 @@ class _Record:
     state: domain.RobotState | None = None
     safety: domain.SafetyState | None = None
     nodes: dict[str, domain.Node] = field(default_factory=dict)
+    body: Body | Callable[[], Body] | None = None
+    worksite: Worksite | None = None
     revisions: dict[Part, int] = field(default_factory=dict)
     built: domain.Robot | None = None
 
@@ -293,6 +298,18 @@ class FleetStore:
             record.nodes = {**record.nodes, value.name: value}
             self._touch(record, Part.NODES)
 
+    def put_body(self, robot_id: str, value: Body | Callable[[], Body]) -> None:
+        """Replace joints, gauges and sightings; a function is asked for them when somebody looks."""
+        record = self._records[robot_id]
+        record.body = value
+        self._touch(record, Part.BODY)
+
+    def put_worksite(self, robot_id: str, value: Worksite) -> None:
+        """Replace where it works."""
+        record = self._records[robot_id]
+        record.worksite = value
+        self._touch(record, Part.WORKSITE)
+
     def put_heartbeat(
         self, robot_id: str, *, boot: str, challenge: str, heard_s: float, wall_offset_s: float | None = None
     ) -> None:
@@ -374,6 +391,13 @@ class FleetStore:
             value = record.telemetry = value()
         return value
 
+    @staticmethod
+    def _body(record: _Record) -> Body | None:
+        value = record.body
+        if value is not None and not isinstance(value, Body):
+            value = record.body = value()
+        return value
+
     def _build(self, record: _Record) -> domain.Robot:
         if record.built is None:
             entry, sheet = record.entry, record.factsheet
@@ -388,6 +412,8 @@ class FleetStore:
                 state=record.state,
                 safety=record.safety,
                 nodes=record.nodes,
+                body=self._body(record),
+                worksite=record.worksite,
             )
         return record.built
 

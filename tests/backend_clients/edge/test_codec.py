@@ -24,6 +24,7 @@ from backend_clients.edge.codec import (
 )
 from backend_clients.edge.topics import Address, Down, Up, is_id, parse, topic
 from backend_clients.errors import MalformedPayload, OversizedPayload, WireError, WrongIdentity
+from tests.backend_clients.edge import machine_messages
 from tests.backend_clients.simulator.rig import Rig, small_mission
 
 KINDS: list[Up | Down] = [*Up, *Down]
@@ -67,7 +68,7 @@ def test_everything_a_robot_says_survives_the_wire() -> None:
     rig.run(8)
     rig.stop()
     reporter = rig.boot.reporter
-    said = [
+    said: list[tuple[Up, up.Header]] = [
         (Up.PRESENCE, reporter.presence()),
         (Up.FACTSHEET, reporter.factsheet()),
         (Up.HEARTBEAT, reporter.heartbeat()),
@@ -77,6 +78,9 @@ def test_everything_a_robot_says_survives_the_wire() -> None:
         (Up.ACK, rig.stop()),
         *((Up.NODE, node) for node in reporter.nodes()),
         *((Up.EVENT, reporter.event(happening)) for happening in rig.events),
+        (Up.BODY, machine_messages.body(**reporter.header())),
+        (Up.WORKSITE, machine_messages.worksite(**reporter.header())),
+        (Up.SCAN, machine_messages.scan(**reporter.header())),
     ]
     for kind, message in said:
         assert decode(topic("weeder-01", kind), encode(message))[1] == message
@@ -129,6 +133,9 @@ def _honest(kind: Up | Down) -> dict[str, Any]:
         Up.SAFETY: reporter.safety,
         Up.EVENT: lambda: reporter.event(rig.robot.take_events()[0]),
         Up.NODE: lambda: reporter.nodes()[0],
+        Up.BODY: lambda: machine_messages.body(**reporter.header()),
+        Up.WORKSITE: lambda: machine_messages.worksite(**reporter.header()),
+        Up.SCAN: lambda: machine_messages.scan(**reporter.header()),
         Up.ACK: rig.stop,
         Down.COMMAND: lambda: rig.order("start"),
         Down.MISSION: lambda: small_mission(rows=1),
@@ -137,6 +144,7 @@ def _honest(kind: Up | Down) -> dict[str, Any]:
             **order, reset_id="12345678", stop_ids=["12345678"], by="A", reason="R"
         ),
         Down.DRIVE: lambda: down.Drive(**order, v_mps=0.1, yaw_rate_radps=0.0),
+        Down.JOG: lambda: down.Jog(**order, rates={"slew": 0.1}),
         Down.OPERATOR: lambda: down.OperatorHeartbeat(**order),
         Down.PING: lambda: down.Ping(robot="weeder-01", nonce="1"),
     }

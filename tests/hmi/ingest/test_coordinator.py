@@ -380,6 +380,23 @@ async def test_any_bytes_on_any_topic_are_survived(frames: list[tuple[str, bytes
         assert rig.store.robot(ID).safety.latched  # type: ignore[union-attr]
 
 
+async def test_the_inside_of_a_machine_is_kept_with_its_age() -> None:
+    async with Rig(ID) as rig:
+        robot = FakeWireRobot(ID, rig.clock)
+        rig.say(robot.body())
+        rig.say(robot.worksite())
+        rig.say(robot.node(since_ms=0, clock_offset_ms=40.0, host="crane"))
+        kept = rig.store.robot(ID)
+        assert kept is not None
+        assert kept.body is not None
+        assert kept.body.joints == {"slew": -0.52, "boom": 0.5}
+        assert kept.body.seen[0].distance_m == 7.4
+        assert kept.body.stamp.source_s == rig.clock.mono_s()
+        assert kept.worksite is not None
+        assert [one.status for one in kept.worksite.targets] == ["done", "failed_ground"]
+        assert (kept.nodes["planner"].clock_offset_s, kept.nodes["planner"].host) == (0.04, "crane")
+
+
 def test_every_kind_of_message_has_a_topic_in_these_tests() -> None:
     assert set(KINDS.values()) == set(Up)
     assert all(issubclass(kind, up.Header) for kind in KINDS)

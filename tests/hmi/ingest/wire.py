@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from backend_clients.edge import machine
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.codec import decode_body, encode
 from backend_clients.edge.mqtt import LinkState, OnLink, OnMessage
@@ -14,6 +15,7 @@ from backend_clients.edge.topics import Up, parse, topic
 from hmi.clock import FakeClock
 from hmi.ingest.coordinator import EdgeCoordinator
 from hmi.store.fleet import FleetStore
+from tests.backend_clients.edge import machine_messages
 
 BOOT = "boot-aaaa"
 
@@ -143,6 +145,14 @@ class FakeWireRobot:
         body = {"event_id": f"event-{self.seq:06d}", "kind": "state_entered", "name": "Treat row"}
         return up.Event(**self.head(**{**body, **values}))
 
+    def body(self, **values: Any) -> machine.Body:
+        """Return joints and gauges."""
+        return machine_messages.body(**self.head(**values))
+
+    def worksite(self, **values: Any) -> machine.Worksite:
+        """Return where it works."""
+        return machine_messages.worksite(**self.head(**values))
+
     def ack(self, **values: Any) -> up.Ack:
         """Return an acknowledgement of a command."""
         return up.Ack(**self.head(**{"kind": "command", "ref": "command-1", "outcome": "accepted", **values}))
@@ -158,6 +168,9 @@ KINDS: dict[type[up.Header], Up] = {
     up.Node: Up.NODE,
     up.Event: Up.EVENT,
     up.Ack: Up.ACK,
+    machine.Body: Up.BODY,
+    machine.Worksite: Up.WORKSITE,
+    machine.Scan: Up.SCAN,
 }
 
 
