@@ -90,6 +90,7 @@ def test_module_imports_only_what_its_room_may(path: Path) -> None:
     assert not stray
 
 
+@pytest.mark.slow
 def test_the_simulator_is_reached_from_the_demo_and_the_command_line_only() -> None:
     users = {
         name_of(path)

@@ -35,6 +35,7 @@ def told(code: str) -> str:
 
 
 @pytest.mark.parametrize("part", PARTS)
+@pytest.mark.slow
 def test_a_process_starts_without_what_it_does_not_need(part: str) -> None:
     code = f"{PARTS[part]}\nimport sys; print([name for name in {HEAVY[part]} if name in sys.modules])"
     assert told(code) == "[]"
