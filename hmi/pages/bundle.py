@@ -52,9 +52,12 @@ SCRIPTS = {
         "fleet_dock", "fleet_duty", "fleet_menu", "fleet_strip", "fleet_map", "fleet_wall", "fleet_screen",
     ),
     "supervisor": (
-        "super_base", "super_chart", "super_gantt", "super_share",
+        "super_base", "super_times", "super_view", "super_chart_facts", "super_chart_draw", "super_chart_layout",
+        "super_chart_lists", "super_chart_sheet", "super_chart", "super_gantt_rows", "super_gantt_export",
+        "super_gantt", "super_share",
         "super_nodes", "super_functions", "super_logs", "super_dock", "super_screen",
     ),
+    "chart_layout": ("chart_placing", "chart_routing", "chart_worker"),
     "demo": ("demo_panel",),
     "run": ("field_picture", "start_checks", "rest_sheet", "queue_hold"),
     "draw": ("svg_view", "area_shape", "area_pen", "rest_map"),

@@ -3,6 +3,7 @@
   "use strict";
   const { svg, text, attr, toggle } = HL;
   const CORNER = 7;
+  const MANY = 5; // more lines than this into one state are one sign
 
   // straight pieces with round corners
   function wayPath(points) {
@@ -43,7 +44,10 @@
       const lines = svg("g", { "aria-hidden": "true" });
       root.append(frames, lines, boxes);
       for (const [id, place] of layout.places) this.state(id, place, frames, boxes);
-      for (const way of layout.ways) lines.append(this.way(way));
+      const busy = this.busy(layout.ways);
+      for (const way of layout.ways) lines.append(this.way(way, busy.get(way.target)));
+      for (const [id, count] of busy) this.any(id, count, lines);
+      root.addEventListener("focusin", (event) => this.near(event.target.closest?.("[data-id]")?.dataset.id));
       this.lastTime = words({ class: "s-lasttime", "text-anchor": "middle" }, "");
       root.append(this.lastTime);
     }
@@ -73,10 +77,33 @@
       this.nodes.set(id, { group, label, time, state, isFrame, y, h, x, w });
     }
 
-    way({ source, target, points }) {
-      const line = svg("path", { class: "s-way", d: wayPath(points), "marker-end": "url(#s-arrow)" });
-      this.ways.set(`${source}>${target}`, { line, at: longest(points), isFlat: true });
+    way({ source, target, points }, isBusy) {
+      const line = svg("path", { class: isBusy ? "s-way many" : "s-way", d: wayPath(points), "marker-end": "url(#s-arrow)" });
+      this.ways.set(`${source}>${target}`, { line, source, target, at: longest(points) });
       return line;
+    }
+
+    // a state that nearly every other leads to, such as Stopped: its lines show when it or the other is chosen
+    busy(ways) {
+      const into = new Map();
+      for (const { target } of ways) into.set(target, (into.get(target) ?? 0) + 1);
+      return new Map([...into].filter(([, count]) => count >= MANY));
+    }
+
+    any(id, count, lines) {
+      const node = this.nodes.get(id);
+      if (!node || node.isFrame) return;
+      const [x, y] = [node.x + 10, node.y];
+      const sign = svg("g", {}, svg("circle", { class: "s-anydot", cx: x, cy: y - 15, r: 3 }), svg("path", { class: "s-any", d: `M${x} ${y - 15}V${y - 1}`, "marker-end": "url(#s-arrow)" }));
+      const said = svg("title", {});
+      said.textContent = `${count} states lead here`;
+      sign.append(said);
+      lines.append(sign);
+    }
+
+    // all lines of the state that is chosen
+    near(id) {
+      for (const way of this.ways.values()) toggle(way.line, "near", id !== undefined && (way.source === id || way.target === id));
     }
 
     // which are active, and the last change; called only when the robot says something new
