@@ -20,6 +20,7 @@ from fastapi.responses import JSONResponse
 from nicegui import ui
 from starlette.staticfiles import StaticFiles
 
+from hmi.api.access import Access
 from hmi.clock import SystemClock
 from hmi.domain import robot as domain
 from hmi.domain.freshness import TickRing
@@ -36,7 +37,7 @@ from hmi.settings import Settings
 from hmi.store.fleet import FleetStore
 from tests.components import map_field
 from tests.hmi.live.crowd import Crowd
-from tests.hmi.pages import alarm_stage, fleet_stage, maps_stage, maps_stage_routes
+from tests.hmi.pages import alarm_stage, fleet_stage, maps_stage, maps_stage_routes, super_stage
 
 SHA = "ab" * 32
 NAMES = {Role.OPERATOR: "Martha Keller", Role.SUPERVISOR: "Anna Ostermeier", Role.ADMIN: "Jonas Weber"}
@@ -151,6 +152,7 @@ class Stage:
         names = {"weeder-07": "Weeder 07", "weeder-01": "Weeder 01", "planter-02": "Planter 02"}
         self.fleet.set_registry([Entry(i, n) for i, n in names.items()])
         self.fleet.put_factsheet("weeder-07", factsheet("Weeder 07"))
+        self.planter = super_stage.SuperStage(self.clock, is_silent=True)
 
     def play(self, name: str) -> None:
         """Show another scene."""
@@ -184,6 +186,7 @@ class Stage:
         while True:
             if not self.scene.is_silent:
                 self.speak()
+            self.planter.speak(self.fleet, factsheet)
             self.fleet.refresh_links()
             await asyncio.sleep(0.1)
 
@@ -284,6 +287,9 @@ def build(stage: Stage) -> FastAPI:
     app.include_router(alarm_stage.router(stage.alarms, stage.orders.append))
     app.include_router(fleet_stage.router(fleet_stage.FleetStage()))
     app.include_router(maps_stage_routes.router(maps_stage.MapStage(), stage.sessions))
+
+    app.state.access = Access(stage.sessions, None, authorize)  # type: ignore[arg-type]
+    app.include_router(super_stage.router(stage.planter, stage.fleet, authorize))
 
     @app.post("/stage/{scene}")
     async def play(scene: str) -> dict[str, Any]:
