@@ -5,6 +5,7 @@
   const home = typeof HL === "undefined" ? (globalThis.HLC ??= {}) : HL;
   const { CELL, HEAD } = home.placing;
   const BEND = 9, SHARED = 26, CROSSED = 4, TAKEN = 24, HUGGED = 1.2, TITLED = 7, OFF_CENTRE = 0.7;
+  const MANY = 4;
   const HASTE = 1.5; // the search goes rather straight to its goal: a little longer ways, found in a tenth of the time
   const STEP_X = [1, 0, -1, 0], STEP_Y = [0, 1, 0, -1];
 
@@ -213,7 +214,8 @@
     }
   }
 
-  // transitions of the same two states are one line; [{source, target, numbers, points}], short ones first on the ground
+  // transitions of the same two states are one line: [{source, target, numbers, points, isMany, isForced}]
+  // isMany: so many states lead there that the drawing has one sign for them all
   function route(chart, laid) {
     const ground = new Ground(laid);
     const pairs = new Map();
@@ -232,7 +234,11 @@
       const [a, b] = [middle(source), middle(target)];
       return Math.abs(a[0] - b[0]) + Math.abs(a[1] - b[1]);
     };
-    const ways = [...pairs.values()].sort((a, b) => length(a) - length(b));
+    const into = new Map();
+    for (const { target } of pairs.values()) into.set(target, (into.get(target) ?? 0) + 1);
+    for (const way of pairs.values()) way.isMany = into.get(way.target) >= MANY;
+    // what is always seen comes first and gets the better ways
+    const ways = [...pairs.values()].sort((a, b) => a.isMany - b.isMany || length(a) - length(b));
     for (const way of ways) {
       const cells = ground.find(way.source, way.target);
       way.points = cells ? ground.corners(cells) : [middle(way.source), middle(way.target)];

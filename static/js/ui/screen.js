@@ -8,7 +8,10 @@
     Object.assign(HL.view, { screen: screen.dataset.screen, robot: screen.dataset.robot || null, title: screen.dataset.title || "" });
     document.querySelector(".h-app")?.setAttribute("data-screen", HL.view.screen);
     document.title = `${HL.view.title} · Headland`;
-    for (const link of document.querySelectorAll("[data-nav]")) attr(link, "aria-current", link.dataset.nav === HL.view.screen ? "page" : null);
+    for (const link of document.querySelectorAll("[data-nav]")) {
+      attr(link, "aria-current", link.dataset.nav === HL.view.screen ? "page" : null);
+      if (link.hasAttribute("aria-current")) link.scrollIntoView({ block: "nearest", inline: "nearest" });
+    }
     document.querySelector(".h-app")?.toggleAttribute("data-one-robot", Boolean(HL.view.robot));
     if (HL.view.robot) HL.keep.write(LAST_KEY, HL.view.robot);
     HL.port.watch();
