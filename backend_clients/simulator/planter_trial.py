@@ -96,7 +96,7 @@ def run_trial(
         clock.advance(span_s)
         robot.step(span_s)
         for event in robot.take_events():
-            state = event.data.get("state")
+            state = str(event.data.get("state", ""))
             if event.kind == "state_entered":
                 inside[state] = event.mono_ms
                 trial.moves += state == "drive"

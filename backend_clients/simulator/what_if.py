@@ -24,15 +24,13 @@ class WhatIf:
 
 def variants(base: Tuning, crane_speed: float, seedlings_per_head: int) -> list[tuple[str, Tuning]]:
     """Return the machine as it is, each change alone, and all of them together."""
-    faster = {"crane_speed": crane_speed}
-    more = {"seedlings_per_head": seedlings_per_head}
-    driving = {"docks_while_driving": True}
+    everything = replace(base, crane_speed=crane_speed, seedlings_per_head=seedlings_per_head, docks_while_driving=True)
     return [
         ("as it is", base),
-        (f"crane {crane_speed:g} times as fast", replace(base, **faster)),  # type: ignore[arg-type]
-        (f"{seedlings_per_head} seedlings per head", replace(base, **more)),  # type: ignore[arg-type]
-        ("takes a seedling while driving", replace(base, **driving)),  # type: ignore[arg-type]
-        ("all three", replace(base, **faster, **more, **driving)),  # type: ignore[arg-type]
+        (f"crane {crane_speed:g} times as fast", replace(base, crane_speed=crane_speed)),
+        (f"{seedlings_per_head} seedlings per head", replace(base, seedlings_per_head=seedlings_per_head)),
+        ("takes a seedling while driving", replace(base, docks_while_driving=True)),
+        ("all three", everything),
     ]
 
 
