@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 import msgspec
+from msgspec import UNSET
 
 from backend_clients.edge import messages_down as down
 from backend_clients.edge.codec import encode, mission_hash
@@ -18,6 +19,7 @@ from hmi.domain.command import (
     Acknowledgement,
     CommandOrder,
     DriveOrder,
+    JogOrder,
     OperatorPulse,
     Order,
     OrderFailed,
@@ -171,6 +173,8 @@ def _wire(order: Order) -> tuple[Down, down.Order, int]:
             return Down.STOP_RESET, _reset(order), 1
         case DriveOrder():
             return Down.DRIVE, _drive(order), 0
+        case JogOrder():
+            return Down.JOG, _jog(order), 0
         case OperatorPulse():
             return Down.OPERATOR, _pulse(order), 0
 
@@ -188,6 +192,8 @@ def _command(order: CommandOrder) -> down.Command:
         mission_id=order.mission_id,
         mission_sha256=order.mission_sha256,
         is_supervised=order.is_supervised,
+        node=UNSET if order.node is None else order.node,
+        place=UNSET if order.place is None else order.place,
     )
 
 
@@ -217,6 +223,16 @@ def _drive(order: DriveOrder) -> down.Drive:
         challenge=order.challenge,
         v_mps=order.v_mps,
         yaw_rate_radps=order.yaw_rate_radps,
+    )
+
+
+def _jog(order: JogOrder) -> down.Jog:
+    return down.Jog(
+        robot=order.robot_id,
+        lease_token=order.lease_token,
+        lease_seq=order.lease_seq,
+        challenge=order.challenge,
+        rates=dict(order.rates),
     )
 
 
