@@ -12,9 +12,9 @@ from hmi.domain.robot import Robot
 WORK = ("treat", "plant", "search", "work")
 PATH = ("follow-path",)
 DRIVE = ("manual-drive",)
-TOOL = ("move-tool", "manual-tool")
-"""A tool is moved by the same function, whoever says where to; the second name is for robots that know only one."""
-JOG = ("manual-tool", "move-tool")
+TOOL = ("move-tool", "move-crane")
+HAND = ("manual-tool", "manual-crane", *TOOL)
+"""Joints moved by hand; a robot that tells only of its tool as a whole is asked about that."""
 
 _USED: dict[Action, tuple[tuple[str, ...], ...]] = {
     Action.START: (WORK, PATH),
@@ -37,7 +37,7 @@ def obstacle(robot: Robot, action: Action) -> str:
 
 def jog_obstacle(robot: Robot) -> str:
     """Return why the joints cannot be moved by hand; empty if they can."""
-    return _first_off(robot, (JOG,))
+    return _first_off(robot, (HAND,))
 
 
 def sentence(state: FunctionState) -> str:

@@ -210,7 +210,7 @@ def _of_gauge(gauge: GaugeInfo, value: float | None) -> Cause | None:
     else:
         return None
     why = f"{gauge.label} at {value:.3g} {gauge.unit}, limit {limit:g} {gauge.unit}"
-    return Cause(why, gauge.limit_text or cure, level=2)
+    return Cause(why, cure, level=2)
 
 
 def _of_joint(joint: JointInfo, value: float | None) -> Cause | None:

@@ -26,6 +26,7 @@ from hmi.domain.command import (
     ResetOrder,
     StopOrder,
 )
+from hmi.domain.robot_log import LogFailed
 from hmi.ingest import translate
 
 log = logging.getLogger(__name__)
@@ -108,6 +109,23 @@ class EdgeSender:
             text = "The robot stored something else than was sent. Send it again."
             return _refusal(robot_id, mission.mission_id, "hash_mismatch", text, answer.sha256)
         return answer
+
+    async def tail_log(self, robot_id: str, lines: int) -> list[str]:
+        """Return the last lines of a robot's log; see ``hmi.domain.robot_log.LogSource``.
+
+        Raises:
+            LogFailed: it has no address, does not answer, or refuses.
+        """
+        client = self._client(robot_id)
+        if client is None:
+            raise LogFailed("no_address", "The robot has no address here. An admin can add it under Admin, Robots.")
+        try:
+            return (await client.logs(lines)).splitlines()[-lines:]
+        except Refused as refused:
+            raise LogFailed(refused.code, f"The robot does not give its log: {refused.text}") from refused
+        except ClientError as error:
+            log.info("log by http: %s", error)
+            raise LogFailed("no_answer", "The robot did not give its log: no answer. Try again.") from error
 
     def acknowledged(self, answer: Acknowledgement) -> None:
         """Hear every acknowledgement; give it to ``EdgeListeners.on_ack``."""
