@@ -53,7 +53,7 @@ SCRIPTS = {
     ),
     "supervisor": (
         "super_base", "super_chart", "super_gantt", "super_share",
-        "super_nodes", "super_functions", "super_logs", "super_dock", "super_screen",
+        "super_nodes", "super_logs", "super_node_sheet", "super_functions", "super_jog", "super_dock", "super_screen",
     ),
     "demo": ("demo_panel",),
     "run": ("field_picture", "start_checks", "rest_sheet", "queue_hold"),

@@ -13,6 +13,8 @@ from hmi.domain.robot import Node, Robot
 from hmi.ingest.supervision.view import View
 
 RESTARTS = 3  # so many within ten minutes are no chance
+PAST_S = 0.01  # looked at when a limit is passed, not when it is met
+SAME_START_S = 0.1  # the robot's clock is mapped on ours anew with each message
 CODES = {"node-failed", "node-silent", "node-slow", "node-clock", "node-start-order", "node-restarting"}
 
 
@@ -36,6 +38,7 @@ class Nodes:
         self._found: Findings = NOTHING
         self._online_s: float | None = None
         self._due_s = float("-inf")
+        self._silent: set[str] = set()
 
     def look(self, view: View) -> Findings | None:
         """See ``Rule``; while the robot is not heard, what held goes on."""
@@ -49,7 +52,11 @@ class Nodes:
             return None
         if nodes is not self._nodes:
             self._count_restarts(nodes, view.now_s)
-            is_news = any(not _is_alike(self._nodes.get(name), one) for name, one in nodes.items())
+            before = self._nodes
+            is_news = any(
+                not _is_alike(before.get(name), one) or (name in self._silent and one is not before.get(name))
+                for name, one in nodes.items()
+            )
             self._nodes = nodes
             if is_news or view.now_s >= self._due_s:
                 self._judge(robot, view.now_s)
@@ -60,6 +67,7 @@ class Nodes:
     def _judge(self, robot: Robot, now_s: float) -> None:
         healths = [one for one in judge(robot, now_s).values() if one.node is not None]
         silent = [one for one in healths if self._is_silent(one.node, now_s)]
+        self._silent = {one.name for one in silent}
         found: list[Finding] = []
         if len(silent) == len(healths) and len(silent) > 1:
             text = f"None of its {len(silent)} nodes is reported any more."
@@ -74,14 +82,16 @@ class Nodes:
         self._due_s = self._next_s(healths, now_s)
 
     def _is_silent(self, node: Node | None, now_s: float) -> bool:
-        # after an outage of the link each node has as long to be heard as after its last report
-        from_s = max(node.stamp.source_s if node else now_s, self._online_s or 0.0)
-        return node is not None and now_s - from_s > SILENT_PERIODS * node.period_s
+        return node is not None and now_s > self._silent_s(node)
+
+    def _silent_s(self, node: Node) -> float:
+        """Return from when on it is silent; after an outage of the link it has as long as after its last report."""
+        return max(node.stamp.source_s, self._online_s or 0.0) + SILENT_PERIODS * node.period_s
 
     def _next_s(self, healths: list[NodeHealth], now_s: float) -> float:
         """Return when the next node would be silent; a minute at most, for restarts are forgotten with time."""
-        times = (_heard_s(one) + SILENT_PERIODS * one.node.period_s for one in healths if one.node is not None)
-        return min((one for one in times if one > now_s), default=now_s + 60.0)
+        times = (self._silent_s(one.node) for one in healths if one.node is not None)
+        return min((one for one in times if one >= now_s), default=now_s + 60.0) + PAST_S
 
     def _wrong(self, health: NodeHealth, now_s: float) -> list[Finding]:
         node, label, found = health.node, health.label, []
@@ -121,6 +131,8 @@ def _is_alike(before: Node | None, now: Node) -> bool:
     if before is now:
         return True
     if before is None or (before.state, before.restarts, before.text) != (now.state, now.restarts, now.text):
+        return False
+    if abs((before.since_s or 0.0) - (now.since_s or 0.0)) > SAME_START_S:
         return False
     return (before.rate_hz, before.clock_offset_s) == (now.rate_hz, now.clock_offset_s)
 
