@@ -40,6 +40,8 @@ class Pilot:
     def decide(self, dt_s: float) -> Setpoint:
         """Return the speeds wanted in this step; sets ``doing``, ``followed`` and the brain's ``hold_code``."""
         self.doing, self.followed = Doing(STOPPED), None
+        if self._brain.machine.rig is not None:
+            self._brain.machine.rig.crane.halt()  # until somebody moves it in this step
         if self._brain.is_stopped:
             return STOPPED
         if self._brain.drive is not None:

@@ -15,8 +15,10 @@ from backend_clients.simulator.config import RobotConfig
 from backend_clients.simulator.faults import Fault, Faults
 from backend_clients.simulator.journal import Happening
 from backend_clients.simulator.kinematics import Base
+from backend_clients.simulator.limbs import Limbs
 from backend_clients.simulator.machine import STOPPED, Machine
 from backend_clients.simulator.orders import OrderDesk
+from backend_clients.simulator.planter_rig import PlanterRig
 from backend_clients.simulator.reports import Reporter
 from backend_clients.simulator.state_folder import StateFolder
 from hmi.clock import Clock
@@ -51,7 +53,11 @@ class SimRobot:
         self.store = StateFolder(state_dir)
         noise = random.Random(f"noise/{config.id}/{seed}")  # noqa: S311
         profile = config.profile
-        self.machine = Machine(noise, self._first_place(), profile, soc=config.soc, seedlings=profile.tray)
+        rig = PlanterRig(f"{config.id}/{seed}") if profile.work == "plant" else None
+        limbs = Limbs(profile.joints) if rig is None and profile.joints and not config.is_lean else None
+        self.machine = Machine(
+            noise, self._first_place(), profile, config.soc, seedlings=profile.tray, rig=rig, limbs=limbs
+        )
         saved = self.store.load_progress()
         if saved is not None:
             self.machine.soc = saved.soc
@@ -134,6 +140,10 @@ class SimRobot:
                 self.machine.is_hardware_stop = True
             case fault_kinds.KeepsMoving():
                 self.machine.ignores_brakes = True
+            case fault_kinds.WrongStartOrder() if self.boot is not None:
+                brain = self.boot.brain
+                if fault.node in brain.nodes.lives:
+                    brain.nodes.start_too_early(fault.node, brain.mono_ms())
             case fault_kinds.Crash():
                 self.crash(fault.reboot_after_s)
 
@@ -159,6 +169,9 @@ class SimRobot:
                     self.machine.is_hardware_stop = False
                 case fault_kinds.KeepsMoving():
                     self.machine.ignores_brakes = False
+                case fault_kinds.NodeFailure() | fault_kinds.WrongStartOrder() if self.boot is not None:
+                    brain = self.boot.brain
+                    brain.nodes.mend(fault.node, self.clock.mono_s(), brain.mono_ms())
                 case fault_kinds.Crash() if self.boot is None:
                     self._boot_at_s = self.clock.mono_s()
 

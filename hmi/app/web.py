@@ -20,6 +20,7 @@ from hmi.api.records import RecordRoutes
 from hmi.api.robots import RobotRoutes
 from hmi.api.router import PREFIX, ApiServices, build_api
 from hmi.api.sessions import SessionRoutes
+from hmi.api.state_chart import StateRoutes, state_chart_routes
 from hmi.app.console import Console
 from hmi.app.demo import SimulatorStage
 from hmi.assets import CompressedAssets
@@ -154,6 +155,9 @@ def _api(console: Console) -> ApiServices:
             *console.fleet.routes(),
             *console.alarms.routes(),
             node_routes(NodeRoutes(edge.fleet.robot, console.desk.commands, edge.sender, console.clock)),
+            state_chart_routes(
+                StateRoutes(edge.fleet.robot, records.state_times, records.database, console.clock, console.authorize)
+            ),
             *_demo_routes(console),
         ],
     )

@@ -38,7 +38,7 @@
   class Functions extends LiveElement {
     build() {
       this.sum = el("span", { class: "h-t13 h-2 sub" });
-      this.note = el("div", { class: "s-note h-2 h-t14", role: "status" });
+      this.note = el("div", { class: "s-say h-2 h-t14", role: "status" });
       this.left = el("ul");
       this.right = el("ul");
       this.hint = el("span");

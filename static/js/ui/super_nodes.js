@@ -58,7 +58,7 @@
     build() {
       this.sum = el("span", { class: "h-t13 h-2 h-ell sub" });
       this.logs = el("button", { type: "button", class: "h-btn", "data-testid": "logs-open", onclick: () => HL.superLogs.open() }, icon("lists", "m"), "Log");
-      this.note = el("div", { class: "s-note h-2 h-t14", role: "status" });
+      this.note = el("div", { class: "s-say h-2 h-t14", role: "status" });
       const head = ["Node", "Life cycle", "Hz", "CPU %", "Heard", "Restarts"].map((word, i) => el("th", { scope: "col", class: i > 1 ? "num" : null }, word));
       this.body = el("tbody");
       this.table = el("table", { class: "s-nodetable" }, el("thead", {}, el("tr", {}, ...head)), this.body);
