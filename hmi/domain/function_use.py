@@ -42,7 +42,8 @@ def jog_obstacle(robot: Robot) -> str:
 
 def sentence(state: FunctionState) -> str:
     """Return why a function is off and what turns it on."""
-    return f"{state.info.label} is off: {state.why}. {state.turns_on} on Supervisor."
+    where = " on Supervisor" if any(one.is_node for one in state.causes) else ""
+    return f"{state.info.label} is off: {state.why}. {state.turns_on}{where}."
 
 
 def _first_off(robot: Robot, used: tuple[tuple[str, ...], ...]) -> str:

@@ -29,13 +29,15 @@ class Ability(StrEnum):
 class Cause:
     """One thing that is missing: why, without a full stop; what brings it back; since when; how bad it is by itself.
 
-    ``level`` is the priority a person would see it at, ``None`` for what was switched off by somebody.
+    ``level`` is the priority a person would see it at, ``None`` for what was switched off by somebody. ``is_node``: it
+    is mended where nodes are started.
     """
 
     why: str
     cure: str
     since_s: float | None = None
     level: int | None = None
+    is_node: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +59,8 @@ class FunctionState:
     @property
     def turns_on(self) -> str:
         """What brings it back, without a full stop; empty while it is on."""
-        return "; ".join(dict.fromkeys(one.cure for one in self.causes))
+        cures = list(dict.fromkeys(one.cure for one in self.causes))
+        return "; ".join([*cures[:1], *(in_sentence(one) for one in cures[1:])])
 
     @property
     def since_s(self) -> float | None:
@@ -114,6 +117,11 @@ def needing(infos: Iterable[FunctionInfo], name: str) -> list[FunctionInfo]:
         grew = not more <= lost
         lost |= more
     return [one for one in known if one.name in lost and one.name != name]
+
+
+def in_sentence(text: str) -> str:
+    """Return words as they stand inside a sentence; names that begin with capitals stay."""
+    return text[:1].lower() + text[1:] if text[1:2].islower() else text
 
 
 class _Things:
@@ -196,7 +204,7 @@ def _of_node(health: NodeHealth) -> Cause | None:
     if health.is_there:
         return None
     level = 2 if health.has(Trouble.FAILED) or health.has(Trouble.SILENT) else 3 if health.has(Trouble.SLOW) else None
-    return Cause(health.absent, health.cure, health.since_s, level)
+    return Cause(health.absent, health.cure, health.since_s, level, is_node=True)
 
 
 def _of_gauge(gauge: GaugeInfo, value: float | None) -> Cause | None:

@@ -94,7 +94,7 @@ def _judge(name: str, infos: dict[str, NodeInfo], nodes: dict[str, Node], now_s:
     usual_hz = info.rate_hz if info is not None else None
     absent, cure, since_s = _absence(label, node, usual_hz, now_s)
     findings = [
-        *_life(label, node, usual_hz, now_s),
+        *_life(node, usual_hz, now_s),
         *_clock(node),
         *_order(info, node, infos, nodes),
         *_restarts(node, now_s),
@@ -124,14 +124,13 @@ def _absence(label: str, node: Node, usual_hz: float | None, now_s: float) -> tu
     return f"State of {label} is not known", f"Restart {label}", node.since_s
 
 
-def _life(label: str, node: Node, usual_hz: float | None, now_s: float) -> list[NodeFinding]:
+def _life(node: Node, usual_hz: float | None, now_s: float) -> list[NodeFinding]:
     if is_silent(node, now_s):
-        text = f"{label} is not heard any more. What is shown of it is old."
-        return [NodeFinding(Trouble.SILENT, text, node.stamp.source_s)]
+        return [NodeFinding(Trouble.SILENT, "Not heard any more. What is shown of it is old.", node.stamp.source_s)]
     if node.state == "failure":
-        return [NodeFinding(Trouble.FAILED, f"{label} failed. {node.text}".strip(), node.since_s)]
+        return [NodeFinding(Trouble.FAILED, f"Failed. {node.text}".strip(), node.since_s)]
     if is_slow(node, usual_hz):
-        return [NodeFinding(Trouble.SLOW, f"{label} runs at {node.rate_hz:.3g} Hz, usual {usual_hz:g} Hz.")]
+        return [NodeFinding(Trouble.SLOW, f"Runs at {node.rate_hz:.3g} Hz, usual {usual_hz:g} Hz.")]
     return []
 
 

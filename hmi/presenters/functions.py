@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hmi.domain.functions import Ability, FunctionState, Place, evaluate, tree
+from hmi.domain.functions import Ability, FunctionState, Place, evaluate, in_sentence, tree
 from hmi.domain.robot import Robot
 from hmi.presenters.units import milliseconds
 
@@ -48,9 +48,5 @@ def _hint(states: list[FunctionState]) -> str:
     for ability, doing in ((Ability.OFF, "turn on"), (Ability.LIMITED, "have all of")):
         for one in states:
             if one.ability is ability:
-                return f"To {doing} {_in_sentence(one.info.label)}: {_in_sentence(one.turns_on)}."
+                return f"To {doing} {one.info.label}: {in_sentence(one.turns_on)}."
     return ""
-
-
-def _in_sentence(text: str) -> str:
-    return text[:1].lower() + text[1:] if text[1:2].islower() else text

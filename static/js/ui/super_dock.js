@@ -36,7 +36,7 @@
     const sub = el("span", { class: "sub" });
     const node = el("button", { type: "button", class: `h-btn op ${look}`.trim(), "data-testid": hook }, icon(sign, look === "pri" ? "f" : ""), el("span", {}, word, sub));
     node.addEventListener("click", async () => {
-      if (node.getAttribute("aria-disabled") === "true") return node.dataset.reason && HL.toast(node.dataset.reason, "lock");
+      if (node.getAttribute("aria-disabled") === "true") return node.dataset.reason && HL.toast(node.dataset.reason.replace(" on Supervisor", ""), "lock");
       if (node.dataset.state === "pending") return null;
       attr(node, "data-state", "pending");
       text(sub, "Waiting for the robot");
@@ -61,21 +61,20 @@
     jog: () => [button("jog-open", "sports_esports", `Drive ${tool()}`, () => HL.jog.open(HL.view.robot)), "jog"],
     skip: () => [button("target-skip", "keyboard_double_arrow_right", target(), order("skip_target")), "skip_target", target],
     refilled: (dock) => [slide(dock, { hook: "stock-refilled", icon: "done_all", label: "Slide: trays are full", line: "It may go on by itself. Keep clear", button: { icon: "done_all", label: "Trays full" }, act: order("stock_refilled") }), "stock_refilled"],
-    operate: () => [{ node: el("a", { class: "h-btn op", href: `/operate/${HL.view.robot}`, "data-testid": "open-operate" }, icon("gamepad"), el("span", {}, "Operate")), allow: () => {} }, null],
   };
   const isWaitingForStock = () => (HL.port.inside(HL.view.robot).active?.states ?? []).some(([id]) => id === "refill" || id === "wait-person");
 
   // which controls fit: a planter's crane has its own; what has joints can be moved by hand
   function set() {
     const { id } = HL.port.robot(HL.view.robot);
-    if (!id) return ["operate"];
-    if (id.family === "planter") return ["pause", "retract", "jog", isWaitingForStock() ? "refilled" : "skip", "operate"];
-    return ["pause", "home", ...(HL.port.inside(HL.view.robot).joints?.joints?.length ? ["jog"] : []), "operate"];
+    if (!id) return ["pause"];
+    if (id.family === "planter") return ["pause", "retract", "jog", isWaitingForStock() ? "refilled" : "skip"];
+    return ["pause", "home", ...(HL.port.inside(HL.view.robot).joints?.joints?.length ? ["jog"] : [])];
   }
 
   class SuperDock extends LiveElement {
     build() {
-      this.hint = el("span", { class: "h-dockreason h-t13 h-2" });
+      this.hint = el("span", { class: "s-dockhint h-t13 h-2", role: "status" });
       this.controls = [];
     }
     leave() {
@@ -107,9 +106,10 @@
         control.allow(reasons[i]);
         if (word) text(control.word, word());
       });
-      const off = [...new Set(reasons.filter(Boolean))];
+      const [off] = reasons.filter(Boolean); // the others say theirs when they are tapped
       const isPlanter = names.includes("retract");
-      text(this.hint, off.length ? off.slice(0, 2).join(" ") : isPlanter ? `Retract moves the ${tool()}. It asks for a slide first.` : "");
+      toggle(this.hint, "off", Boolean(off));
+      text(this.hint, off ? off.replace(" on Supervisor", "") : isPlanter ? `Retract moves the ${tool()}. It asks for a slide first.` : "");
     }
   }
 

@@ -74,7 +74,7 @@
     }
     paintHint(told, functions) {
       const one = functions.find((fn) => fn.name === this.chosen && fn.state !== "on");
-      const hint = one ? `To ${one.state === "off" ? "turn on" : "have all of"} ${lower(one.label)}: ${lower(one.turns_on)}.` : told?.hint ?? "";
+      const hint = one ? `To ${one.state === "off" ? "turn on" : "have all of"} ${one.label}: ${lower(one.turns_on)}.` : told?.hint ?? "";
       const at = hint.indexOf(": ") + 1;
       text(this.hintHead, hint.slice(0, at));
       text(this.hint, hint.slice(at));
@@ -82,7 +82,7 @@
     }
   }
 
-  const lower = (words) => (/^.[a-z]/.test(words.slice(1)) ? words[0].toLowerCase() + words.slice(1) : words);
+  const lower = (words) => (/^.[a-z]/.test(words) ? words[0].toLowerCase() + words.slice(1) : words);
 
   function row(name, choose) {
     const sign = el("span", { class: "sign" });
@@ -100,7 +100,7 @@
     attr(row.node, "title", one.state === "on" ? null : one.turns_on);
     if (row.drawn !== `${one.state}|${one.level}`) {
       row.drawn = `${one.state}|${one.level}`;
-      row.sign.replaceChildren(one.level && one.state !== "on" ? alarm(one.level, 20) : icon(SIGNS[one.state], "m"));
+      row.sign.replaceChildren(one.level && one.state === "off" ? alarm(one.level, 20) : icon(SIGNS[one.state], "m"));
     }
     text(row.label, one.label);
     text(row.why, reason(one));

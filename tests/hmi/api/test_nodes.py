@@ -33,13 +33,13 @@ async def test_nodes_and_functions_come_as_on_the_live_lane(console: Console) ->
     client = await console.browser(Role.VIEWER)
     [node] = (await client.get("/robots/weeder-01/nodes")).json()["nodes"]
     assert (node["name"], node["state"], node["usual_hz"], node["offset_ms"]) == ("guidance", "failure", 20.0, 2.0)
-    assert (node["finding"], node["level"], node["off"]) == ("Guidance failed.", 2, ["Follow a path", "Weed"])
+    assert (node["finding"], node["level"], node["off"]) == ("Failed.", 2, ["Follow a path", "Weed"])
     told = (await client.get("/robots/weeder-01/functions")).json()
     assert [(one["name"], one["state"], one["depth"]) for one in told["functions"]] == [
         ("treat", "off", 0),
         ("follow-path", "off", 1),
     ]
-    assert (told["on"], told["total"], told["hint"]) == (0, 2, "To turn on weed: restart Guidance.")
+    assert (told["on"], told["total"], told["hint"]) == (0, 2, "To turn on Weed: restart Guidance.")
 
 
 async def test_a_robot_that_told_nothing_has_no_nodes_and_no_functions(console: Console) -> None:

@@ -155,7 +155,7 @@ def test_a_function_names_the_root_of_what_is_missing_and_counts_the_rest() -> N
     functions = [function("plant", "path", "crane"), function("path", "gnss")]
     found = robot([node("gnss", "stopped"), node("crane", "failure")], functions)
     assert evaluate(found, NOW_S)["plant"].why == "crane failed, and 1 more"
-    assert evaluate(found, NOW_S)["plant"].turns_on == "Restart crane; Start gnss"
+    assert evaluate(found, NOW_S)["plant"].turns_on == "Restart crane; start gnss"
 
 
 def test_what_only_betters_it_limits_it_and_holds_nothing_back() -> None:

@@ -60,9 +60,9 @@ def test_a_node_carries_what_the_contract_names() -> None:
 @pytest.mark.parametrize(
     ("changes", "finding", "level"),
     [
-        ({"state": "failure", "text": "exit 139"}, "Guidance failed. exit 139", 2),
-        ({"stamp": Stamp(NOW_S - 41, NOW_S)}, "Guidance is not heard any more. What is shown of it is old.", 2),
-        ({"rate_hz": 9.0}, "Guidance runs at 9 Hz, usual 20 Hz.", 3),
+        ({"state": "failure", "text": "exit 139"}, "Failed. exit 139", 2),
+        ({"stamp": Stamp(NOW_S - 41, NOW_S)}, "Not heard any more. What is shown of it is old.", 2),
+        ({"rate_hz": 9.0}, "Runs at 9 Hz, usual 20 Hz.", 3),
         (
             {"clock_offset_s": -0.18},
             "Its clock is 180 ms behind: what it measures is put at the wrong place and time. "
@@ -107,7 +107,7 @@ def test_functions_come_as_a_tree_with_why_since_and_a_hint() -> None:
         ("treat", 0, ""),
         ("follow-path", 1, "treat"),
     ]
-    assert (told["on"], told["total"], told["hint"]) == (0, 2, "To turn on weed: start Guidance.")
+    assert (told["on"], told["total"], told["hint"]) == (0, 2, "To turn on Weed: start Guidance.")
     assert told["functions"][0] | {"depends_on": [], "better_with": []} == {
         "name": "treat", "label": "Weed", "state": "off", "why": "Guidance stopped", "turns_on": "Start Guidance",
         "since": 959_000.0, "level": None, "depends_on": [], "better_with": [], "depth": 0, "parent": "",
