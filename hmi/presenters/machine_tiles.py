@@ -22,7 +22,7 @@ def tiles(robot: Robot) -> list[Tile]:
         return []
     shown = GAUGES.get(sheet.family, ())
     gauges = [_gauge(one, robot.body) for key in shown for one in sheet.gauges if one.key == key]
-    return [_crane(robot), _stock(robot.body), *gauges] if sheet.family is Family.PLANTER else gauges
+    return [_crane(robot), *gauges, _stock(robot.body)] if sheet.family is Family.PLANTER else gauges
 
 
 def _crane(robot: Robot) -> Tile:

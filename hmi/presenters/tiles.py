@@ -24,16 +24,11 @@ def tiles(robot: Robot) -> list[Tile]:
     """Return the tiles in display order; a machine that measures more shows that instead of its plain tool."""
     fast = robot.telemetry
     own = machine_tiles.tiles(robot)
-    tool = [] if any(one["key"] == "tool" for one in own) else [_tool(robot, fast)]
-    return [
-        _speed(robot, fast),
-        _battery(robot, fast),
-        _gnss(fast),
-        _delay(robot),
-        *tool,
-        *own,
-        _cross_track(robot, fast),
-    ]
+    where = [_gnss(fast), _delay(robot)]
+    if own:  # a small screen shows six without scrolling: what only this machine has comes first
+        tool = [] if own[0]["key"] == "tool" else [_tool(robot, fast)]
+        return [_speed(robot, fast), _battery(robot, fast), *own, *tool, *where, _cross_track(robot, fast)]
+    return [_speed(robot, fast), _battery(robot, fast), *where, _tool(robot, fast), _cross_track(robot, fast)]
 
 
 def layout(robot: Robot) -> list[tuple[str, str]]:

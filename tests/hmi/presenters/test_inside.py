@@ -190,7 +190,7 @@ def tile(found: Robot, key: str) -> dict[str, Any]:
 
 def test_a_planter_shows_crane_trays_and_tilt_where_a_weeder_shows_its_laser() -> None:
     assert [key for key, _ in layout(planter())] == [
-        "speed", "battery", "gnss", "delay", "tool", "stock", "tilt", "cross-track",
+        "speed", "battery", "tool", "tilt", "stock", "gnss", "delay", "cross-track",
     ]  # fmt: skip
     assert (tile(planter(), "tool")["label"], tile(planter(), "tool")["sub"]) == (
         "Crane",
