@@ -41,6 +41,10 @@ class Theatre:
         """Set the farm map; ``anew=True`` begins with the published one."""
         self._post("/stage-map", wish)
 
+    def machine(self, **wish: Any) -> None:
+        """Show the planter's inside with changes, see ``MachineStage``; ``off=True`` takes it away."""
+        self._post("/stage-machine", wish)
+
     def alarms(self, **wish: Any) -> None:
         """Set alarms: ``put={id: changes}``, ``drop=[ids]``, ``tell=[events]``; see ``AlarmStage``."""
         self._post("/stage-alarms", wish)
