@@ -179,7 +179,7 @@ class SafetyState:
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """Life cycle of one software node (U6)."""
+    """Life cycle of one software node (U6), reported at least each ``period_s``."""
 
     name: str
     state: str
@@ -191,6 +191,7 @@ class Node:
     host: str = ""
     since_s: float | None = None
     clock_offset_s: float | None = None
+    period_s: float = 5.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,6 +28,7 @@ DESTINATIONS = (
     Destination("maps", "Maps", "polyline", "/maps", Permission.WATCH),
     Destination("missions", "Missions", "route", "/missions", Permission.WATCH),
     Destination("alarms", "Alarms", "notifications", "/alarms", Permission.WATCH),
+    Destination("supervisor", "Supervisor", "account_tree", "/supervisor", Permission.WATCH),
     Destination("admin", "Admin", "tune", "/admin", Permission.MANAGE_USERS),
 )
 
