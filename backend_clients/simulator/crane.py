@@ -112,6 +112,11 @@ class Crane:
         self.path = list(poses[1:])
         self.planned = dict(poses[0])
 
+    def time_left_s(self, share: float = 1.0) -> float:
+        """Return how long it takes to the next pose it was sent through, at ``share`` of its speed."""
+        speed = self.speed * share
+        return max(abs(self.pose[one] - at) / (BY_NAME[one].max_rate * speed) for one, at in self.planned.items())
+
     def step(self, dt_s: float, share: float = 1.0) -> None:
         """Move on towards what is planned, every joint at ``share`` of its speed: x_t = x_(t-1) + v * dt."""
         self.is_moving = False
@@ -120,7 +125,7 @@ class Crane:
         for name, goal in self.planned.items():
             at = self.pose[name]
             most = BY_NAME[name].max_rate * self.speed * share * dt_s
-            self.pose[name] = goal if abs(goal - at) <= most else at + math.copysign(most, goal - at)
+            self.pose[name] = goal if abs(goal - at) <= most + REACHED else at + math.copysign(most, goal - at)
         self.is_moving = True
         if self.path and all(abs(self.pose[one] - at) < REACHED for one, at in self.planned.items()):
             self.planned = dict(self.path.pop(0))

@@ -82,6 +82,10 @@ class Pilot:
     def _follow(self, dt_s: float) -> Setpoint:
         tracker = self.tracker
         assert tracker is not None
+        if self._brain.work.is_at_site and self._brain.run is not None and tracker is self._brain.run.tracker:
+            self.followed = tracker
+            self.doing = self._brain.work.guide(self._brain.run, STOPPED, dt_s)
+            return STOPPED
         wanted = tracker.steer(*self._brain.machine.measured_pose(), dt_s)
         if tracker.is_done:
             self._arrived(tracker)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from backend_clients.simulator.mission_run import MissionRun
     from backend_clients.simulator.planter_rig import PlanterRig
 
-MOVE_MPS = 0.42  # between two sites
+MOVE_MPS = 0.39  # between two sites
 SETTLE_S, MAP_S = 0.2, 0.6
 AT_STOP_M = 0.06
 SLOW = 0.5  # of its speed, with a person near
@@ -39,7 +39,7 @@ class Planting:
         self._stops: Stops | None = None
         self._settle_left_s, self._map_left_s = SETTLE_S, MAP_S
         self._fresh = 0
-        self._is_open = False
+        self.is_at_site = False
         self.row: int | None = None
 
     # ---- what every work does --------------------------------------------------------------------------
@@ -56,7 +56,7 @@ class Planting:
         self._be_at("plant-site")
         guard = self.rig.guard(self._machine.base, self._machine.person)
         share = SLOW if guard == "person-near" else 1.0
-        if self._is_open:
+        if self.is_at_site:
             return self._plant(stop, dt_s, share)
         ahead_m = stop.stop_m - run.tracker.s_m
         if ahead_m > AT_STOP_M:
@@ -86,11 +86,6 @@ class Planting:
         """Return the attempts that ended since the last call."""
         found, self.cycle.results = self.cycle.results, []
         return found
-
-    @property
-    def is_at_site(self) -> bool:
-        """Whether points of a site are being worked at."""
-        return self._is_open
 
     def interrupted(self) -> None:
         """The supervisor is somewhere else now: what was under way begins anew."""
@@ -147,7 +142,7 @@ class Planting:
             if self._map_left_s <= 1e-9:
                 self._map(run, stop)
                 states.fire("mapped")
-                self._is_open = True
+                self.is_at_site = True
         return Doing(STOPPED, tool_on=True, is_working=True)
 
     def _map(self, run: MissionRun, stop: Stretch) -> None:
@@ -171,7 +166,7 @@ class Planting:
         if site is not None:
             self._fresh += site.planted - before
         if (site is None or not site.is_left) and self.cycle.is_folded and "crane-idle" in self.states.active:
-            self._is_open = False
+            self.is_at_site = False
             assert self._stops is not None
             self.rig.worked.add(self._stops.key(stop))
         return Doing(STOPPED, tool_on=True, is_working=True)
@@ -182,7 +177,7 @@ class Planting:
         machine.seedlings = max(machine.seedlings - taken, 0)
 
     def _leave_site(self) -> None:
-        self._is_open = False
+        self.is_at_site = False
 
     # ---- the supervisor --------------------------------------------------------------------------------
 
@@ -203,8 +198,8 @@ class Planting:
     def _stop(self, run: MissionRun) -> Stretch | None:
         if self._stops is None or self._stops.route is not run.route:
             self._stops = Stops(run)
-            self._is_open = False
-        if self._is_open and self._current is not None:
+            self.is_at_site = False
+        if self.is_at_site and self._current is not None:
             return self._current
         self._current = self._stops.next(run.tracker.s_m - AT_STOP_M, self.rig.worked)
         return self._current

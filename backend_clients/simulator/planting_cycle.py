@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from backend_clients.edge.machine import Target
 from backend_clients.simulator.crane import TRANSPORT, OutOfReach, Pose, pose_for
-from backend_clients.simulator.planting_site import HOVER_M, to_machine
+from backend_clients.simulator.planting_site import CARRY_M, HOVER_M, to_machine
 
 if TYPE_CHECKING:
     from backend_clients.simulator.kinematics import Base
@@ -20,16 +20,18 @@ if TYPE_CHECKING:
 
 TRANSFER_S, DROP_S, PLANT_S, PICTURE_S = 5.1, 3.1, 8.1, 0.3  # bench times and what the software adds
 DOCK_TRIES = 3
+TINY_S = 1e-9
+MOST_EVENTS = 40  # in one step; more would be a loop
 TRAY = (-0.6, 2.4)  # where the seedling arm holds out a seedling, in the machine's frame
 DOCK, WAYPOINT = pose_for((*TRAY, 1.5)), pose_for((TRAY[0] - 0.2, TRAY[1] + 0.6, 2.3))
-PHOTO_UP_M, PHOTO_BACK_M, BACK_OFF_M, CARRY_M = 1.7, 1.0, 0.9, 1.6
+PHOTO_UP_M, PHOTO_BACK_M, BACK_OFF_M = 1.7, 1.0, 0.9
 SHARE = {
-    "transport": 0.50,
-    "dock-waypoint": 0.55,
-    "dock": 0.12,
-    "above-plant": 0.25,
-    "on-ground": 0.10,
-    "photo": 0.30,
+    "transport": 0.886,
+    "dock-waypoint": 0.522,
+    "dock": 0.0853,
+    "above-plant": 0.268,
+    "on-ground": 0.1053,
+    "photo": 0.2785,
     "back-off": 0.30,
     "retract": 0.30,
 }
@@ -96,19 +98,19 @@ class PlantingCycle:
 
         ``may_fetch``: take a seedling although no point is chosen yet.
         """
-        self._attempt_s += dt_s
-        crane_state, tool_state = self._acting()
-        taken = self._step_tool(tool_state, dt_s)
-        if crane_state:
-            self._step_crane(crane_state, base, dt_s, share)
-        elif not tool_state:
-            self._rig.crane.halt()
-        crane_state, tool_state = self._acting()
-        if not crane_state and not tool_state:
-            self._decide(tray - taken, may_fetch=may_fetch)
-        elif not tool_state and self._wants_seedling(tray - taken):
-            self._send("feed")
+        taken, left_s = 0, dt_s
+        for _ in range(MOST_EVENTS):
+            used_s, fed = self._advance(left_s, base, tray - taken, share, may_fetch=may_fetch)
+            taken, left_s = taken + fed, left_s - used_s
+            if left_s <= TINY_S:
+                break
         return taken
+
+    def fold(self, dt_s: float, base: Base, share: float) -> None:
+        """Bring the crane where the machine may drive."""
+        if "transport" not in self._states.active:
+            self._send("fold")
+        self._move("transport", base, dt_s, share)
 
     def _acting(self) -> tuple[str, str]:
         """Return the active states of crane and tool that are actions, empty if they are at rest."""
@@ -116,11 +118,28 @@ class PlantingCycle:
         crane_state = next((one for one in MOVES_OF_CRANE if one in active), "")
         return crane_state, next((one for one in _TOOL_S if one in active), "")
 
-    def fold(self, dt_s: float, base: Base, share: float) -> None:
-        """Bring the crane where the machine may drive."""
-        if "transport" not in self._states.active:
-            self._send("fold")
-        self._step_crane("transport", base, dt_s, share)
+    def _advance(self, left_s: float, base: Base, tray: int, share: float, *, may_fetch: bool) -> tuple[float, int]:
+        """Live until the next action ends, at most ``left_s``; return how long that was, and the seedlings taken."""
+        crane_state, tool_state = self._acting()
+        if not crane_state and not tool_state:
+            self._sent_for = self._tool_for = ""
+            self._rig.crane.halt()
+            return (0.0 if self._decide(tray, may_fetch=may_fetch) else left_s), 0
+        if tool_state != self._tool_for:
+            self._tool_for, self._tool_left_s = tool_state, _TOOL_S.get(tool_state, 0.0)
+        span_s = min(left_s, self._tool_left_s) if tool_state else left_s
+        if crane_state:
+            span_s = self._move(crane_state, base, span_s, share)
+        self._attempt_s += span_s
+        taken = 0
+        if tool_state:
+            self._tool_left_s -= span_s
+            if self._tool_left_s <= TINY_S:
+                self._tool_for = ""
+                taken = self._tool_done(tool_state)
+        elif self._wants_seedling(tray):
+            self._send("feed")
+        return span_s, taken
 
     def forget(self) -> None:
         """Begin anew: somebody moved the crane, or the supervisor was elsewhere meanwhile."""
@@ -140,29 +159,30 @@ class PlantingCycle:
 
     # ---- decisions ---------------------------------------------------------------------------------------
 
-    def _decide(self, tray: int, *, may_fetch: bool) -> None:
+    def _decide(self, tray: int, *, may_fetch: bool) -> bool:
+        """Begin the next action; say whether there was one."""
         rig, site = self._rig, self._rig.site
         if self._is_loading:
-            self._load(tray)
-            return
+            return self._load(tray)
         target = site.take_next() if site is not None else None
         can_fetch = rig.in_arm or tray > 0
         if target is not None and rig.in_head:
-            self._send("go_to_point")
-        elif can_fetch and (target is not None or (may_fetch and not rig.in_head)):
+            return self._send("go_to_point")
+        if can_fetch and (target is not None or (may_fetch and not rig.in_head)):
             self._attempt_s = 0.0
-            self._send("fetch")
-        elif target is None and not self.is_folded and not may_fetch:
-            self._send("fold")
+            return self._send("fetch")
+        if target is None and not self.is_folded and not may_fetch:
+            return self._send("fold")
+        return False
 
-    def _load(self, tray: int) -> None:
+    def _load(self, tray: int) -> bool:
         """Stay docked for one more seedling."""
         if self._rig.in_arm:
-            self._send("docked")
-        elif tray > 0:
-            self._send("feed")
-        else:
-            self._is_loading = False
+            return self._send("docked")
+        if tray > 0:
+            return self._send("feed")
+        self._is_loading = False
+        return True
 
     def _wants_seedling(self, tray: int) -> bool:
         if self._rig.in_arm or tray <= 0:
@@ -171,15 +191,7 @@ class PlantingCycle:
 
     # ---- the tool ----------------------------------------------------------------------------------------
 
-    def _step_tool(self, state: str, dt_s: float) -> int:
-        if not state:
-            self._tool_for = ""
-            return 0
-        if state != self._tool_for:
-            self._tool_for, self._tool_left_s = state, _TOOL_S[state]
-        self._tool_left_s -= dt_s
-        if self._tool_left_s > 1e-9:
-            return 0
+    def _tool_done(self, state: str) -> int:
         rig = self._rig
         if state == "transfer":
             rig.in_arm = True
@@ -207,7 +219,8 @@ class PlantingCycle:
 
     # ---- the crane ---------------------------------------------------------------------------------------
 
-    def _step_crane(self, state: str, base: Base, dt_s: float, share: float) -> None:
+    def _move(self, state: str, base: Base, left_s: float, share: float) -> float:
+        """Go on with an action of the crane until it ends, at most ``left_s``; return how long that was."""
         crane = self._rig.crane
         if self._sent_for != state:
             self._sent_for, self._picture_left_s = state, PICTURE_S
@@ -216,16 +229,23 @@ class PlantingCycle:
             except OutOfReach as problem:
                 self.log.append(("crane", f"{state}: out of reach, {problem}"))
                 crane.send(dict(crane.pose))
-                self._arrived(state, is_reached=False)
-                return
-        crane.step(dt_s, SHARE[state] * share)
+                self._arrived(state, is_reached=state not in ("above-plant", "on-ground"))
+                return 0.0
         if not crane.is_there:
-            return
-        if state == "photo" and self._picture_left_s > 0:
-            self._picture_left_s -= dt_s
+            left_s = min(left_s, crane.time_left_s(SHARE[state] * share))
+            crane.step(left_s, SHARE[state] * share)
+        elif state == "photo" and self._picture_left_s > TINY_S:
+            left_s = min(left_s, self._picture_left_s)
+            self._picture_left_s -= left_s
             crane.halt()
-            return
-        self._arrived(state, is_reached=True)
+        elif state == "dock" and not self._rig.in_arm:
+            crane.halt()  # the arm is still on its way with the seedling
+            return left_s
+        else:
+            left_s = 0.0
+        if crane.is_there and (state != "photo" or self._picture_left_s <= TINY_S):
+            self._arrived(state, is_reached=True)
+        return left_s
 
     def _arrived(self, state: str, *, is_reached: bool) -> None:
         tuning = self._rig.tuning
@@ -243,11 +263,9 @@ class PlantingCycle:
             self._send(_DONE[state], "OK")
 
     def _docked(self) -> None:
-        rig = self._rig
-        if not rig.in_arm:
-            rig.crane.halt()
-            return  # the arm is still on its way with the seedling
-        if self._chance(rig.tuning.fail_dock):
+        if not self._rig.in_arm:
+            return
+        if self._chance(self._rig.tuning.fail_dock):
             self._dock_tries += 1
             if self._dock_tries >= DOCK_TRIES:
                 self._dock_tries, self.needs_person = 0, True
@@ -275,7 +293,7 @@ class PlantingCycle:
         if state == "on-ground":
             return [pose_for((x, y, HOVER_M * part)) for part in (0.66, 0.33, 0.0)]
         if state == "photo":
-            return [pose_for((x, y, HOVER_M)), pose_for((x + PHOTO_BACK_M, y, PHOTO_UP_M))]
+            return [pose_for((x, y, HOVER_M)), pose_for((x - PHOTO_BACK_M, y, PHOTO_UP_M))]
         return [pose_for((x, y, CARRY_M)), pose_for((x, y, HOVER_M))]
 
     # ---- outcomes ----------------------------------------------------------------------------------------
@@ -301,9 +319,9 @@ class PlantingCycle:
     def _chance(self, share: float) -> bool:
         return share > 0 and self._rig.chance.random() < share
 
-    def _send(self, event: str, result: str = "") -> None:
-        self._sent_for = ""
-        self._states.fire(event, result=result)
+    def _send(self, event: str, result: str = "") -> bool:
+        self._states.fire(event, result)
         if result:
             node = "planter" if event in ("fed", "dropped", "planted", "scar_failed") else "crane"
             self.log.append((node, f"{event.replace('_', ' ')}: {result}"))
+        return True

@@ -18,6 +18,7 @@ from backend_clients.simulator.kinematics import Base
 CLEAR_M = 0.2  # free radius around a plant
 TREES_PER_M2 = 0.25  # 2,500 a hectare
 AREA_M = 4.0  # of the staging area along the row, and at most across it
+CARRY_M = 1.6  # of the tip on the way to a point
 HOVER_M = 0.6  # of the tip above the ground before it is lowered
 MARGIN_M = 0.5  # from the machine's outline
 SAME_M = 0.5
@@ -133,8 +134,8 @@ def is_reachable(base: Base, at: Point, front_m: float = 4.0, rear_m: float = 2.
     if -rear_m - MARGIN_M < x < front_m + MARGIN_M and abs(y) < half_m + MARGIN_M:
         return False
     try:
-        pose_for((x, y, HOVER_M))
-        pose_for((x, y, 0.0))
+        for z in (CARRY_M, HOVER_M, 0.0):
+            pose_for((x, y, z))
     except OutOfReach:
         return False
     return True

@@ -30,9 +30,14 @@ class Doing:
 
 
 class Work(Protocol):
-    """One kind of work. ``row`` is the row that is worked where it is not the one the machine is on."""
+    """One kind of work.
+
+    ``row`` is the row that is worked where it is not the one the machine is on; ``is_at_site`` while it works with
+    the machine standing.
+    """
 
     row: int | None
+    is_at_site: bool
 
     def guide(self, run: MissionRun, wanted: Setpoint, dt_s: float) -> Doing:
         """Return what to do where the mission wants ``wanted``."""
@@ -51,6 +56,7 @@ class Weeding:
     """Fires at weeds while it rolls along a row."""
 
     row: int | None = None
+    is_at_site = False
 
     def __init__(self, machine: Machine) -> None:
         self._machine = machine
@@ -76,6 +82,7 @@ class Searching:
     """Takes pictures while it flies along a line."""
 
     row: int | None = None
+    is_at_site = False
 
     def __init__(self, machine: Machine) -> None:
         self._machine = machine

@@ -66,7 +66,7 @@ class SimRobot:
         self.lived_s = 0.0  # of the world's time
         self.is_lazy = False  # lean and in its usual round: not looked at before its turn
         self.is_awake = False  # an order came; what it changes is not to wait for the next long step
-        self.boot: Boot | None = self._power_up()
+        self.boot: Boot | None = self.power_up()
 
     def receive(self, order: down.Order, *, is_retained: bool = False) -> up.Ack | None:
         """Hand one order to the software; ``None`` too when it is switched off."""
@@ -81,12 +81,13 @@ class SimRobot:
             if self._boot_at_s is not None and self.clock.mono_s() >= self._boot_at_s:
                 self.faults.clear("crash")
                 self._boot_at_s = None
-                self.boot = self._power_up()
+                self.boot = self.power_up()
         else:
             brain = self.boot.brain
             brain.check_people()
             left_s = dt_s * speed if brain.is_auto else dt_s
-            most_s = MAX_RAIL_STEP_S if self.machine.profile.motion.is_on_rails or self.is_resting else MAX_STEP_S
+            is_easy = self.machine.profile.motion.is_on_rails or self.is_resting or brain.work.is_at_site
+            most_s = MAX_RAIL_STEP_S if is_easy else MAX_STEP_S
             while left_s > 1e-9:
                 step_s = min(left_s, most_s)
                 brain.step(step_s)
@@ -180,7 +181,8 @@ class SimRobot:
         self.boot = None
         self._boot_at_s = None if reboot_after_s is None else self.clock.mono_s() + reboot_after_s
 
-    def _power_up(self) -> Boot:
+    def power_up(self) -> Boot:
+        """Return the software as it starts on the machine as it stands."""
         # never from the seed: a replayed order of an earlier run must find neither its boot nor its challenge
         boot_id = secrets.token_hex(8)
         brain = Brain(self.config, self.machine, self.clock, self.store, self.faults, boot_id, _challenge)
