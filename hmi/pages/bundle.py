@@ -19,7 +19,7 @@ STATIC = Path(__file__).resolve().parents[2] / "static"
 STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 """Cascade order of what every page carries: tokens first, screens last."""
 
-SCREEN_STYLES = ("maps", "plan", "queue", "alarms", "fleet", "demo")
+SCREEN_STYLES = ("maps", "plan", "queue", "alarms", "fleet", "demo", "twin")
 """Styles that a screen fetches with its scripts."""
 
 SCRIPTS = {
@@ -51,6 +51,7 @@ SCRIPTS = {
         "fleet_order", "fleet_data", "fleet_row", "fleet_scroll", "fleet_filter", "fleet_list", "fleet_results",
         "fleet_dock", "fleet_duty", "fleet_menu", "fleet_strip", "fleet_map", "fleet_wall", "fleet_screen",
     ),
+    "twin": ("twin_link", "twin_layers", "twin_joints", "twin_replay", "twin_details", "twin_model", "twin_screen"),
     "demo": ("demo_panel",),
     "run": ("field_picture", "start_checks", "rest_sheet", "queue_hold"),
     "draw": ("svg_view", "area_shape", "area_pen", "rest_map"),

@@ -13,7 +13,7 @@ from nicegui import ui
 from components import stop_slab
 from components.live_element import LiveElement
 from hmi.domain.role import PERMISSIONS
-from hmi.pages import admin, alarms, bundle, fleet, login, maps, missions, operate, rail, top_bar, wall
+from hmi.pages import admin, alarms, bundle, fleet, login, maps, missions, operate, rail, top_bar, twin, wall
 from hmi.pages.services import PageServices
 from hmi.security.session_info import SessionInfo
 
@@ -56,6 +56,8 @@ def _screens(services: PageServices, session: SessionInfo | None) -> None:
             "/maps": lambda: _maps(services, session),
             "/missions": lambda: _missions(services, session),
             "/alarms": lambda: alarms.build(services, session),
+            "/twin": lambda: twin.pick(services, session),
+            "/twin/{robot}": lambda robot: twin.build(services, session, robot),
             "/admin": lambda: admin.build(services, session),
             "/login": lambda: operate.pick(services, session),
         }
