@@ -12,8 +12,8 @@ from starlette.requests import Request
 from starlette.responses import HTMLResponse, Response
 from starlette.routing import BaseRoute, Route
 
-from hmi.app.records import Records
 from hmi.app.media_link import MediaDown, MediaLink
+from hmi.app.records import Records
 from hmi.app.twin_news import TwinNews
 from hmi.app.viser_page import CLIENT_PATH, viser_page
 from hmi.app.viser_proxy import OriginRule, TwinSockets

@@ -45,7 +45,7 @@ class TwinSockets:
         gate: SessionGate,
         authorize: Authorize,
         origins: OriginRule,
-        on_look: Callable[[str], "contextlib.AbstractAsyncContextManager[None]"],
+        on_look: Callable[[str], contextlib.AbstractAsyncContextManager[None]],
     ) -> None:
         self._link, self._gate, self._authorize, self._origins = link, gate, authorize, origins
         self._on_look = on_look

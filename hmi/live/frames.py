@@ -16,6 +16,7 @@ FLEET = "fleet"
 POSES = "poses"
 ALARMS = "alarms"
 ROBOT = "robot/"
+INSIDE = "inside/"
 
 RobotId = Annotated[str, msgspec.Meta(pattern=ID_PATTERN + r"(?!\n)")]
 TickId = Annotated[str, msgspec.Meta(min_length=1, max_length=80)]
@@ -77,7 +78,10 @@ def decode_client(text: str | bytes) -> ClientFrame:
 
 def is_topic(topic: str) -> bool:
     """Say whether a browser may ask for this topic."""
-    return topic in (FLEET, POSES, ALARMS) or (topic.startswith(ROBOT) and is_id(topic.removeprefix(ROBOT)))
+    if topic in (FLEET, POSES, ALARMS):
+        return True
+    kind, slash, robot_id = topic.partition("/")
+    return kind + slash in (ROBOT, INSIDE) and is_id(robot_id)
 
 
 def encode(frame: Mapping[str, Any]) -> str:

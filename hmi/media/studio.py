@@ -163,6 +163,7 @@ class Studio:
                 viewer.follow(place.xyz, now_s)
         if self._round % STATUS_EVERY == 0:
             self._tell_all(now_s)
+            self.world.beat()
 
     def posture(self, robot_id: str) -> Posture | None:
         """Return where a robot is in the site's plane, ``None`` before it said so."""

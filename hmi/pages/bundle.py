@@ -19,7 +19,7 @@ STATIC = Path(__file__).resolve().parents[2] / "static"
 STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 """Cascade order of what every page carries: tokens first, screens last."""
 
-SCREEN_STYLES = ("maps", "plan", "queue", "alarms", "fleet", "demo", "twin")
+SCREEN_STYLES = ("maps", "plan", "queue", "alarms", "fleet", "demo", "supervisor", "twin")
 """Styles that a screen fetches with its scripts."""
 
 SCRIPTS = {
@@ -50,6 +50,10 @@ SCRIPTS = {
     "fleet": (
         "fleet_order", "fleet_data", "fleet_row", "fleet_scroll", "fleet_filter", "fleet_list", "fleet_results",
         "fleet_dock", "fleet_duty", "fleet_menu", "fleet_strip", "fleet_map", "fleet_wall", "fleet_screen",
+    ),
+    "supervisor": (
+        "super_base", "super_chart", "super_gantt", "super_share",
+        "super_nodes", "super_functions", "super_logs", "super_dock", "super_screen",
     ),
     "twin": ("twin_link", "twin_layers", "twin_joints", "twin_replay", "twin_details", "twin_model", "twin_screen"),
     "demo": ("demo_panel",),

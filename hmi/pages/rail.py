@@ -29,6 +29,7 @@ DESTINATIONS = (
     Destination("twin", "Twin", "deployed_code", "/twin", Permission.WATCH),
     Destination("missions", "Missions", "route", "/missions", Permission.WATCH),
     Destination("alarms", "Alarms", "notifications", "/alarms", Permission.WATCH),
+    Destination("supervisor", "Supervisor", "account_tree", "/supervisor", Permission.WATCH),
     Destination("admin", "Admin", "tune", "/admin", Permission.MANAGE_USERS),
 )
 

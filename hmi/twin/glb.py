@@ -10,45 +10,52 @@ from numpy.typing import NDArray
 
 from hmi.twin.solids import Floats
 
-_FLOAT, _BYTE = 5126, 5121
+_FLOAT, _BYTE, _INDEX = 5126, 5121, 5125
 GHOST_ALPHA = 0.34
 
 
 def glb_of(corners: Floats, colours: NDArray[np.uint8], *, alpha: float = 1.0) -> bytes:
-    """Return a GLB.
+    """Return a GLB. Without normals it is drawn flat (section 3.7.2.1), and corners of one colour are shared.
 
     Args:
         corners: (3N, 3) metres, three to a triangle.
         colours: (3N, 3) sRGB.
         alpha: below 1 it is see-through.
     """
-    count = len(corners)
-    rgba = np.concatenate([_linear(colours), np.full((count, 1), 255, np.uint8)], axis=1)
-    parts = [np.ascontiguousarray(corners, np.float32).tobytes(), _normals(corners).tobytes(), rgba.tobytes()]
+    points, tints, order = _shared(corners, colours)
+    rgba = np.concatenate([_linear(tints), np.full((len(tints), 1), 255, np.uint8)], axis=1)
+    parts = [points.tobytes(), rgba.tobytes(), order.tobytes()]
     body = b"".join(parts)
-    material = {
+    material: dict[str, object] = {
         "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, alpha], "metallicFactor": 0.0, "roughnessFactor": 0.85},
         "doubleSided": True,
     }
     if alpha < 1:
         material["alphaMode"] = "BLEND"
+    primitive = {"attributes": {"POSITION": 0, "COLOR_0": 1}, "indices": 2, "material": 0}
     head = {
         "asset": {"version": "2.0"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1, "COLOR_0": 2}, "material": 0}]}],
+        "meshes": [{"primitives": [primitive]}],
         "materials": [material],
         "accessors": [
-            {"bufferView": 0, "componentType": _FLOAT, "count": count, "type": "VEC3",
-             "min": corners.min(axis=0).tolist(), "max": corners.max(axis=0).tolist()},
-            {"bufferView": 1, "componentType": _FLOAT, "count": count, "type": "VEC3"},
-            {"bufferView": 2, "componentType": _BYTE, "normalized": True, "count": count, "type": "VEC4"},
+            {"bufferView": 0, "componentType": _FLOAT, "count": len(points), "type": "VEC3",
+             "min": points.min(axis=0).tolist(), "max": points.max(axis=0).tolist()},
+            {"bufferView": 1, "componentType": _BYTE, "normalized": True, "count": len(points), "type": "VEC4"},
+            {"bufferView": 2, "componentType": _INDEX, "count": len(order), "type": "SCALAR"},
         ],
         "bufferViews": _views([len(part) for part in parts]),
         "buffers": [{"byteLength": len(body)}],
     }  # fmt: skip
     return _file(json.dumps(head, separators=(",", ":")).encode(), body)
+
+
+def _shared(corners: Floats, colours: NDArray[np.uint8]) -> tuple[Floats, NDArray[np.uint8], NDArray[np.uint32]]:
+    rows = np.column_stack([np.round(corners, 5), colours])
+    unique, order = np.unique(rows, axis=0, return_inverse=True)
+    return unique[:, :3].astype(np.float32), unique[:, 3:].astype(np.uint8), order.reshape(-1).astype(np.uint32)
 
 
 def _views(sizes: list[int]) -> list[dict[str, int]]:
@@ -61,14 +68,6 @@ def _file(head: bytes, body: bytes) -> bytes:
     body += b"\0" * (-len(body) % 4)
     chunks = struct.pack("<I4s", len(head), b"JSON") + head + struct.pack("<I4s", len(body), b"BIN\0") + body
     return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
-
-
-def _normals(corners: Floats) -> Floats:
-    a, b, c = corners[0::3], corners[1::3], corners[2::3]
-    found = np.cross(b - a, c - a)
-    length = np.linalg.norm(found, axis=1, keepdims=True)
-    unit = np.divide(found, length, out=np.tile([0.0, 0.0, 1.0], (len(a), 1)).astype(found.dtype), where=length > 1e-12)
-    return np.repeat(unit, 3, axis=0).astype(np.float32)
 
 
 def _linear(colours: NDArray[np.uint8]) -> NDArray[np.uint8]:

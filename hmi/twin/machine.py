@@ -31,7 +31,7 @@ class Form:
         """Prepare a model."""
         kinematics = Kinematics(model)
         return cls(
-            model, kinematics, skin.glbs(), skin.glbs(is_ghost=True), _size(kinematics, skin), _tip(model, kinematics)
+            model, kinematics, skin.glbs(), skin.glbs(is_ghost=True), _size(model, skin), _tip(model, kinematics)
         )
 
     def head(self, body: Place, joints: Mapping[str, float]) -> Vector | None:
@@ -83,15 +83,12 @@ class MachineView:
         return f"{self.name}{self.form.kinematics.path(link)}"
 
 
-def _size(kinematics: Kinematics, skin: Skin) -> float:
-    """How large the machine is, metres: the longest side of all its corners at rest."""
-    at_rest = kinematics.in_base({})
-    corners = [
-        one.corners + np.asarray(at_rest[link].xyz if link in at_rest else 0.0) for link, one in skin.links.items()
-    ]
-    if not corners:
+def _size(model: Model, skin: Skin) -> float:
+    """How large the machine's body is, metres: the longest side of what its root link shows, else of everything."""
+    shown = [skin.links[model.root]] if model.root in skin.links else list(skin.links.values())
+    if not shown:
         return 1.0
-    every = np.concatenate(corners)
+    every = np.concatenate([one.corners for one in shown])
     return float((every.max(axis=0) - every.min(axis=0)).max())
 
 

@@ -11,7 +11,7 @@ from hmi.twin.model import Box, Cylinder, Sphere, Vector
 from hmi.twin.rotation import from_rpy
 
 Floats = NDArray[np.float32]
-SIDES = 24  # of a cylinder
+SIDES = 18  # of a cylinder
 RINGS = 10  # of a ball
 
 

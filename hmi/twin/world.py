@@ -8,9 +8,12 @@ import viser
 
 from hmi.twin.ground import GROUND, draw_grid, draw_ground
 from hmi.twin.groups import HIDDEN_AT_FIRST, Group
+from hmi.twin.kinematics import Place
 from hmi.twin.machine import Form, MachineView
 from hmi.twin.mover import Mover
 from hmi.twin.posture import Posture
+
+BEAT = "/beat"
 
 
 @dataclass(slots=True)
@@ -31,6 +34,7 @@ class World:
         server.scene.configure_default_lights(enabled=True, cast_shadow=False)
         for group in Group:
             self._scene.add_frame(group.frame, show_axes=False, visible=group not in HIDDEN_AT_FIRST)
+        self.mover.add(BEAT, Place((0.0, 0.0, 0.0)))
         draw_ground(self._scene, GROUND)
         draw_grid(self._scene, f"{Group.TERRAIN.frame}/grid")
 
@@ -58,6 +62,11 @@ class World:
             shown = self._robots[robot_id] = _Shown(solid)
         moved = shown.solid.show(posture.body, posture.joints)
         return moved + self._show_ghost(robot_id, shown, posture, is_wanted=has_ghost and bool(posture.planned))
+
+    def beat(self) -> None:
+        """Move something nobody sees, so that a picture in which all stands still is known to be alive."""
+        up_m = 0.0 if self.mover.place(BEAT).xyz[2] else 1.0
+        self.mover.move(BEAT, Place((0.0, 0.0, up_m)))
 
     def remove(self, robot_id: str) -> None:
         """Take a robot away."""

@@ -1,0 +1,5 @@
+(() => {
+  "use strict";
+  class SuperGantt extends HL.LiveElement {}
+  HL.superDefine("hl-super-gantt", SuperGantt);
+})();
