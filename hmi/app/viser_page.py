@@ -1,4 +1,4 @@
-"""viser's client, cut up and put together again for our origin: its page with our script, its code as a file of its own.
+"""viser's client, put together again for our origin: its page with our script, its code as a file of its own.
 
 viser is never imported here: the console stays light, and what viser's client may do is decided by the page's policy.
 """

@@ -119,7 +119,7 @@ class TwinSockets:
             await socket.close(code)
 
     async def _while_signed_in(self, session: SessionInfo) -> None:
-        while self._gate.get(session.session_id) is not None:
+        while self._gate.get(session.session_id) is not None:  # noqa: ASYNC110 - looked up in memory, once a second
             await asyncio.sleep(CHECK_S)
 
 

@@ -46,7 +46,7 @@ class ModelShelf:
                 raise UnsafeModel("Reading the model took too much memory. Simplify its meshes.") from error
             finally:
                 self._reader.close()
-                archive.unlink(missing_ok=True)
+                await asyncio.to_thread(archive.unlink, missing_ok=True)
 
     async def describe(self, robot_id: str) -> dict[str, Any]:
         """Return what is known of a robot's own model; ``{"kept": False}`` without one."""

@@ -61,7 +61,7 @@ class Theme(Struct, frozen=True, tag_field="k", tag="theme"):
 
 
 Order = SetView | SetLayer | Hold | Zoom | Replay | Live | Theme
-_decoder = msgspec.json.Decoder(Order)
+_decoder: msgspec.json.Decoder[Order] = msgspec.json.Decoder(Order)
 
 
 class BadOrder(Exception):
@@ -73,6 +73,7 @@ def decode_order(payload: str | bytes) -> Order:
     if len(payload) > MAX_ORDER_BYTES:
         raise BadOrder("too long")
     try:
-        return _decoder.decode(payload)
+        order: Order = _decoder.decode(payload)
+        return order
     except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
         raise BadOrder(str(error)) from error

@@ -57,7 +57,7 @@ def _robot(
             continue
         place = studio.world.mover.place(solid.name).xyz
         radius = 0.42 * solid.form.size_m
-        middle = np.asarray(place) + (0, 0, 0.5 * radius)
+        middle = np.add(place, (0, 0, 0.5 * radius))
         along = float((middle - start) @ unit)
         aside = float(np.linalg.norm(start + along * unit - middle))
         if along > 0 and aside < radius and (best is None or along < best[0]):

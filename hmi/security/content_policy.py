@@ -56,10 +56,10 @@ VIEWER_PATH = "/viser/"
 
 
 def viewer_policy(nonce: str, host: str) -> str:
-    """Return the policy of the twin's page: its worker is made of a blob, its code is WebAssembly, nothing leaves here."""
+    """Return the policy of the twin's page: its worker is made of a blob, nothing comes from or goes elsewhere."""
     return "; ".join((
         "default-src 'none'",
-        f"script-src 'self' 'nonce-{nonce}' 'wasm-unsafe-eval'",
+        f"script-src 'self' 'nonce-{nonce}' 'unsafe-eval'",
         "script-src-attr 'none'",
         "style-src 'self' 'unsafe-inline'",
         "img-src 'self' data: blob:",

@@ -7,8 +7,8 @@ import viser
 
 from hmi.twin.model import Colour
 
-GROUND: Colour = (203, 200, 190)
-DARK: Colour = (52, 55, 56)
+GROUND: Colour = (158, 154, 144)
+DARK: Colour = (30, 33, 34)
 SIDE_M = 6000.0
 BELOW_M = 0.03  # what lies on the ground must not flicker through it
 CELL_M, SECTION_M, FADE_M = 1.0, 10.0, 120.0

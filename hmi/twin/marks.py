@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
 
@@ -72,7 +73,7 @@ def _ring(inner_m: float, outer_m: float, sides: int = 28) -> Floats:
     return np.asarray(np.stack(faces, axis=1).reshape(-1, 3), np.float32)
 
 
-_SHAPES = {
+_SHAPES: dict[str, Callable[[], Floats]] = {
     "tree": _tree,
     "cross": lambda: _bars(math.pi / 4, -math.pi / 4),
     "plus": lambda: _bars(0.0, math.pi / 2),

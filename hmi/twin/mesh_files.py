@@ -10,6 +10,7 @@ import json
 import re
 import struct
 from pathlib import Path
+from typing import Any
 from urllib.parse import unquote
 
 import numpy as np
@@ -127,9 +128,10 @@ def _parsed(kind: str, data: bytes, where: str, name: str) -> tuple[Floats, NDAr
 
 
 def _colours(mesh: trimesh.Trimesh) -> NDArray[np.uint8] | None:
-    if mesh.visual.kind not in ("face", "vertex", "texture"):
+    visual: Any = mesh.visual
+    if visual is None or visual.kind not in ("face", "vertex", "texture"):
         return None
-    plain = mesh.visual.to_color() if mesh.visual.kind == "texture" else mesh.visual
+    plain = visual.to_color() if visual.kind == "texture" else visual
     return np.repeat(np.asarray(plain.face_colors, np.uint8)[:, :3], 3, axis=0)
 
 

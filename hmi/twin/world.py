@@ -31,6 +31,7 @@ class World:
         self.mover = Mover(server.scene)
         self._robots: dict[str, _Shown] = {}
         server.scene.world_axes.visible = False
+        server.gui.configure_theme(show_logo=False, show_share_button=False)
         server.scene.configure_default_lights(enabled=True, cast_shadow=False)
         for group in Group:
             self._scene.add_frame(group.frame, show_axes=False, visible=group not in HIDDEN_AT_FIRST)
