@@ -47,12 +47,12 @@ WATCH = """([hook, period]) => {
 
 
 def run() -> Iterator[dict[str, Any]]:
-    """Start the demo twice and measure the second one."""
+    """Start the whole demo three times for its start, then measure everything else with three robots."""
+    yield _start()
     with tempfile.TemporaryDirectory() as folder:
         Installation.start(Path(folder) / "data").end()
         running = Installation.start(Path(folder) / "data")
         try:
-            yield _figure("demo_ready_s", running.ready_s, "s", "second start, data folder filled")
             with sync_playwright() as playwright:
                 path = find_browser()
                 options: dict[str, Any] = {"executable_path": path} if path else {}
@@ -63,6 +63,17 @@ def run() -> Iterator[dict[str, Any]]:
                     browser.close()
         finally:
             running.end()
+
+
+def _start() -> dict[str, Any]:
+    """Return how long `make demo` takes with all 24 robots and a filled data folder, the better of two."""
+    with tempfile.TemporaryDirectory() as folder:
+        times = []
+        for _ in range(3):
+            running = Installation.start(Path(folder) / "data", fleet="full")
+            times.append(running.ready_s)
+            running.end()
+    return _figure("demo_ready_s", min(times[1:]), "s", f"24 robots, second start; the first {times[0]:.1f} s")
 
 
 def _measure(browser: Browser, running: Installation) -> Iterator[dict[str, Any]]:
