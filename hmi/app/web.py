@@ -157,6 +157,7 @@ def _api(console: Console) -> ApiServices:
             console.queue.routes(),
             *console.fleet.routes(),
             *console.alarms.routes(),
+            console.twin.rest(records),
             *_demo_routes(console),
         ],
     )
