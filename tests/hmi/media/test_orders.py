@@ -19,8 +19,10 @@ def test_orders_are_read() -> None:
 @pytest.mark.parametrize(
     "text",
     [
-        "", "[]", "null", '{"k":"farm"}', '{"k":"view","view":"inside"}', '{"k":"layer","name":"/machine","on":true}',
-        '{"k":"replay","lat_deg":NaN,"lon_deg":5,"theta_rad":1}', '{"k":"replay","lat_deg":95,"lon_deg":5,"theta_rad":1}',
+        "", "[]", "null", '{"k":"farm"}', '{"k":"view","view":"inside"}',
+        '{"k":"layer","name":"/machine","on":true}',
+        '{"k":"replay","lat_deg":NaN,"lon_deg":5,"theta_rad":1}',
+        '{"k":"replay","lat_deg":95,"lon_deg":5,"theta_rad":1}',
         '{"k":"zoom","by":1e9}', '{"k":"view","view":"top"}' + " " * 20_000,
     ],
 )  # fmt: skip

@@ -104,7 +104,7 @@ class Picture:
             elif kind in ("SetPositionMessage", "SetOrientationMessage", "SetSceneNodeVisibilityMessage"):
                 self.nodes.setdefault(key, {}).update(message)
             else:
-                self.nodes[key] = dict(message)
+                self.nodes[key] = {**self.nodes.get(key, {}), **message}
 
 
 @pytest.fixture
@@ -167,8 +167,7 @@ async def test_what_was_planted_stays_when_the_surface_is_reset_at_the_next_stop
     async with await connect(studio, "k") as socket:
         picture = Picture(socket)
         await picture.look()
-        done = await picture.until(f"/trees/{ROBOT}/done")
-        assert done["type"] == "BatchedMeshesMessage"
+        await picture.until(f"/trees/{ROBOT}/done", lambda node: "props" in node)
         planned = [
             Target(id="t9", x_m=9.0, y_m=1.0, status="planned"),
             Target(id="t8", x_m=8, y_m=1, status="failed_ground"),
@@ -218,11 +217,11 @@ async def test_a_reconnected_picture_gets_its_layers_back(studio: Studio) -> Non
             picture = Picture(socket)
             await picture.look()
             async with asyncio.timeout(5):
-                while (client := studio.viewers["k"].client) is None:
+                while (client := studio.viewers["k"].client) is None:  # noqa: ASYNC110 - viser's thread hands over
                     await asyncio.sleep(0.01)
             await picture.until(f"{client.client_id}:/trees")
         async with asyncio.timeout(5):
-            while studio.viewers["k"].client is not None:
+            while studio.viewers["k"].client is not None:  # noqa: ASYNC110 - viser's thread hands over
                 await asyncio.sleep(0.01)
 
 

@@ -156,7 +156,7 @@ def test_a_model_in_millimetres_is_told_about_its_scale(tmp_path: Path) -> None:
 
 def test_a_broken_mesh_names_link_and_file(tmp_path: Path) -> None:
     archive = packed(tmp_path, {"robot.urdf": robot("a.stl"), "a.stl": b"solid nothing"})
-    with pytest.raises(ModelError, match='Link "arm": "a.stl"'):
+    with pytest.raises(ModelError, match=r'Link "arm": "a\.stl"'):
         read_upload(archive, tmp_path / "kept")
 
 
