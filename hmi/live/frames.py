@@ -12,6 +12,7 @@ from hmi.domain.ids import ID_PATTERN, is_id
 MAX_CLIENT_BYTES = 8192  # an honest frame has under 300 bytes, a subscription of 50 topics under 4 KB
 MAX_TOPICS = 64
 MAX_HERE = 100  # robots one frame keeps control of
+MAX_JOINTS = 16
 FLEET = "fleet"
 POSES = "poses"
 ALARMS = "alarms"
@@ -20,6 +21,7 @@ INSIDE = "inside/"
 
 RobotId = Annotated[str, msgspec.Meta(pattern=ID_PATTERN + r"(?!\n)")]
 TickId = Annotated[str, msgspec.Meta(min_length=1, max_length=80)]
+JointName = Annotated[str, msgspec.Meta(min_length=1, max_length=80)]
 Speed = Annotated[float, msgspec.Meta(ge=-2, le=2)]
 
 
@@ -57,7 +59,15 @@ class Drive(msgspec.Struct, frozen=True, tag_field="k", tag="drive", forbid_unkn
     tick: TickId
 
 
-ClientFrame = Sub | Ping | Here | Drive
+class Jog(msgspec.Struct, frozen=True, tag_field="k", tag="jog", forbid_unknown_fields=True):
+    """One hold-to-run setpoint of joints by name: rad/s or m/s."""
+
+    robot: RobotId
+    rates: Annotated[dict[JointName, Speed], msgspec.Meta(min_length=1, max_length=MAX_JOINTS)]
+    tick: TickId
+
+
+ClientFrame = Sub | Ping | Here | Drive | Jog
 _decoder: msgspec.json.Decoder[ClientFrame] = msgspec.json.Decoder(ClientFrame)
 _encoder = msgspec.json.Encoder()
 

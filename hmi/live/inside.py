@@ -16,6 +16,7 @@ REVIEW_S = 1.0
 _Make = Callable[[Robot, float], dict[str, Any] | None]
 
 MAKE: dict[str, _Make] = {
+    "chart": lambda robot, _now_s: state_chart.chart_name(robot),
     "active": lambda robot, _now_s: state_chart.active(robot),
     "nodes": nodes.present,
     "functions": functions.present,
@@ -27,7 +28,7 @@ MAKE: dict[str, _Make] = {
 GROUPS_OF: dict[Part, tuple[str, ...]] = {
     Part.REGISTRY: (),
     Part.LINK: (),
-    Part.FACTSHEET: ("nodes", "functions", "joints", "gauges"),
+    Part.FACTSHEET: ("chart", "nodes", "functions", "joints", "gauges"),
     Part.TELEMETRY: (),
     Part.STATE: ("active", "functions"),
     Part.SAFETY: ("functions",),

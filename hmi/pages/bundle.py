@@ -21,6 +21,8 @@ STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 
 SCREEN_STYLES = ("maps", "plan", "queue", "alarms", "fleet", "demo", "supervisor", "twin")
 """Styles that a screen fetches with its scripts."""
+STYLE_PARTS = {"supervisor": ("supervisor", "supervisor_panels")}
+"""A screen's style that is more than one file."""
 
 SCRIPTS = {
     "headland": (
@@ -52,9 +54,12 @@ SCRIPTS = {
         "fleet_dock", "fleet_duty", "fleet_menu", "fleet_strip", "fleet_map", "fleet_wall", "fleet_screen",
     ),
     "supervisor": (
-        "super_base", "super_chart", "super_gantt", "super_share",
-        "super_nodes", "super_functions", "super_logs", "super_dock", "super_screen",
+        "super_base", "super_times", "super_view", "super_chart_facts", "super_chart_draw", "super_chart_layout",
+        "super_chart_lists", "super_chart_sheet", "super_chart", "super_gantt_rows", "super_gantt_export",
+        "super_gantt", "super_share",
+        "super_nodes", "super_logs", "super_node_sheet", "super_functions", "super_jog", "super_dock", "super_screen",
     ),
+    "chart_layout": ("chart_placing", "chart_routing", "chart_worker"),
     "twin": ("twin_link", "twin_layers", "twin_joints", "twin_replay", "twin_details", "twin_model", "twin_screen"),
     "demo": ("demo_panel",),
     "run": ("field_picture", "start_checks", "rest_sheet", "queue_hold"),
@@ -86,7 +91,7 @@ def style_sheet() -> bytes:
 @cache
 def screen_style(name: str) -> bytes:
     """Return one of ``SCREEN_STYLES``."""
-    return _styles((name,))
+    return _styles(STYLE_PARTS.get(name, (name,)))
 
 
 def _styles(names: tuple[str, ...]) -> bytes:

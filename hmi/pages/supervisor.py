@@ -29,6 +29,7 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
         data_robot=robot_id,
         data_title=robot.name,
         data_code=bundle.script_url("supervisor"),
+        data_layout=bundle.script_url("chart_layout"),
         data_super_style=bundle.screen_style_url("supervisor"),
     ):
         LiveElement("hl-super")

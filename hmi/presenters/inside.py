@@ -91,6 +91,7 @@ def _joint(one: JointInfo, value: float | None, planned: float | None) -> dict[s
         "upper": one.upper,
         "soft_lower": one.soft_lower,
         "soft_upper": one.soft_upper,
+        "max_rate": one.max_rate,
         "level": WARNS if _is_outside(value, one.soft_lower, one.soft_upper) else None,
     }
 

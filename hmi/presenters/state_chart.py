@@ -42,6 +42,12 @@ def active(robot: Robot) -> dict[str, Any] | None:
     }
 
 
+def chart_name(robot: Robot) -> dict[str, Any] | None:
+    """Return which chart the robot has, by its hash; ``None`` without one."""
+    declared = robot.factsheet.chart if robot.factsheet else None
+    return None if declared is None else {"hash": chart(declared)["hash"]}
+
+
 def _state(one: ChartState) -> dict[str, Any]:
     return {
         "id": one.id,

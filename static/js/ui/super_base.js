@@ -42,5 +42,15 @@
     return { node, choose, mark };
   }
 
-  Object.assign(HL, { superDefine, superSeg: seg });
+  function svg(tag, attributes, ...children) {
+    const node = document.createElementNS("http://www.w3.org/2000/svg", tag);
+    for (const [key, value] of Object.entries(attributes)) if (value !== null && value !== undefined) node.setAttribute(key, value);
+    node.append(...children);
+    return node;
+  }
+
+  // wall clock of a moment on the console's clock
+  const wallOf = (t) => new Date(Date.now() - HL.port.age(t));
+
+  Object.assign(HL, { superDefine, superSeg: seg, svg, wallOf });
 })();
