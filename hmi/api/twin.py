@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Awaitable
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
-from typing import Annotated, Any, Protocol
+from typing import Annotated, Any, Protocol, TypeVar
 
 from fastapi import APIRouter, Query, Request
 from starlette.requests import ClientDisconnect
@@ -22,6 +22,7 @@ from hmi.store.database import Database
 from hmi.store.history import History, PosturePoint
 from hmi.store.robots import Robots
 
+T = TypeVar("T")
 MOST_REPLAY = timedelta(hours=1)
 MOST_UPLOAD_BYTES = 40 * 1024 * 1024
 EVENT_KINDS = ("alarm_raised", "treatment", "mission", "safety")
@@ -137,7 +138,7 @@ def _add_model(router: APIRouter, parts: TwinRoutes) -> None:
         return {"kept": False}
 
 
-async def _asked(question: Any) -> Any:
+async def _asked(question: Awaitable[T]) -> T:
     try:
         return await question
     except ModelsAway as error:

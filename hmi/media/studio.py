@@ -132,6 +132,8 @@ class Studio:
                 self._replay(viewer, order)
             case orders.Live():
                 viewer.show_replay(None)
+            case orders.Unmark():
+                viewer.mark(None, None)
             case orders.Theme():
                 viewer.set_dark(is_dark=order.dark)
             case _:
@@ -286,10 +288,13 @@ class Studio:
             self._loop.call_soon_threadsafe(self._tapped, key, event.ray_origin, event.ray_direction)
 
     def _tapped(self, key: str, origin: tuple[float, float, float], direction: tuple[float, float, float]) -> None:
-        from hmi.media.tap import tapped
+        from hmi.media.tap import ground_under, tapped
 
         viewer = self.viewers.get(key)
         if viewer is not None and all(map(math.isfinite, (*origin, *direction))):
+            place = ground_under(origin, direction)
+            base = self._base(viewer.robot_id)
+            viewer.mark(place, None if base is None else base.xyz)
             self._tell(key, tapped(self, viewer, origin, direction))
 
 

@@ -109,7 +109,11 @@ class History:
         with self._database.read() as session:
             rows = session.execute(query).all()
         stride = -(-len(rows) // max_points) or 1
-        return [PosturePoint(*row) for row in rows[::stride]]
+        return [
+            PosturePoint(at, lat_deg, lon_deg, theta_rad, joints)
+            for at, lat_deg, lon_deg, theta_rad, joints in rows[::stride]
+            if lat_deg is not None and lon_deg is not None
+        ]
 
     def events(
         self,
