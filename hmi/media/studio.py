@@ -97,6 +97,7 @@ class Studio:
         before = self.viewers.get(key)
         viewer = Viewer(key, robot_id, may_replay)
         if before is not None and before.client is not None:
+            before.show_replay(None)
             viewer.join(before.client)
         self.viewers[key] = viewer
         box: asyncio.Queue[dict[str, Any]] = asyncio.Queue(maxsize=64)
@@ -268,6 +269,7 @@ class Studio:
         viewer.join(client)
         self.tick()
         self._aim(viewer, viewer.view)
+        client.scene.remove_click_callback("all")  # a page that came back has one from before
         client.scene.on_click()(lambda event: self._clicked(key, event))
 
     def _join_waiting(self, viewer: Viewer) -> None:
