@@ -1,8 +1,9 @@
 """The twin's cost: 50 robots with joints at 10 Hz into one picture, beside viser's own way of moving a URDF.
 
 Prints ``twin_50x10_cpu_pct`` (percent of one core of the process that draws, viser's threads and one connected viewer
-included) and ``twin_naive_ratio``: the same robots moved by ``ViserUrdf.update_cfg`` in the same run, CPU by CPU. The
-naive way is slower than real time, so both count CPU for one round of all robots and not what a core happens to manage.
+included) and ``twin_naive_ratio``: the same machine moved by ``ViserUrdf.update_cfg`` in the same run, CPU by CPU. The
+naive way is slower than real time, so both count CPU for one round and not what a core happens to manage; it is done
+with a few robots and counted up, which flatters it.
 """
 
 from __future__ import annotations
@@ -33,7 +34,8 @@ from hmi.twin.skin import skin_of
 from hmi.twin.world import World
 
 ROBOTS, RATE_HZ = 50, 10
-ROUNDS, NAIVE_ROUNDS = 100, 6
+NAIVE_ROBOTS = 5
+ROUNDS, NAIVE_ROUNDS = 100, 20
 CONDITIONS = "50 planters of 8 moving joints, body and every joint moving each round, one viewer connected, CPU time"
 LIMITS = {"slew": 1.5, "boom": 0.6, "stick": -1.2, "telescope": 1.0, "rotator": 1.0}
 
@@ -64,7 +66,7 @@ async def _measure() -> tuple[float, float]:
         await socket.send(CAMERA)
         reader = asyncio.create_task(drain(socket))
         ours = await _round_s(_ours(server), ROUNDS)
-        naive = await _round_s(_naive(server), NAIVE_ROUNDS)
+        naive = await _round_s(_naive(server), NAIVE_ROUNDS) * ROBOTS / NAIVE_ROBOTS
         reader.cancel()
         await asyncio.gather(reader, return_exceptions=True)
     server.stop()
@@ -86,11 +88,11 @@ def _ours(server: viser.ViserServer) -> Callable[[int], None]:
 
 
 def _naive(server: viser.ViserServer) -> Callable[[int], None]:
-    bodies = [server.scene.add_frame(f"/naive/{robot}", show_axes=False) for robot in range(ROBOTS)]
+    bodies = [server.scene.add_frame(f"/naive/{robot}", show_axes=False) for robot in range(NAIVE_ROBOTS)]
     with tempfile.TemporaryDirectory() as folder:  # the loader wants names of its own
         path = Path(folder) / "planter.urdf"
         path.write_bytes((OWN / "planter.urdf").read_bytes())
-        models = [ViserUrdf(server, path, root_node_name=f"/naive/{robot}") for robot in range(ROBOTS)]
+        models = [ViserUrdf(server, path, root_node_name=f"/naive/{robot}") for robot in range(NAIVE_ROBOTS)]
     names = models[0].get_actuated_joint_names()
 
     def move(number: int) -> None:
