@@ -154,11 +154,12 @@ class Studio:
         """Draw once."""
         self._round += 1
         watched = self._watched()
-        for robot_id in self.farm:
-            self._draw(robot_id, is_watched=robot_id in watched)
-        if self._round % DETAILS_EVERY == 0:
-            for robot_id in watched:
-                self._details(robot_id)
+        with self.world.at_once():
+            for robot_id in self.farm:
+                self._draw(robot_id, is_watched=robot_id in watched)
+            if self._round % DETAILS_EVERY == 0:
+                for robot_id in watched:
+                    self._details(robot_id)
         now_s = self._clock.mono_s()
         for viewer in self.viewers.values():
             place = self._base(viewer.robot_id)
