@@ -29,6 +29,7 @@ MODULES: dict[str, tuple[str, ...]] = {
     "bench.import_large": ("import_20mb_s", "import_20mb_mb", "import_20mb_stall_ms"),
     "bench.editor": ("editor_drag_ms_10000",),
     "bench.planter_times": ("planter_total_s",),
+    "bench.twin": ("twin_50x10_cpu_pct", "twin_naive_ratio"),
     "bench.simulator": ("simulator_fleet_cpu_pct", "simulator_lean_cpu_pct"),
     "bench.demo": (
         "demo_ready_s",

@@ -6,13 +6,15 @@ import asyncio
 import contextlib
 from collections import Counter
 from collections.abc import AsyncIterator
-from typing import Any
 
+from fastapi import APIRouter
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, Response
 from starlette.routing import BaseRoute, Route
 
+from hmi.api.twin import TwinRoutes, twin_routes
 from hmi.app.media_link import MediaDown, MediaLink
+from hmi.app.media_models import MediaModels
 from hmi.app.records import Records
 from hmi.app.twin_news import TwinNews
 from hmi.app.viser_page import CLIENT_PATH, viser_page
@@ -62,14 +64,17 @@ class TwinDesk:
             await asyncio.gather(self._task, return_exceptions=True)
         await self.link.close()
 
-    async def status(self) -> dict[str, Any] | None:
-        """Return what the media process says of itself, ``None`` if it does not answer."""
-        try:
-            answer = await self.link.ask("GET", "/status")
-        except MediaDown:
-            return None
-        found: dict[str, Any] = answer.json()
-        return found
+    def rest(self, records: Records) -> APIRouter:
+        """Return the REST routes."""
+        parts = TwinRoutes(
+            MediaModels(self.link),
+            records.history,
+            records.robots,
+            records.database,
+            self._authorize,
+            records.audit,
+        )
+        return twin_routes(parts)
 
     @contextlib.asynccontextmanager
     async def _look(self, robot_id: str) -> AsyncIterator[None]:

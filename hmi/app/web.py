@@ -163,6 +163,7 @@ def _api(console: Console) -> ApiServices:
             state_chart_routes(
                 StateRoutes(edge.fleet.robot, records.state_times, records.database, console.clock, console.authorize)
             ),
+            console.twin.rest(records),
             *_demo_routes(console),
         ],
     )

@@ -54,13 +54,17 @@ class Live(Struct, frozen=True, tag_field="k", tag="live"):
     """Back to now."""
 
 
+class Unmark(Struct, frozen=True, tag_field="k", tag="unmark"):
+    """Take the mark of the place that was touched away."""
+
+
 class Theme(Struct, frozen=True, tag_field="k", tag="theme"):
     """Dark ground at night."""
 
     dark: bool
 
 
-Order = SetView | SetLayer | Hold | Zoom | Replay | Live | Theme
+Order = SetView | SetLayer | Hold | Zoom | Replay | Live | Unmark | Theme
 _decoder: msgspec.json.Decoder[Order] = msgspec.json.Decoder(Order)
 
 

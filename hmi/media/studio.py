@@ -97,6 +97,7 @@ class Studio:
         before = self.viewers.get(key)
         viewer = Viewer(key, robot_id, may_replay)
         if before is not None and before.client is not None:
+            before.show_replay(None)
             viewer.join(before.client)
         self.viewers[key] = viewer
         box: asyncio.Queue[dict[str, Any]] = asyncio.Queue(maxsize=64)
@@ -132,6 +133,8 @@ class Studio:
                 self._replay(viewer, order)
             case orders.Live():
                 viewer.show_replay(None)
+            case orders.Unmark():
+                viewer.mark(None, None)
             case orders.Theme():
                 viewer.set_dark(is_dark=order.dark)
             case _:
@@ -151,11 +154,12 @@ class Studio:
         """Draw once."""
         self._round += 1
         watched = self._watched()
-        for robot_id in self.farm:
-            self._draw(robot_id, is_watched=robot_id in watched)
-        if self._round % DETAILS_EVERY == 0:
-            for robot_id in watched:
-                self._details(robot_id)
+        with self.world.at_once():
+            for robot_id in self.farm:
+                self._draw(robot_id, is_watched=robot_id in watched)
+            if self._round % DETAILS_EVERY == 0:
+                for robot_id in watched:
+                    self._details(robot_id)
         now_s = self._clock.mono_s()
         for viewer in self.viewers.values():
             place = self._base(viewer.robot_id)
@@ -266,6 +270,7 @@ class Studio:
         viewer.join(client)
         self.tick()
         self._aim(viewer, viewer.view)
+        client.scene.remove_click_callback("all")  # a page that came back has one from before
         client.scene.on_click()(lambda event: self._clicked(key, event))
 
     def _join_waiting(self, viewer: Viewer) -> None:
@@ -286,10 +291,13 @@ class Studio:
             self._loop.call_soon_threadsafe(self._tapped, key, event.ray_origin, event.ray_direction)
 
     def _tapped(self, key: str, origin: tuple[float, float, float], direction: tuple[float, float, float]) -> None:
-        from hmi.media.tap import tapped
+        from hmi.media.tap import ground_under, tapped
 
         viewer = self.viewers.get(key)
         if viewer is not None and all(map(math.isfinite, (*origin, *direction))):
+            place = ground_under(origin, direction)
+            base = self._base(viewer.robot_id)
+            viewer.mark(place, None if base is None else base.xyz)
             self._tell(key, tapped(self, viewer, origin, direction))
 
 

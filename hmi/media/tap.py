@@ -30,14 +30,15 @@ OUTCOMES = {
 
 def tapped(studio: Studio, viewer: Viewer, origin: Vector, direction: Vector) -> dict[str, Any]:
     """Return what is under a ray: robot, place, obstacle or bare ground, and the ground's place for the robot."""
-    ground = _ground(origin, direction)
+    ground = ground_under(origin, direction)
     found = _robot(studio, origin, direction, ground)
     if found is None and ground is not None:
         found = _place(studio, viewer, ground) or {"what": "ground", "name": "Ground", "lines": []}
     return {"k": "tap", **(found or {"what": "nothing", "name": "", "lines": []}), **_at(studio, viewer, ground)}
 
 
-def _ground(origin: Vector, direction: Vector) -> tuple[float, float] | None:
+def ground_under(origin: Vector, direction: Vector) -> tuple[float, float] | None:
+    """Return where a ray meets the ground, ``None`` above the horizon or too far away."""
     if direction[2] > -1e-4:
         return None
     share = -origin[2] / direction[2]

@@ -33,6 +33,17 @@ class HistoryPoint:
 
 
 @dataclass(frozen=True, slots=True)
+class PosturePoint:
+    """Where a robot was and how its joints stood; radians and metres by joint."""
+
+    at: datetime
+    lat_deg: float
+    lon_deg: float
+    theta_rad: float | None
+    joints: dict[str, float] | None
+
+
+@dataclass(frozen=True, slots=True)
 class TrackPoint:
     """Where a robot was; WGS84 degrees, ENU yaw in radians."""
 
@@ -82,6 +93,26 @@ class History:
             TrackPoint(r.at, r.lat_deg, r.lon_deg, r.theta_rad, r.speed_mps, r.mode, r.mission_id)
             for r in rows[::stride]
             if r.lat_deg is not None and r.lon_deg is not None
+        ]
+
+    def postures(self, robot_id: str, start: datetime, end: datetime, max_points: int = 3600) -> list[PosturePoint]:
+        """Return every sample from ``start`` until before ``end``, oldest first, evenly thinned to ``max_points``."""
+        max_points = _checked(max_points)
+        query = (
+            select(SampleRow.at, SampleRow.lat_deg, SampleRow.lon_deg, SampleRow.theta_rad, SampleRow.joints)
+            .where(SampleRow.farm_id == self._farm_id, SampleRow.robot_id == robot_id)
+            .where(SampleRow.at >= start, SampleRow.at < end)
+            .where(SampleRow.lat_deg.is_not(None), SampleRow.lon_deg.is_not(None))
+            .order_by(SampleRow.at)
+            .limit(MAX_POINTS * _FINER)
+        )
+        with self._database.read() as session:
+            rows = session.execute(query).all()
+        stride = -(-len(rows) // max_points) or 1
+        return [
+            PosturePoint(at, lat_deg, lon_deg, theta_rad, joints)
+            for at, lat_deg, lon_deg, theta_rad, joints in rows[::stride]
+            if lat_deg is not None and lon_deg is not None
         ]
 
     def events(

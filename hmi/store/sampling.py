@@ -14,6 +14,7 @@ from hmi.domain.robot import Mode, Robot, RobotState
 from hmi.store.audit_chain import clean, plain
 
 PERIOD_S = 1.0
+JOINTS_APART_S = 2.0  # at rest they are sent twice a second
 _EARLY_S = 0.1  # a robot that sends once a second is never exactly on time: a little early counts
 
 
@@ -104,7 +105,18 @@ def sample_columns(sample: Sample) -> dict[str, Any]:
         "mode": state.mode.value if state else None,
         "row": min(order.row, 2**31 - 1) if order else None,
         "area_done_m2": _finite(order.area_done_m2) if order else None,
+        "joints": _joints(robot),
     }
+
+
+def _joints(robot: Robot) -> dict[str, float] | None:
+    """Joints heard about when the rest was; older ones would replay a posture the machine no longer had."""
+    telemetry, body = robot.telemetry, robot.body
+    if body is None or telemetry is None or not body.joints:
+        return None
+    if abs(telemetry.pose.stamp.source_s - body.stamp.source_s) > JOINTS_APART_S:
+        return None
+    return {name: round(value, 4) for name, value in body.joints.items() if math.isfinite(value)}
 
 
 def event_columns(event: RobotEvent, farm_id: str, mission_id: str | None) -> dict[str, Any]:

@@ -222,6 +222,7 @@ class SampleRow(Base):
     mode: Mapped[str | None] = mapped_column(String(16), default=None)
     row: Mapped[int | None] = mapped_column(Integer, default=None)
     area_done_m2: Mapped[float | None] = mapped_column(Float, default=None)
+    joints: Mapped[dict[str, float] | None] = mapped_column(JSON(none_as_null=True), default=None)
     __table_args__ = (Index("sample_by_robot", "robot_id", "at"), Index("sample_by_period", "period_s", "at"))
 
 

@@ -37,7 +37,7 @@ class Grade:
 
 GRADES = (Grade(1, 10, timedelta(days=1), 18), Grade(10, 60, timedelta(days=30), 16))
 _KEPT = ("farm_id", "robot_id", "mission_id", "at", "lat_deg", "lon_deg", "theta_rad", "soc", "tool", "mode", "row",
-         "area_done_m2")  # fmt: skip
+         "area_done_m2", "joints")  # fmt: skip
 _WORST = ("cross_track_m", "gnss_accuracy_m", "rtt_s")
 
 

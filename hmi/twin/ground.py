@@ -7,7 +7,7 @@ import viser
 
 from hmi.twin.model import Colour
 
-GROUND: Colour = (158, 154, 144)
+GROUND: Colour = (142, 138, 126)
 DARK: Colour = (30, 33, 34)
 SIDE_M = 6000.0
 BELOW_M = 0.03  # what lies on the ground must not flicker through it

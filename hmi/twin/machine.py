@@ -57,6 +57,7 @@ class MachineView:
 
     def __init__(self, scene: viser.SceneApi, mover: Mover, name: str, form: Form, *, is_ghost: bool = False) -> None:
         self._mover, self.name, self.form = mover, name, form
+        self._frames = {joint.child: self._frame(joint.child) for joint in form.model.joints}
         mover.add(name, Place((0.0, 0.0, 0.0)), visible=not is_ghost)
         for link, place in form.kinematics.rest():
             mover.add(self._frame(link), place)
@@ -67,7 +68,7 @@ class MachineView:
         """Bring it to a place and posture; return how many frames moved."""
         moved = int(self._mover.move(self.name, body))
         for link, place in self.form.kinematics.places(joints):
-            moved += self._mover.move(self._frame(link), place)
+            moved += self._mover.move(self._frames[link], place)
         return moved
 
     def frames(self, body: Place, joints: Mapping[str, float]) -> list[tuple[str, Place]]:

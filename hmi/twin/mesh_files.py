@@ -131,8 +131,10 @@ def _colours(mesh: trimesh.Trimesh) -> NDArray[np.uint8] | None:
     visual: Any = mesh.visual
     if visual is None or visual.kind not in ("face", "vertex", "texture"):
         return None
-    plain = visual.to_color() if visual.kind == "texture" else visual
-    return np.repeat(np.asarray(plain.face_colors, np.uint8)[:, :3], 3, axis=0)
+    if visual.kind == "texture":  # pictures are left out: the colour of the material stands for them
+        tint = np.asarray(visual.material.main_color, np.uint8)[:3]
+        return np.tile(tint, (3 * len(mesh.faces), 1))
+    return np.repeat(np.asarray(visual.face_colors, np.uint8)[:, :3], 3, axis=0)
 
 
 def check_extent(corners: Floats, what: str) -> None:

@@ -35,7 +35,10 @@ class Mover:
     def move(self, name: str, place: Place) -> bool:
         """Move a frame made here if it is not there yet; return whether it moved."""
         before = self._shown[name]
-        is_there = all(abs(a - b) < STILL_M for a, b in zip(before.xyz, place.xyz, strict=True))
+        (ax, ay, az), (bx, by, bz) = before.xyz, place.xyz
+        is_there = before.xyz is place.xyz or (
+            -STILL_M < ax - bx < STILL_M and -STILL_M < ay - by < STILL_M and -STILL_M < az - bz < STILL_M
+        )
         is_turned = is_near(before.wxyz, place.wxyz, STILL_RAD)
         if is_there and is_turned:
             return False

@@ -7,6 +7,7 @@ import viser
 from backend_clients.edge import machine
 from backend_clients.edge import messages_up as up
 from hmi.twin.farm import Plan
+from hmi.twin.frusta import draw_frusta
 from hmi.twin.ground_frame import SiteFrame
 from hmi.twin.groups import Group
 from hmi.twin.kinematics import Place
@@ -40,6 +41,7 @@ class SiteView:
         self.limits = LimitMarks(scene, Group.LIMITS.of(robot_id))
         self._keep_out_m = -1.0
         self._scan_seq = -1
+        self._form: Form | None = None
 
     def set_plan(self, plan: Plan, frame: SiteFrame) -> None:
         """Draw another plan."""
@@ -65,6 +67,7 @@ class SiteView:
         self.surface.show(worksite, shift)
         self._ring(posture, keep_out_m)
         self.limits.show(form, posture, factsheet)
+        self._cameras(form, posture)
         self._mover.move(Group.LIMITS.of(self._robot_id), posture.body)
         self.sightings.show([] if body is None else body.seen, shift, keep_out_m)
         if scan is not None and scan.seq != self._scan_seq:
@@ -77,6 +80,13 @@ class SiteView:
             self._scene.remove_by_name(group.of(self._robot_id))
         for group in (Group.KEEPOUT, Group.LIMITS, Group.CAMERAS):
             self._mover.remove(group.of(self._robot_id))
+
+    def _cameras(self, form: Form, posture: Posture) -> None:
+        frame = Group.CAMERAS.of(self._robot_id)
+        self._mover.move(frame, posture.body)
+        if form is not self._form:
+            self._form = form
+            draw_frusta(self._scene, frame, form)
 
     def _ring(self, posture: Posture, keep_out_m: float) -> None:
         frame = Group.KEEPOUT.of(self._robot_id)

@@ -17,6 +17,7 @@ from hmi.twin.groups import HIDDEN_AT_FIRST, Group
 from hmi.twin.kinematics import Place
 from hmi.twin.model import Vector
 from hmi.twin.mover import Mover
+from hmi.twin.touched import draw_touched
 
 HOLD_S = 0.6  # after a touch of the wheel or a key the camera is left alone this long
 FOLLOW_M = 0.004  # smaller steps are not worth a message
@@ -126,6 +127,11 @@ class Viewer:
         look = np.array(camera.look_at)
         camera.position = look + (np.array(camera.position) - look) * factor
         camera.look_at = look
+
+    def mark(self, place: tuple[float, float] | None, base: Vector | None) -> None:
+        """Show this viewer the place that was touched and the line to it; ``None`` takes it away."""
+        if self.client is not None:
+            draw_touched(self.client.scene, place, base)
 
     def set_dark(self, *, is_dark: bool) -> None:
         """Darken the ground for this viewer."""

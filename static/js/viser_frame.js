@@ -84,6 +84,9 @@
   addEventListener("message", (event) => {
     if (event.source === parent && event.origin === location.origin && event.data?.kind === "theme") document.documentElement.dataset.theme = event.data.theme;
   });
+  // a canvas measured while the page around was still moving keeps its first size on a slow machine
+  new ResizeObserver(() => setTimeout(() => dispatchEvent(new Event("resize")), 300)).observe(document.documentElement);
+
   // without WebGL the frame has nothing to show; the page around shows the map instead
   const canvas = make("canvas");
   if (!(canvas.getContext("webgl2") || canvas.getContext("webgl"))) tell({ kind: "no-webgl" });

@@ -4,13 +4,13 @@
   const { el, icon, text } = HL;
   const SIGNS = { robot: "smart_toy", obstacle: "block", place: "trip_origin", ground: "my_location" };
   const SENDS = [
-    { action: "tool_go_to", label: "Slide to move the crane here", button: "Crane here", line: "The crane moves. Keep everyone away." },
-    { action: "go_to", label: "Slide to drive here", button: "Drive here", line: "It drives there by itself" },
+    { action: "tool_go_to", label: "Slide to move the crane here", button: "Crane here", line: "The crane moves. Keep everyone away", height_m: 1.0 },
+    { action: "go_to", label: "Slide to drive here", button: "Drive here", line: "It drives there by itself", height_m: 0 },
   ];
 
   class TwinDetails {
-    constructor(robot) {
-      this.robot = robot;
+    constructor(robot, link) {
+      Object.assign(this, { robot, link });
       this.title = el("b", { class: "h-t16 h-b" });
       this.lines = el("div", { class: "h-t13 h-2" });
       this.acts = el("div", { class: "t-acts" });
@@ -34,12 +34,14 @@
     offer(said) {
       this.drop();
       const actions = HL.port.robot(this.robot).actions ?? {};
-      const isPlace = said.x_m !== null && said.what !== "robot";
-      this.slides = SENDS.filter((send) => isPlace && actions[send.action]?.ok).map((send) => new HL.Slide({
+      const isPlace = said.x_m !== null && said.what !== "robot" && HL.config.rights.includes("drive");
+      const hasArm = (HL.port.inside(this.robot).joints?.joints ?? []).length > 2;
+      const sends = SENDS.filter((send) => isPlace && (send.action !== "tool_go_to" || hasArm));
+      this.slides = sends.filter((send) => actions[send.action]?.ok).map((send) => new HL.Slide({
         hook: `twin-${send.action.replaceAll("_", "-")}`, icon: "my_location", label: send.label, line: `${send.line}: ${said.distance_m?.toFixed(1) ?? "––"} m away`, button: { icon: "my_location", label: send.button },
-        act: () => HL.port.command(this.robot, send.action, { place: [said.x_m, said.y_m] }),
+        act: () => HL.port.command(this.robot, send.action, { place: [said.x_m, said.y_m, send.height_m] }),
       }));
-      const refused = SENDS.filter((send) => isPlace && actions[send.action] && !actions[send.action].ok).map((send) => el("p", { class: "h-t13 h-2" }, `${send.button}: ${actions[send.action].reason}`));
+      const refused = sends.filter((send) => actions[send.action] && !actions[send.action].ok).map((send) => el("p", { class: "h-t13 h-2" }, `${send.button}: ${actions[send.action].reason}`));
       this.slides.forEach((slide) => slide.allow?.(HL.lease.obstacle(this.robot)));
       this.acts.replaceChildren(...this.slides.map((slide) => slide.node), ...refused);
     }
@@ -52,6 +54,7 @@
     close() {
       this.drop();
       this.node.hidden = true;
+      this.link.send({ k: "unmark" });
       return null;
     }
   }

@@ -39,12 +39,12 @@
   }
 
   class Row {
-    constructor(one, number) {
+    constructor(one) {
       this.sign = el("span", { class: "sign" });
       this.value = el("b", { class: "h-t18 h-b" });
       this.unit = el("span", { class: "h-t13 h-2" });
       this.bar = new Bar();
-      this.node = el("div", { class: "t-joint", "data-testid": `joint-${one.name}` }, el("div", { class: "h-row" }, this.sign, el("span", { class: "h-t14 h-b" }, `${number} ${one.label || one.name}`), el("span", { class: "h-sp" }), el("span", {}, this.value, " ", this.unit)), this.bar.node);
+      this.node = el("div", { class: "t-joint", "data-testid": `joint-${one.name}` }, el("div", { class: "h-row" }, this.sign, el("span", { class: "h-t14 h-b" }, one.label || one.name), el("span", { class: "h-sp" }), el("span", {}, this.value, " ", this.unit)), this.bar.node);
     }
     paint(one, value) {
       const [number, unit] = shown(value, one.unit);
@@ -92,7 +92,7 @@
     paint(robot, past) {
       const inside = HL.port.inside(robot);
       const joints = inside.joints?.joints ?? [];
-      this.keep(this.rows, joints, (one) => one.name, (one, i) => new Row(one, i + 1), this.list);
+      this.keep(this.rows, joints, (one) => one.name, (one) => new Row(one), this.list);
       joints.forEach((one) => this.rows.get(one.name).paint(past ? { ...one, planned: null } : one, past ? past[one.name] ?? null : one.value));
       attr(this.card, "hidden", joints.length === 0);
       const ageMs = inside.joints ? HL.port.age(inside.joints.t) : null;

@@ -5,9 +5,9 @@
   const VIEWS = [["follow", "Follow"], ["top", "Top"], ["side", "Side"], ["head", "Head"], ["free", "Free"]];
   const LAYERS = [
     ["machine", "Machine"], ["planned", "Planned pose"], ["trees", "Trees"], ["scan", "Laser scan"], ["limits", "Joint limits"],
-    ["keepout", "Keep-out zone"], ["path", "Path and rows"], ["trail", "Trail"], ["obstacles", "Obstacles"], ["labels", "Labels"], ["parcel", "Parcels"], ["terrain", "Ground grid"],
+    ["keepout", "Keep-out zone"], ["path", "Path and rows"], ["trail", "Trail"], ["obstacles", "Obstacles"], ["labels", "Labels"], ["parcel", "Parcels"], ["cameras", "Camera views"], ["terrain", "Ground grid"],
   ];
-  const HIDDEN = ["terrain"];
+  const HIDDEN = ["terrain", "cameras"];
   const STALE_S = 2;
   const SLOW = { scan: 3 }; // once a second at most
 

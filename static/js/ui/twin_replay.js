@@ -7,7 +7,9 @@
   const STEP_MS = 100;
 
   const clock = (ms) => new Date(ms).toLocaleTimeString("en-GB");
-  const mix = (a, b, share) => (a === null || b === null || a === undefined || b === undefined ? a ?? null : a + (b - a) * share);
+  const isMissing = (value) => value === null || value === undefined;
+  // beside a value that was not recorded only the nearer one counts
+  const mix = (a, b, share) => (isMissing(a) || isMissing(b) ? (share < 0.5 ? a : b) ?? null : a + (b - a) * share);
   const mixAngle = (a, b, share) => a + Math.atan2(Math.sin(b - a), Math.cos(b - a)) * share;
 
   // the sample at a moment, between two recorded ones; null in a gap of the record

@@ -15,7 +15,7 @@
       this.link = new HL.TwinLink(robot, this.frame);
       this.layers = new HL.TwinLayers(this.link);
       this.replay = new HL.TwinReplay(this.link, robot, this.dataset.noReplay);
-      this.details = new HL.TwinDetails(robot);
+      this.details = new HL.TwinDetails(robot, this.link);
       this.model = new HL.TwinModel(robot, this.dataset.mayModel === "yes");
       this.parts = [this.layers.node, this.replay.node, this.details.node];
       this.append(...this.parts);

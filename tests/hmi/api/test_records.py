@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 
 import httpx
+import pytest
 from sqlalchemy import text
 
 from hmi.domain.role import Role
@@ -132,6 +133,16 @@ async def test_health_tells_what_is_down(console: Console) -> None:
     console.broker_state = "down"
     answer = await client.get("/health")
     assert (answer.status_code, answer.json()["status"]) == (503, "failed")
+
+
+@pytest.mark.parametrize(
+    ("state", "restarts", "status"), [("starting", 0, "ok"), ("starting", 1, "degraded"), ("down", 0, "degraded")]
+)
+async def test_nobody_waits_for_the_media_process_but_its_fall_is_told(
+    console: Console, state: str, restarts: int, status: str
+) -> None:
+    keep(console, {**PARTS, "media": {"state": state, "pid": 14, "restarts": restarts}})
+    assert (await console.client().get("/health")).json()["status"] == status
 
 
 async def test_health_tells_of_a_database_that_is_away(console: Console) -> None:

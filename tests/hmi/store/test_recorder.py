@@ -11,7 +11,8 @@ import pytest
 
 from hmi.clock import FakeClock
 from hmi.domain.event import RobotEvent
-from hmi.domain.robot import Mode
+from hmi.domain.machine import Body
+from hmi.domain.robot import Mode, Stamp
 from hmi.store.database import Database
 from hmi.store.history import History
 from hmi.store.recorder import Recorder
@@ -154,3 +155,18 @@ def test_what_the_disk_cannot_take_is_counted(database: Database, clock: FakeClo
         recorder.see(robot(clock.mono_s(), robot_id=f"robot-{number}"))
     assert recorder.health().dropped == 12 * 2 - 5
     assert not recorder.health().is_ok
+
+
+def test_joints_are_recorded_once_a_second_unless_they_are_old(
+    recorder: Recorder, history: History, clock: FakeClock
+) -> None:
+    start = clock.utc()
+    for second in range(4):
+        clock.advance(1.0)
+        heard_s = clock.mono_s() - (10.0 if second == 3 else 0.0)
+        body = Body({"slew": 0.1 * second, "broken": math.nan}, {}, {}, None, None, None, (), Stamp(heard_s, heard_s))
+        recorder.see(replace(robot(clock.mono_s()), body=body))
+    assert recorder.flush(WAIT_S)
+    points = history.postures("weeder-01", start, clock.utc() + timedelta(seconds=1))
+    assert [point.joints for point in points] == [{"slew": 0.0}, {"slew": 0.1}, {"slew": 0.2}, None]
+    assert points[0].lat_deg == 52.5

@@ -1,0 +1,176 @@
+"""The twin in a real browser: it is drawn, it says when it is old, and STOP comes first."""
+
+from __future__ import annotations
+
+import re
+import signal
+import time
+from collections.abc import Callable, Iterator
+from os import kill
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.e2e.berry import Berry
+from tests.e2e.caller import Caller
+from tests.e2e.cuttable import CuttableLine
+from tests.e2e.installation import Installation
+from tests.e2e.person import Person, wait_for
+
+pytestmark = [pytest.mark.browser, pytest.mark.broker]
+Come = Callable[..., Person]
+ROBOT = "weeder-01"
+FIRST_PICTURE_S = 60.0  # drawn in software, on a busy machine
+
+
+def media_is_there(running: Installation) -> None:
+    """Wait until the media process serves; nobody else waits for it."""
+    wait_for(lambda: running.keeper()["media"]["state"] == "ok", within_s=40, what="the media process serves")
+
+
+@pytest.fixture
+def berry(calm: Installation) -> Iterator[Berry]:
+    """A berry picker that is accepted on the farm."""
+    media_is_there(calm)
+    admin = Caller(calm.url, "admin")
+    with Berry(calm.keeper()["broker"]["url"]) as picker:
+        admin.post("/robots", {"id": picker.id, "name": "Berry picker 1", "family": "other"})
+        yield picker
+        admin.delete(f"/robots/{picker.id}")
+    admin.close()
+
+
+def picture(page: Page) -> bytes:
+    """Return what the middle of the picture looks like now."""
+    box = page.locator("iframe.t-frame").bounding_box()
+    assert box is not None
+    width, height = box["width"], box["height"]
+    clip = {"x": box["x"] + 0.35 * width, "y": box["y"] + 0.3 * height, "width": 0.3 * width, "height": 0.35 * height}
+    return page.screenshot(clip=clip)  # type: ignore[arg-type]
+
+
+def test_without_webgl_the_map_is_shown_and_said_why(person: Come, calm: Installation) -> None:
+    media_is_there(calm)
+    martha = person("operator")
+    martha.open(f"/twin/{ROBOT}")
+    martha.sees("twin", "unavailable", within_s=20)
+    expect(martha.hook("twin")).to_contain_text("3D is not available here. Showing the map.")
+    expect(martha.page.locator(".t-map .hl-map, .t-map hl-map, .t-map canvas").first).to_be_visible()
+    assert martha.covers_of_stop() == []
+
+
+@pytest.mark.long
+def test_a_robot_is_seen_and_nothing_leaves_the_origin(person: Come, calm: Installation) -> None:
+    media_is_there(calm)
+    martha = person("viewer", has_webgl=True)
+    asked: list[str] = []
+    martha.page.on("request", lambda request: asked.append(request.url))
+    martha.page.on("websocket", lambda socket: asked.append(socket.url))
+    martha.open(f"/twin/{ROBOT}")
+    martha.sees("twin", "live", within_s=FIRST_PICTURE_S)
+    ours = {urlsplit(calm.url).hostname, None}
+    assert {urlsplit(one).hostname for one in asked if not one.startswith(("data:", "blob:"))} <= ours
+    assert any("/viser/" in one for one in asked)
+    martha.hook("twin-replay").click()
+    expect(martha.hook("toast")).to_contain_text("Replay needs the supervisor role.")
+    assert martha.covers_of_stop() == []
+
+
+@pytest.mark.long
+def test_the_stop_key_works_while_the_picture_has_the_focus(person: Come, calm: Installation) -> None:
+    media_is_there(calm)
+    martha = person("operator", has_webgl=True)
+    martha.open(f"/twin/{ROBOT}")
+    martha.sees("twin", "live", within_s=FIRST_PICTURE_S)
+    martha.page.locator("iframe.t-frame").click(position={"x": 420, "y": 320})
+    martha.page.keyboard.press("Pause")
+    wait_for(lambda: calm.world(ROBOT)["latched"], within_s=5, what="the robot is stopped by the key")
+
+
+@pytest.mark.long
+def test_joints_are_seen_to_move_and_age_and_come_back(person: Come, berry: Berry, tmp_path: Path) -> None:
+    martha = person("admin", has_webgl=True)
+    martha.open(f"/twin/{berry.id}")
+    martha.sees("twin", "live", within_s=FIRST_PICTURE_S)
+    upload(martha, berry, tmp_path)
+    martha.hook("twin-view-follow").click()
+    before = picture(martha.page)
+    wait_for(lambda: picture(martha.page) != before, within_s=20, what="the arm moves on the screen")
+    expect(martha.hook("joint-lift")).to_have_attribute("data-value", re.compile(r"\d"))
+    berry.be_silent()
+    martha.sees("twin", "stale", within_s=6)
+    expect(martha.hook("twin")).to_contain_text(re.compile(r"Pose is \d+(\.\d)? s old"))
+    berry.speak()
+    martha.sees("twin", "live", within_s=6)
+
+
+def upload(martha: Person, berry: Berry, folder: Path) -> None:
+    """Give the robot its own model on the screen."""
+    berry.script.write_model(folder / "own.zip")
+    if not martha.hook("twin-model").is_visible():
+        martha.hook("twin-layers").click()
+    martha.hook("twin-model").click()
+    martha.hook("twin-model-file").set_input_files(folder / "own.zip")
+    said = martha.hook("twin-model-said")
+    expect(said).to_contain_text("berry_picker: 4 links", timeout=30_000)
+    expect(said).to_contain_text("Joints: turn, lift, reach.")
+    martha.page.keyboard.press("Escape")
+
+
+@pytest.mark.long
+def test_a_cut_picture_is_back_within_a_second_and_a_half_without_focus(person: Come, calm: Installation) -> None:
+    media_is_there(calm)
+    martha = person("viewer", has_webgl=True)
+    with CuttableLine(urlsplit(calm.url).port or 0) as line:
+        martha.open(f"{line.url}/twin/{ROBOT}")
+        martha.sees("twin", "live", within_s=FIRST_PICTURE_S)
+        martha.page.evaluate(RECONNECT_WATCH)
+        martha.hook("twin-view-side").focus()
+        for _ in range(3):
+            assert line.cut(b"GET /viser?") == 1
+            wait_for(lambda: martha.page.evaluate("window.backAfterMs.length"), within_s=10, what="the picture is back")
+            assert martha.page.evaluate("window.backAfterMs.pop()") <= 1500
+            martha.page.wait_for_timeout(700)
+
+
+RECONNECT_WATCH = """() => {
+  window.backAfterMs = [];
+  let gone = null;
+  addEventListener('message', (event) => {
+    if (event.data?.from !== 'headland-twin' || event.data.kind !== 'beat') return;
+    if (!event.data.isConnected) gone ??= performance.now();
+    else if (gone !== null) { window.backAfterMs.push(performance.now() - gone); gone = null; }
+  });
+}"""
+
+
+@pytest.mark.long
+def test_a_killed_media_process_disturbs_nobody_and_comes_back(person: Come, calm: Installation) -> None:
+    media_is_there(calm)
+    martha = person("operator", has_webgl=True)
+    martha.open(f"/twin/{ROBOT}")
+    martha.sees("twin", "live", within_s=FIRST_PICTURE_S)
+    kill(calm.pid("media"), signal.SIGKILL)
+    martha.sees("twin", "stale|unavailable", within_s=8)
+    martha.sees("stop", "ready", within_s=2)
+    martha.sees("link-banner", "ok", within_s=2)
+    media_is_there(calm)
+    martha.sees("twin", "live", within_s=FIRST_PICTURE_S)
+
+
+@pytest.mark.long
+def test_a_tap_on_a_tablet_says_what_was_touched(person: Come, calm: Installation) -> None:
+    media_is_there(calm)
+    martha = person("viewer", has_webgl=True)
+    martha.open(f"/twin/{ROBOT}")
+    martha.sees("twin", "live", within_s=FIRST_PICTURE_S)
+    box = martha.page.locator("iframe.t-frame").bounding_box()
+    assert box is not None
+    deadline_s = time.monotonic() + 20
+    while not martha.hook("twin-details").is_visible():
+        assert time.monotonic() < deadline_s, "a tap says nothing"
+        martha.page.touchscreen.tap(box["x"] + 0.6 * box["width"], box["y"] + 0.6 * box["height"])
+        martha.page.wait_for_timeout(700)
+    assert re.search(r"Weeder 01|Ground", martha.hook("twin-details").inner_text())

@@ -1,0 +1,71 @@
+"""A robot that is not ours, as docs/describe_your_robot.md describes it: its zip is read, its arm moves."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import AsyncIterator
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from backend_clients.edge.topics import Up, topic
+from hmi.clock import SystemClock
+from hmi.media.intake import Intake
+from hmi.media.studio import Studio
+from hmi.twin.farm import Farm, FarmRobot
+from hmi.twin.kinematics import Place
+from hmi.twin.upload import read_upload
+
+ROOT = Path(__file__).parents[3]
+
+
+def example() -> ModuleType:
+    """Return the script of the documentation."""
+    spec = importlib.util.spec_from_file_location("berry_picker", ROOT / "docs/plans/berry_picker.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+async def studio(tmp_path: Path) -> AsyncIterator[Studio]:
+    """A studio that draws for somebody."""
+    made = Studio(Intake(SystemClock()), tmp_path / "models", "secret", SystemClock())
+    made.start()
+    yield made
+    await made.stop()
+
+
+async def test_a_robot_nobody_knows_is_a_plain_shape_and_then_its_own_model_with_a_moving_arm(
+    studio: Studio, tmp_path: Path
+) -> None:
+    berry = example()
+    picker = berry.BerryPicker()
+    studio.set_farm(Farm([FarmRobot(berry.ROBOT, "Berry picker 1")]))
+    studio.intake.take(topic(berry.ROBOT, Up.FACTSHEET), picker.factsheet(), True)
+
+    def live(t_s: float) -> None:
+        for kind, payload in picker.now(t_s):
+            studio.intake.take(topic(berry.ROBOT, kind), payload, False)
+        studio.tick()
+
+    live(1.0)
+    plain = studio.world.form_of(berry.ROBOT)
+    assert plain is not None
+    assert plain.model.name == "plain"
+    berry.write_model(tmp_path / "own.zip")
+    told = read_upload(tmp_path / "own.zip", tmp_path / "models" / berry.ROBOT)
+    assert told["joints"] == ["turn", "lift", "reach"]
+    assert told["notices"] == []
+    live(2.0)
+    own = studio.world.form_of(berry.ROBOT)
+    assert own is not None
+    assert own.model.name == "berry_picker"
+    seen: set[Place] = set()
+    for moment_s in (2.4, 2.8, 3.4, 4.0):
+        live(moment_s)
+        seen.add(studio.world.mover.place(f"/machine/{berry.ROBOT}/post/arm/tool"))
+    assert len(seen) == 4

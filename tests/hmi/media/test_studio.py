@@ -1,0 +1,234 @@
+"""The media process at work with a real viser server: what a viewer's picture holds, and whom it answers."""
+
+from __future__ import annotations
+
+import asyncio
+import urllib.error
+import urllib.request
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+import websockets.asyncio.client
+import zstandard
+from websockets.exceptions import InvalidStatus
+from websockets.typing import Subprotocol
+
+from backend_clients.edge import machine
+from backend_clients.edge import messages_up as up
+from backend_clients.edge.codec import encode
+from backend_clients.edge.machine import Joint, Sighting, Target, Worksite
+from backend_clients.edge.topics import Up, topic
+from hmi.clock import SystemClock
+from hmi.media import orders
+from hmi.media.door import SECRET_HEADER, VIEWER_HEADER
+from hmi.media.intake import Intake
+from hmi.media.studio import Studio
+from hmi.twin.farm import Farm, FarmRobot
+from hmi.twin.groups import Group
+
+SECRET = "the secret of this test"
+ROBOT = "planter-02"
+HEADER: dict[str, Any] = {"robot": ROBOT, "boot": "boot-0001", "wall_ms": 0}
+JOINTS = [
+    Joint(name="slew", label="1 Slew", lower=-3.0, upper=3.0, max_rate=0.4),
+    Joint(name="stick", label="3 Stick", lower=-2.7, upper=-0.15, soft_lower=-2.57, soft_upper=-0.28, max_rate=0.3),
+]
+
+
+class Planter:
+    """A planter that speaks when told."""
+
+    def __init__(self, intake: Intake) -> None:
+        self._intake, self._mono_ms = intake, 0
+
+    def say(self, kind: Up, form: type[up.Header], **values: Any) -> None:
+        """Say something."""
+        self._mono_ms += 100
+        message = form(**HEADER, seq=self._mono_ms, mono_ms=self._mono_ms, **values)
+        self._intake.take(topic(ROBOT, kind), encode(message), False)
+
+    def stand(self, x_m: float, slew: float = 0.0, stick: float = -1.0) -> None:
+        """Stand somewhere, the crane so."""
+        place = {"lat_deg": 52.0, "lon_deg": 5.0, "x_m": x_m, "y_m": 0.0, "theta_rad": 0.0, "speed_mps": 0.0}
+        self.say(Up.TELEMETRY, up.Telemetry, **place)
+        near = Sighting(id="p1", kind="person", x_m=x_m + 5, y_m=0.0, distance_m=5.0)
+        joints = {"slew": slew, "stick": stick}
+        self.say(Up.BODY, machine.Body, joints=joints, planned={"slew": slew + 0.3}, seen=[near])
+
+    def introduce(self) -> None:
+        """Say who it is."""
+        size = up.Dimensions(length_m=6.4, width_m=2.6, height_m=3.2, base_to_front_m=4.0)
+        limits = up.Limits(max_speed_mps=2.0, max_accel_mps2=1.0, decel_mps2=1.0, max_yaw_rate_radps=1.0)
+        self.say(
+            Up.FACTSHEET, up.Factsheet, family="planter", name="Planter 02", model="Planter", software="1",
+            datum=up.Datum(lat_deg=52.0, lon_deg=5.0), dimensions=size, limits=limits, joints=JOINTS,
+        )  # fmt: skip
+
+
+class Picture:
+    """A browser's picture: nodes as viser's client would hold them."""
+
+    def __init__(self, socket: websockets.asyncio.client.ClientConnection) -> None:
+        self._socket = socket
+        self.nodes: dict[str, dict[str, Any]] = {}
+
+    async def look(self) -> None:
+        """Say where the camera is, as a browser does at first."""
+        camera = {
+            "type": "ViewerCameraMessage", "wxyz": (1.0, 0.0, 0.0, 0.0), "position": (3.0, 3.0, 3.0), "fov": 1.0,
+            "near": 0.01, "far": 1000.0, "look_at": (0.0, 0.0, 0.0), "up_direction": (0.0, 0.0, 1.0),
+            "image_height": 600, "image_width": 800,
+        }  # fmt: skip
+        await self._socket.send(msgspec.msgpack.encode(camera))
+
+    async def until(self, name: str, is_so: Any = lambda node: True) -> dict[str, Any]:
+        """Wait for a node to be as wanted."""
+        async with asyncio.timeout(10):
+            while name not in self.nodes or not is_so(self.nodes[name]):
+                self._take(bytes(await self._socket.recv()))  # type: ignore[arg-type]
+        return self.nodes[name]
+
+    def _take(self, frame: bytes) -> None:
+        size, packed = int.from_bytes(frame[:8], "little"), int.from_bytes(frame[8:16], "little")
+        data = zstandard.ZstdDecompressor().decompress(frame[16 : 16 + packed], max_output_size=size)
+        for message in msgspec.msgpack.decode(data)["messages"]:
+            name, kind = message.get("name"), message["type"]
+            if name is None:
+                continue
+            key = f"{message.get('owner', '')}:{name}" if message.get("owner") else name
+            if kind == "RemoveSceneNodeMessage":
+                self.nodes.pop(key, None)
+            elif kind in ("SetPositionMessage", "SetOrientationMessage", "SetSceneNodeVisibilityMessage"):
+                self.nodes.setdefault(key, {}).update(message)
+            else:
+                self.nodes[key] = {**self.nodes.get(key, {}), **message}
+
+
+@pytest.fixture
+async def studio(tmp_path: Path) -> AsyncIterator[Studio]:
+    """A studio whose planter has introduced itself."""
+    made = Studio(Intake(SystemClock()), tmp_path, SECRET, SystemClock())
+    made.start()
+    made.set_farm(Farm([FarmRobot(ROBOT, "Planter 02", 6.2)]))
+    yield made
+    await made.stop()
+
+
+async def connect(studio: Studio, key: str, secret: str = SECRET) -> websockets.asyncio.client.ClientConnection:
+    """Open a picture as the console does."""
+    return await websockets.asyncio.client.connect(
+        f"ws://127.0.0.1:{studio.viser_port}/",
+        additional_headers={SECRET_HEADER: secret, VIEWER_HEADER: key},
+        subprotocols=[Subprotocol("viser-v1.1.1")],
+        max_size=64 * 2**20,
+        compression=None,
+        proxy=None,
+    )
+
+
+async def test_without_the_secret_neither_picture_nor_page_is_given(studio: Studio) -> None:
+    with pytest.raises(InvalidStatus) as refused:
+        await connect(studio, "k", "guess")
+    assert refused.value.response.status_code == 403
+    with pytest.raises(urllib.error.HTTPError) as page:
+        await asyncio.to_thread(urllib.request.urlopen, f"http://127.0.0.1:{studio.viser_port}/")
+    assert page.value.code == 403
+
+
+async def test_a_robot_moves_in_the_picture_with_its_joints_its_ghost_and_its_warnings(studio: Studio) -> None:
+    planter = Planter(studio.intake)
+    planter.introduce()
+    planter.stand(10.0)
+    studio.enter("k", ROBOT, may_replay=False)
+    async with await connect(studio, "k") as socket:
+        picture = Picture(socket)
+        await picture.look()
+        await picture.until(f"/machine/{ROBOT}", lambda node: node.get("position", [0])[0] == pytest.approx(10.0))
+        await picture.until(f"/planned/{ROBOT}/column", lambda node: "wxyz" in node)
+        await picture.until(f"/keepout/{ROBOT}/ring")
+        await picture.until(f"/labels/{ROBOT}/p1/text", lambda node: "inside keep-out" in str(node))
+        planter.stand(11.5, slew=1.0, stick=-2.65)
+        await picture.until(f"/machine/{ROBOT}", lambda node: node.get("position", [0])[0] == pytest.approx(11.5))
+        await picture.until(f"/machine/{ROBOT}/column", lambda node: node.get("type") == "SetOrientationMessage")
+        marked = await picture.until(f"/limits/{ROBOT}/stick/text")
+        assert "beyond soft limit" in str(marked)
+
+
+async def test_what_was_planted_stays_when_the_surface_is_reset_at_the_next_stop(studio: Studio) -> None:
+    planter = Planter(studio.intake)
+    planter.introduce()
+    planter.stand(0.0)
+    box = studio.enter("k", ROBOT, may_replay=False)
+    first = [Target(id=f"t{i}", x_m=i, y_m=1.0, status="done") for i in range(3)]
+    planter.say(Up.WORKSITE, Worksite, stop=1, targets=first, obstacles=[])
+    async with await connect(studio, "k") as socket:
+        picture = Picture(socket)
+        await picture.look()
+        await picture.until(f"/trees/{ROBOT}/done", lambda node: "props" in node)
+        planned = [
+            Target(id="t9", x_m=9.0, y_m=1.0, status="planned"),
+            Target(id="t8", x_m=8, y_m=1, status="failed_ground"),
+        ]
+        planter.say(Up.WORKSITE, Worksite, stop=2, targets=planned, obstacles=[])
+        await picture.until(f"/trees/{ROBOT}/failed_ground")
+        await picture.until(f"/trees/{ROBOT}/planned")
+        async with asyncio.timeout(5):
+            while (said := await box.get()).get("trees") != {"done": 3, "failed": 1, "here": 1}:
+                assert said["k"] == "status"
+
+
+async def test_hiding_a_layer_and_replaying_reach_one_viewer_only(studio: Studio) -> None:
+    planter = Planter(studio.intake)
+    planter.introduce()
+    planter.stand(10.0)
+    studio.enter("mine", ROBOT, may_replay=True)
+    studio.enter("other", ROBOT, may_replay=False)
+    async with await connect(studio, "mine") as one, await connect(studio, "other") as two:
+        mine, other = Picture(one), Picture(two)
+        await mine.look()
+        await other.look()
+        await mine.until(f"/machine/{ROBOT}")
+        await other.until(f"/machine/{ROBOT}")
+        past = orders.Replay(52.0, 5.001, 0.5, {"slew": 2.0})
+        studio.obey("other", past)  # has no right to
+        studio.obey("mine", orders.SetLayer(Group.TREES, False))
+        studio.obey("mine", past)
+        owner = str(studio.viewers["mine"].client.client_id)  # type: ignore[union-attr]
+        shown = await mine.until(f"{owner}:/machine/{ROBOT}", lambda node: "position" in node)
+        assert shown["position"][0] == pytest.approx(68.6, abs=0.5)
+        await mine.until(f"{owner}:/trees")
+        studio.obey("mine", orders.Live())
+        planter.stand(12.0)
+        await other.until(f"/machine/{ROBOT}", lambda node: node.get("position", [0])[0] == pytest.approx(12.0))
+        assert not [name for name in other.nodes if ":" in name and not name.endswith("/ground")]
+
+
+async def test_a_reconnected_picture_gets_its_layers_back(studio: Studio) -> None:
+    planter = Planter(studio.intake)
+    planter.introduce()
+    planter.stand(1.0)
+    studio.enter("k", ROBOT, may_replay=False)
+    studio.obey("k", orders.SetLayer(Group.TREES, False))
+    for _ in range(2):
+        async with await connect(studio, "k") as socket:
+            picture = Picture(socket)
+            await picture.look()
+            async with asyncio.timeout(5):
+                while (client := studio.viewers["k"].client) is None:  # noqa: ASYNC110 - viser's thread hands over
+                    await asyncio.sleep(0.01)
+            await picture.until(f"{client.client_id}:/trees")
+        async with asyncio.timeout(5):
+            while studio.viewers["k"].client is not None:  # noqa: ASYNC110 - viser's thread hands over
+                await asyncio.sleep(0.01)
+
+
+async def test_robots_that_are_not_registered_are_not_drawn(studio: Studio) -> None:
+    planter = Planter(studio.intake)
+    planter.introduce()
+    planter.stand(1.0)
+    studio.set_farm(Farm([]))
+    studio.tick()
+    assert studio.world.robots() == []
