@@ -99,7 +99,7 @@ class EdgeSession:
             self._say(Up.TELEMETRY, boot.reporter.telemetry())
         self._report_safety(boot)
         self._report_state(boot)
-        if self._tick % self._rates.nodes == 0:
+        if self._tick % self._rates.nodes == 0 or self._shown.get(Up.NODE) != boot.brain.nodes.revision:
             self._report_nodes(boot)
         if not self.is_lean:
             self._report_inside(boot)
@@ -212,6 +212,7 @@ class EdgeSession:
             self._say(Up.SCAN, boot.reporter.scan())
 
     def _report_nodes(self, boot: Boot) -> None:
+        self._shown[Up.NODE] = boot.brain.nodes.revision
         for node in boot.reporter.nodes():
             self._say(Up.NODE, node, qos=1, retain=True)
 

@@ -63,7 +63,6 @@ class Machine:
     is_rtk_float: bool = False
     is_charging: bool = False
     is_airborne: bool = False
-    is_crane_at_limit: bool = False
     is_unsure: bool = False
     seedlings: int = 0
     rig: PlanterRig | None = None
@@ -84,7 +83,8 @@ class Machine:
             self.last_moving = wanted
         self.tool_on = tool_on and not self.is_cover_open
         self.base.step(dt_s, wanted.v_mps, wanted.yaw_rate_radps, is_braking=is_braking)
-        self.still_s = self.still_s + dt_s if self.base.is_still else 0.0
+        is_still = self.base.is_still and not (self.rig is not None and self.rig.crane.is_moving)
+        self.still_s = self.still_s + dt_s if is_still else 0.0
         self._step_energy(dt_s)
         self._step_tool(dt_s)
         if self.rig is not None:
@@ -93,6 +93,11 @@ class Machine:
             self._step_limbs(dt_s)
         if not self.profile.motion.is_on_rails:
             self._step_error(dt_s)
+
+    @property
+    def is_crane_at_limit(self) -> bool:
+        """Whether a joint of the crane is outside its soft limits."""
+        return self.rig is not None and bool(self.rig.crane.beyond())
 
     @property
     def is_standing(self) -> bool:

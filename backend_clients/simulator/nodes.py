@@ -44,6 +44,7 @@ class Nodes:
         self._off: dict[str, str] = {}
         self._needs_look = True
         self._is_tool_locked = False
+        self.revision = 0
 
     def look(self, now_s: float, now_ms: int, *, is_tool_locked: bool) -> None:
         """Go on with what is starting or stopping, and take up faults."""
@@ -162,6 +163,7 @@ class Nodes:
     def _enter(self, life: Life, state: NodeState, now_ms: int, text: str = "") -> None:
         life.state, life.since_ms, life.text, life.due_s = state, now_ms, text, None
         self._needs_look = True
+        self.revision += 1
         self._log(life.node.name, f"{state} {text}".rstrip())
 
 
