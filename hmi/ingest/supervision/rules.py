@@ -29,7 +29,7 @@ def rules_of(types: Mapping[str, AlarmType], ground_of: GroundOf) -> Sequence[Ru
         Track(types["off-track"]),
         Progress(types["stalled"]),
         Battery(),
-        Nodes(),
+        Nodes(types["node-slow"], types["node-clock"]),
         Computer(types["clock-wrong"]),
         Fence(ground_of),
     )
