@@ -26,6 +26,8 @@ FLOAT_DRIFT_M = 0.35
 COLD_C, WARM_UP_S = 21.0, 90.0
 STANDSTILL_S = 0.5
 MOTOR_TIME_S = 240.0
+CRUISE_M, CLIMB_MPS = 30.0, 2.5
+WIND_MPS = 4.0
 STOPPED = Setpoint(0.0, 0.0)
 
 
@@ -68,6 +70,8 @@ class Machine:
     rig: PlanterRig | None = None
     limbs: Limbs | None = None
     motor_c: float = COLD_C
+    height_m: float = 0.0
+    wind_mps: float = WIND_MPS
     ignores_brakes: bool = False
     last_moving: Setpoint = STOPPED
     error_x: Drift = field(default_factory=Drift)
@@ -174,6 +178,11 @@ class Machine:
         pan = 0.0 if self.base.is_still else round(self.base.yaw_rate_radps, 1)
         self.limbs.look(pan=pan, tilt=down if self.tool_on else -0.2)
         self.limbs.step(dt_s)
+        if self.profile.energy.hover_w:
+            goal_m = CRUISE_M if self.is_airborne else 0.0
+            self.height_m += min(max(goal_m - self.height_m, -CLIMB_MPS * dt_s), CLIMB_MPS * dt_s)
+            gust = (WIND_MPS - self.wind_mps) * dt_s / 30.0 + self.rng.gauss(0.0, 0.35 * math.sqrt(dt_s))
+            self.wind_mps = max(self.wind_mps + gust, 0.0)
         work = min(self.load_w / (self.profile.energy.tool_w + self.profile.energy.idle_w + 1.0), 1.5)
         self.motor_c += (COLD_C + 34.0 * work - self.motor_c) * min(dt_s / MOTOR_TIME_S, 1.0)
 

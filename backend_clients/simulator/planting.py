@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from backend_clients.simulator.machine import STOPPED, Machine
 from backend_clients.simulator.planter_chart import PlanterMachine
 from backend_clients.simulator.planting_cycle import PlantingCycle, TreeResult
-from backend_clients.simulator.planting_site import Site, Stretch, area_of, map_site
+from backend_clients.simulator.planting_site import AREA_M, TREES_PER_M2, Site, Stretch, area_of, map_site
 from backend_clients.simulator.planting_stops import Stops, width_of
 from backend_clients.simulator.tracking import Setpoint
 from backend_clients.simulator.verdict import Verdict, accepted, refused
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 MOVE_MPS = 0.39  # between two sites
 SETTLE_S, MAP_S = 0.2, 0.6
 AT_STOP_M = 0.06
+TREE_S, STOP_S = 70.0, 6.0  # of one attempt, and of each stop besides
 SLOW = 0.5  # of its speed, with a person near
 SLOW_MPS = 0.3
 BEGIN_FROM_M = 0.5
@@ -106,6 +107,13 @@ class Planting:
     def person_helped(self) -> None:
         """Somebody looked at what the machine asked for."""
         self.cycle.needs_person = False
+
+    def work_left_s(self, run: MissionRun) -> float:
+        """Return how long it will stand at the sites that are left."""
+        if self._stops is None or self._stops.route is not run.route:
+            self._stops = Stops(run)
+        left_m = self._stops.length_left_m(run.tracker.s_m - AT_STOP_M)
+        return left_m * (width_of(run) * TREES_PER_M2 * TREE_S + STOP_S / AREA_M)
 
     # ---- on the way ------------------------------------------------------------------------------------
 

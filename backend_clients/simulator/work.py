@@ -33,6 +33,10 @@ class Sites(Protocol):
         """Somebody looked at what the machine asked for."""
         ...
 
+    def work_left_s(self, run: MissionRun) -> float:
+        """Return how long what is left will take with the machine standing."""
+        ...
+
 
 @dataclass(frozen=True, slots=True)
 class Doing:

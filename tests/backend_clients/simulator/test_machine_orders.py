@@ -279,6 +279,11 @@ def test_a_failed_node_pauses_the_mission_and_an_admin_restarts_it_without_contr
         states.add(next(node.state for node in rig.boot.reporter.nodes() if node.name == "crane"))
     assert states == {"starting", "started"}
     assert rig.state.mode == "paused", "a node that is back moves nothing"
+    rig.run(6.0)  # what starts after it is restarted, in order
+    nodes = {node.name: node for node in rig.boot.reporter.nodes()}
+    since = [nodes[name].since_ms or 0 for name in ("drive", "crane", "planter", "supervisor")]
+    assert since == sorted(since)
+    assert [nodes[name].restarts for name in ("drive", "crane", "planter", "supervisor")] == [0, 1, 1, 1]
     assert rig.do("resume").outcome == "accepted"
 
 
