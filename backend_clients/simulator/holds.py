@@ -93,7 +93,6 @@ _FAULTS: dict[str, tuple[str, str, str]] = {
         "It could not take a seedling three times.",
         "Look at the tray and the arm, then retract the crane or skip the tree.",
     ),
-    "node-failure": ("high", "A part of its software failed.", "Look at the nodes and restart it."),
     "tray-low": ("low", "Fewer than 15 seedlings are left.", "Bring a tray."),
     "tray-empty": ("medium", "The seedling tray is empty.", "Load a tray at the machine."),
     "reserve-near": ("medium", "The battery is near its reserve; it returns by itself.", "Let it return."),

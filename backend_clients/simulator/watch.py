@@ -179,10 +179,10 @@ def fault_codes(brain: Brain) -> tuple[str, ...]:
         found.append("weed-unsure")
     if machine.is_crane_at_limit:
         found.append("crane-limit")
-    if machine.rig is not None and brain.work.waits_for() in ("person_inside", "ask_person"):
-        found.append(brain.work.waits_for().replace("_", "-"))
-    if brain.nodes.failed:
-        found.append("node-failure")
+    if machine.rig is not None and not machine.is_way_blocked():
+        code = brain.work.waits_for()
+        if code in ("person_inside", "ask_person"):
+            found.append(code.replace("_", "-"))
     if machine.profile.tray and machine.seedlings < TRAY_LOW:
         found.append("tray-low" if machine.seedlings else "tray-empty")
     found += _battery(brain)
