@@ -64,7 +64,7 @@ _HOLDS: dict[str, tuple[str, str, str]] = {
         "Look at the tray and the arm, then retract the crane or skip the tree.",
         "operator",
     ),
-    "function_off": ("A function it needs is off.", "Start the node it names, then resume.", "admin"),
+    "function_off": ("Paused by itself: a part of its software did not run.", "Resume the mission.", "operator"),
     "tray_empty": ("The seedling tray is empty.", "Load a tray at the machine.", "person at the machine"),
     "start_horn": ("The horn sounds before it moves.", "It moves in a moment.", ""),
 }
