@@ -51,7 +51,11 @@ def _py(state: str) -> str:
 
 
 class PlanterMachine(StateChart[Any]):
-    """The running supervisor; ``active`` holds the chart ids of its states, ``taken`` the transitions taken."""
+    """The running supervisor; ``active`` holds the chart ids of its states, ``taken`` the transitions taken.
+
+    Its status variables guard transitions: ``has_seedling`` while the head holds one, ``new_site`` from the drive to a
+    site until that is mapped.
+    """
 
     catch_errors_as_events = False
 
@@ -88,8 +92,8 @@ class PlanterMachine(StateChart[Any]):
                 photo = State("To the photo position", value="photo")
                 back_off = State("Back off", value="back-off")
                 retract = State("Retract", value="retract")
-                fetch = crane_idle.to(dock_waypoint)
-                go_to_point = crane_idle.to(above_plant)
+                fetch = crane_idle.to(dock_waypoint, unless="has_seedling")
+                go_to_point = crane_idle.to(above_plant, cond="has_seedling")
                 fold = crane_idle.to(transport)
                 waypoint_reached = dock_waypoint.to(dock)
                 dock_failed = dock.to(retract)
@@ -130,7 +134,7 @@ class PlanterMachine(StateChart[Any]):
 
         horn_sounded = begin.to(transit)
         row_begins = transit.to(plant_site)
-        site_reached = plant_site.to(map_site)
+        site_reached = plant_site.to(map_site, cond="new_site")
         mapped = map_site.to(plant_site)
         row_done = plant_site.to(transit)
         last_point = transit.to(end) | plant_site.to(end)
@@ -147,6 +151,7 @@ class PlanterMachine(StateChart[Any]):
 
     def __init__(self) -> None:
         self.taken: list[Step] = []
+        self.has_seedling = self.new_site = False
         super().__init__()
         self.active = {_id_of_value(value) for value in self.configuration_values}
 

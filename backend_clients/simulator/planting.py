@@ -135,6 +135,7 @@ class Planting:
             self.cycle.fold(dt_s, self._machine.base, share)
             return Doing(STOPPED, tool_on=True)
         if "hold" in self.states.active:
+            self.states.new_site = True
             self.states.fire("drive_on")
         if is_fetching:
             self._step_cycle(dt_s, share, may_fetch=True)
@@ -158,11 +159,13 @@ class Planting:
                 states.fire("settled")
         if "settle" not in states.active and "map-site" not in states.active:
             self._settle_left_s, self._map_left_s = SETTLE_S, MAP_S
+            states.new_site = True
             states.fire("site_reached")
         elif "map-site" in states.active:
             self._map_left_s -= dt_s
             if self._map_left_s <= 1e-9:
                 self._map(run, stop)
+                states.new_site = False
                 states.fire("mapped")
                 self.is_at_site = True
         return Doing(STOPPED, tool_on=True, is_working=True)

@@ -314,6 +314,7 @@ class PlantingCycle:
         return share > 0 and self._rig.chance.random() < share
 
     def _send(self, event: str, result: str = "") -> bool:
+        self._states.has_seedling = self._rig.in_head > 0
         self._states.fire(event, result)
         if result:
             node = "planter" if event in ("fed", "dropped", "planted", "scar_failed") else "crane"

@@ -25,7 +25,7 @@ from hmi.clock import Clock
 
 MAX_STEP_S = 0.1  # steering gets coarse above; hastened time is cut into steps of this
 MAX_RAIL_STEP_S = 0.5  # what is not steered may take longer ones
-RESTING_TICKS, LEAN_TICKS = 4, 10  # of the world's steps, between two of the robot's
+AT_SITE_TICKS, RESTING_TICKS, LEAN_TICKS = 2, 4, 10  # of the world's steps, between two of the robot's
 
 
 class Boot:
@@ -111,6 +111,8 @@ class SimRobot:
             return 1
         if self.is_resting:
             return LEAN_TICKS if self.config.is_lean else RESTING_TICKS
+        if self.boot is not None and self.boot.brain.is_auto and self.boot.brain.work.is_at_site:
+            return AT_SITE_TICKS  # its base stands; what its crane does ends where it ends inside a step
         if not self.config.is_lean or self.boot is None:
             return 1
         return LEAN_TICKS if self.boot.brain.is_auto and self.boot.brain.drive is None else 1
