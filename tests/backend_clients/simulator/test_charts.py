@@ -36,6 +36,7 @@ def check(rig: Rig, tree: ChartTree) -> None:
 
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.slow
 def test_active_states_are_legal_whatever_happens(family: str, seed: int) -> None:
     rng = random.Random(f"{family}/{seed}")
     rig = Rig(family=family)
