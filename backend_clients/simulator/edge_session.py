@@ -40,6 +40,7 @@ class Rates:
     body: int = 2  # 10 Hz while joints move
     body_resting: int = 10  # 2 Hz
     scan: int = 20  # 1 Hz
+    scan_far: int = 40  # of machines nobody works beside
 
 
 LEAN = Rates(heartbeat=1, telemetry=1, state=1, safety=1, safety_stopping=1, nodes=60)
@@ -99,7 +100,7 @@ class EdgeSession:
             self._say(Up.TELEMETRY, boot.reporter.telemetry())
         self._report_safety(boot)
         self._report_state(boot)
-        if self._tick % self._rates.nodes == 0:
+        if self._tick % self._rates.nodes == 0 or self._shown.get(Up.NODE) != boot.brain.nodes.revision:
             self._report_nodes(boot)
         if not self.is_lean:
             self._report_inside(boot)
@@ -208,10 +209,11 @@ class EdgeSession:
             if site is not None:
                 self._shown[Up.WORKSITE] = shown
                 self._say(Up.WORKSITE, site, qos=1, retain=True)
-        if rig is not None and self._tick % self._rates.scan == 0:
+        if self._tick % (self._rates.scan_far if rig is None else self._rates.scan) == 0:
             self._say(Up.SCAN, boot.reporter.scan())
 
     def _report_nodes(self, boot: Boot) -> None:
+        self._shown[Up.NODE] = boot.brain.nodes.revision
         for node in boot.reporter.nodes():
             self._say(Up.NODE, node, qos=1, retain=True)
 

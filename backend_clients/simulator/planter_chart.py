@@ -51,7 +51,11 @@ def _py(state: str) -> str:
 
 
 class PlanterMachine(StateChart[Any]):
-    """The running supervisor; ``active`` holds the chart ids of its states, ``taken`` the transitions taken."""
+    """The running supervisor; ``active`` holds the chart ids of its states, ``taken`` the transitions taken.
+
+    Its status variables guard transitions: ``has_seedling`` while the head holds one, ``new_site`` from the drive to a
+    site until that is mapped.
+    """
 
     catch_errors_as_events = False
 
@@ -88,8 +92,8 @@ class PlanterMachine(StateChart[Any]):
                 photo = State("To the photo position", value="photo")
                 back_off = State("Back off", value="back-off")
                 retract = State("Retract", value="retract")
-                fetch = crane_idle.to(dock_waypoint)
-                go_to_point = crane_idle.to(above_plant)
+                fetch = crane_idle.to(dock_waypoint, unless="has_seedling")
+                go_to_point = crane_idle.to(above_plant, cond="has_seedling")
                 fold = crane_idle.to(transport)
                 waypoint_reached = dock_waypoint.to(dock)
                 dock_failed = dock.to(retract)
@@ -99,6 +103,7 @@ class PlanterMachine(StateChart[Any]):
                 crane_failed = above_plant.to(back_off) | on_ground.to(back_off)
                 grounded = on_ground.to(crane_idle)
                 no_ground = on_ground.to(back_off)
+                skip = above_plant.to(back_off) | on_ground.to(back_off)
                 planted = crane_idle.to(photo)
                 scar_failed = crane_idle.to(back_off)
                 backed_off = back_off.to(crane_idle)
@@ -129,7 +134,7 @@ class PlanterMachine(StateChart[Any]):
 
         horn_sounded = begin.to(transit)
         row_begins = transit.to(plant_site)
-        site_reached = plant_site.to(map_site)
+        site_reached = plant_site.to(map_site, cond="new_site")
         mapped = map_site.to(plant_site)
         row_done = plant_site.to(transit)
         last_point = transit.to(end) | plant_site.to(end)
@@ -146,6 +151,7 @@ class PlanterMachine(StateChart[Any]):
 
     def __init__(self) -> None:
         self.taken: list[Step] = []
+        self.has_seedling = self.new_site = False
         super().__init__()
         self.active = {_id_of_value(value) for value in self.configuration_values}
 
@@ -201,6 +207,7 @@ _GUARDS: dict[str, str] = {
     "docked": "a seedling in the arm",
     "dock_failed": "FAIL_DOCK",
     "no_ground": "FAIL_GROUND",
+    "skip": "a person said so",
     "scar_failed": "FAIL_SCAR",
     "crane_failed": "FAIL_CRANE",
     "planted": "OK",

@@ -25,7 +25,7 @@ from hmi.clock import Clock
 
 MAX_STEP_S = 0.1  # steering gets coarse above; hastened time is cut into steps of this
 MAX_RAIL_STEP_S = 0.5  # what is not steered may take longer ones
-RESTING_TICKS, LEAN_TICKS = 4, 10  # of the world's steps, between two of the robot's
+AT_SITE_TICKS, RESTING_TICKS, LEAN_TICKS = 2, 4, 10  # of the world's steps, between two of the robot's
 
 
 class Boot:
@@ -111,6 +111,8 @@ class SimRobot:
             return 1
         if self.is_resting:
             return LEAN_TICKS if self.config.is_lean else RESTING_TICKS
+        if self.boot is not None and self.boot.brain.is_auto and self.boot.brain.work.is_at_site:
+            return AT_SITE_TICKS  # its base stands; what its crane does ends where it ends inside a step
         if not self.config.is_lean or self.boot is None:
             return 1
         return LEAN_TICKS if self.boot.brain.is_auto and self.boot.brain.drive is None else 1
@@ -133,8 +135,8 @@ class SimRobot:
                 self.machine.put_person_ahead(fault.distance_m)
             case fault_kinds.WeedUnsure():
                 self.machine.is_unsure = True
-            case fault_kinds.CraneLimit():
-                self.machine.is_crane_at_limit = True
+            case fault_kinds.CraneLimit() if self.machine.rig is not None:
+                self.machine.rig.crane.push("stick", fault_kinds.BEYOND_SHARE)
             case fault_kinds.TrayEmpty():
                 self.machine.seedlings = min(fault.left, self.machine.profile.tray)
             case fault_kinds.HardwareStop():
@@ -162,8 +164,8 @@ class SimRobot:
                     self.machine.person = None
                 case fault_kinds.WeedUnsure():
                     self.machine.is_unsure = False
-                case fault_kinds.CraneLimit():
-                    self.machine.is_crane_at_limit = False
+                case fault_kinds.CraneLimit() if self.machine.rig is not None:
+                    self.machine.rig.crane.pull_back()
                 case fault_kinds.TrayEmpty():
                     self.machine.seedlings = self.machine.profile.tray
                 case fault_kinds.HardwareStop():
@@ -177,8 +179,10 @@ class SimRobot:
                     self._boot_at_s = self.clock.mono_s()
 
     def crash(self, reboot_after_s: float | None) -> None:
-        """Let the software die; the machine's brakes close by themselves."""
+        """Let the software die; the machine's brakes close by themselves, its hydraulics hold."""
         self.boot = None
+        if self.machine.rig is not None:
+            self.machine.rig.crane.halt()
         self._boot_at_s = None if reboot_after_s is None else self.clock.mono_s() + reboot_after_s
 
     def power_up(self) -> Boot:

@@ -36,6 +36,7 @@ def check(rig: Rig, tree: ChartTree) -> None:
 
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.slow
 def test_active_states_are_legal_whatever_happens(family: str, seed: int) -> None:
     rng = random.Random(f"{family}/{seed}")
     rig = Rig(family=family)
@@ -54,6 +55,12 @@ def test_active_states_are_legal_whatever_happens(family: str, seed: int) -> Non
                 rig.do("resume")
             case 8:
                 rig.do(rng.choice(["pause", "abort", "return_home", "drive_open", "drive_close"]))
+            case 14:
+                rig.do("go_to", place=(rng.uniform(-9, 9), rng.uniform(-9, 9), 0.0))
+            case 15 if family == "planter":
+                rig.do(rng.choice(["tool_retract", "skip_target", "stock_refilled"]))
+            case 16 if family == "planter":
+                rig.do("tool_go_to", place=(rng.uniform(-9, 9), rng.uniform(-9, 9), 0.5))
             case 9:
                 rig.robot.set_fault(rng.choice(FAULTS[family]))
             case 10 | 11:

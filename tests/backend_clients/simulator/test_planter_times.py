@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from typer.testing import CliRunner
 
 from backend_clients.simulator.planter_rig import FAILS_NEVER, Tuning
 from backend_clients.simulator.planter_trial import PUBLISHED_S, PUBLISHED_TOTAL_S, Trial, calibration, run_trial
 from bench.planter_times import table
+from hmi.cli.simulate import app
 
 SIX_SITES = 24
 
@@ -47,6 +49,7 @@ def test_the_table_names_every_state_beside_the_published_time(trial: Trial) -> 
     assert f"{trial.total_s:.1f}" in text
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_trial(trial: Trial) -> None:
     assert calibration().times_s == trial.times_s
 
@@ -60,13 +63,31 @@ def test_the_same_seed_gives_the_same_trial(trial: Trial) -> None:
     ],
     ids=["faster crane", "two seedlings", "docks while driving"],
 )
+@pytest.mark.slow
 def test_a_better_machine_plants_more_trees_an_hour(better: Tuning, usual: Trial) -> None:
     changed = run_trial(better, attempts=SIX_SITES, is_hasty=True)
     assert (changed.planted, usual.planted) == (SIX_SITES, SIX_SITES)
     assert changed.trees_per_hour > usual.trees_per_hour * 1.02
 
 
+@pytest.mark.slow
 def test_longer_steps_give_the_same_trees_an_hour() -> None:
     exact = run_trial(FAILS_NEVER, attempts=8)
     hasty = run_trial(FAILS_NEVER, attempts=8, is_hasty=True)
     assert hasty.wall_s == pytest.approx(exact.wall_s, rel=0.01)
+
+
+@pytest.mark.slow
+def test_the_command_line_compares_planters_with_the_one_there_is() -> None:
+    result = CliRunner().invoke(app, ["planter-what-if", "--hours", "0.2", "--crane-speed", "2"])
+    assert result.exit_code == 0, result.output
+    lines = result.output.splitlines()
+    assert [line.split("  ")[0] for line in lines] == [
+        "as it is",
+        "crane 2 times as fast",
+        "2 seedlings per head",
+        "takes a seedling while driving",
+        "all three",
+    ]
+    assert "+0%" in lines[0]
+    assert all("trees/h" in line and "times real time" in line for line in lines)
