@@ -45,6 +45,7 @@ class Rates:
 LEAN = Rates(heartbeat=1, telemetry=1, state=1, safety=1, safety_stopping=1, nodes=60)
 """At 2 ticks a second: 2 Hz each, the slowest that no screen calls late."""
 MAX_OUTBOX = 2000
+NODES_MS, LEAN_NODES_MS = 5_000, 30_000  # the rates above, at 20 and 2 ticks a second
 OUTBOX_PER_TICK = 50  # after an outage, without drowning what is live
 
 
@@ -67,6 +68,7 @@ class EdgeSession:
         self._boot: Boot | None = None
         self._link: RobotLink | None = None
         self._tick = 0
+        self._lives: tuple[object, ...] = ()
         self._outbox: deque[up.Event] = deque(maxlen=MAX_OUTBOX)
         self._rng = random.Random(f"network/{robot.config.id}")  # noqa: S311
         self._shown: dict[Up, object] = {}
@@ -99,7 +101,7 @@ class EdgeSession:
             self._say(Up.TELEMETRY, boot.reporter.telemetry())
         self._report_safety(boot)
         self._report_state(boot)
-        if self._tick % self._rates.nodes == 0:
+        if self._tick % self._rates.nodes == 0 or boot.reporter.node_lives() != self._lives:
             self._report_nodes(boot)
         if not self.is_lean:
             self._report_inside(boot)
@@ -212,7 +214,8 @@ class EdgeSession:
             self._say(Up.SCAN, boot.reporter.scan())
 
     def _report_nodes(self, boot: Boot) -> None:
-        for node in boot.reporter.nodes():
+        self._lives = boot.reporter.node_lives()
+        for node in boot.reporter.nodes(LEAN_NODES_MS if self.is_lean else NODES_MS):
             self._say(Up.NODE, node, qos=1, retain=True)
 
     def _collect_events(self, boot: Boot) -> None:

@@ -154,9 +154,13 @@ class Reporter:
         """Return what it sees of the ground around it."""
         return Scan(**self.header(), **scan_fields(self._brain.machine))
 
-    def nodes(self) -> list[up.Node]:
-        """Return the life cycle of each software node."""
-        return [up.Node(**self.header(), **fields) for fields in self._brain.nodes.fields()]
+    def nodes(self, period_ms: int = 5000) -> list[up.Node]:
+        """Return the life cycle of each software node, reported at least each ``period_ms``."""
+        return [up.Node(**self.header(), period_ms=period_ms, **fields) for fields in self._brain.nodes.fields()]
+
+    def node_lives(self) -> tuple[object, ...]:
+        """Return what has to be told at once when it changes."""
+        return tuple((life.state, life.restarts, life.text) for life in self._brain.nodes.lives.values())
 
     def event(self, happening: Happening) -> up.Event:
         """Return the message of one event."""
