@@ -194,7 +194,7 @@ def test_a_planter_shows_crane_trays_and_tilt_where_a_weeder_shows_its_laser() -
     ]  # fmt: skip
     assert (tile(planter(), "tool")["label"], tile(planter(), "tool")["sub"]) == (
         "Crane",
-        "seedling in hand, guard closed",
+        "seedling in hand",
     )
     trays = tile(planter(), "stock")
     assert (trays["value"], trays["text"], trays["unit"], trays["level"]) == (41, "41", "left", None)
