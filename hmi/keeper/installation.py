@@ -8,7 +8,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 from hmi.keeper.broker import answers, demo_broker
-from hmi.keeper.certificates import made_certificates
 from hmi.keeper.data_folder import keep_secret, require_writable
 from hmi.keeper.errors import StartError
 from hmi.keeper.keeper import Keeper
@@ -80,6 +79,8 @@ def run_serve(on_ready: OnReady, *, is_tls: bool = False) -> None:
 
 def _use_certificate(data: Path) -> None:
     """Let every part speak HTTPS with what `headland cert` left in the data folder."""
+    from hmi.keeper.certificates import made_certificates
+
     made = made_certificates(data / "tls")
     os.environ |= {"HEADLAND_TLS_CERT": str(made.cert), "HEADLAND_TLS_KEY": str(made.key)}
 
@@ -97,7 +98,7 @@ def _stop(settings: Settings) -> PartSpec:
 def _console(settings: Settings) -> PartSpec:
     return PartSpec(
         "console",
-        (sys.executable, "-m", "hmi", "console"),
+        (sys.executable, "-m", "hmi.app"),
         is_ready=lambda: answers(_near(settings.host), settings.port),
         url=_url(settings),
         dies_with_keeper=settings.demo,

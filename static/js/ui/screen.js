@@ -8,7 +8,10 @@
     Object.assign(HL.view, { screen: screen.dataset.screen, robot: screen.dataset.robot || null, title: screen.dataset.title || "" });
     document.querySelector(".h-app")?.setAttribute("data-screen", HL.view.screen);
     document.title = `${HL.view.title} · Headland`;
-    for (const link of document.querySelectorAll("[data-nav]")) attr(link, "aria-current", link.dataset.nav === HL.view.screen ? "page" : null);
+    for (const link of document.querySelectorAll("[data-nav]")) {
+      attr(link, "aria-current", link.dataset.nav === HL.view.screen ? "page" : null);
+      if (link.hasAttribute("aria-current")) link.scrollIntoView({ block: "nearest", inline: "nearest" });
+    }
     document.querySelector(".h-app")?.toggleAttribute("data-one-robot", Boolean(HL.view.robot));
     if (HL.view.robot) HL.keep.write(LAST_KEY, HL.view.robot);
     HL.port.watch();
@@ -16,7 +19,7 @@
     HL.repaint();
   }
 
-  // scripts that only this screen needs; its elements come to life when they have arrived
+  // scripts that only this screen needs, those of data-late after STOP is ready; its elements come to life when they have arrived
   const loaded = new Set();
   function load(src) {
     if (loaded.has(src)) return;
@@ -30,7 +33,9 @@
   class Screen extends HTMLElement {
     connectedCallback() {
       show(this);
-      for (const src of (this.dataset.code || "").split(" ").filter(Boolean)) load(src);
+      const sources = (list) => (list || "").split(" ").filter(Boolean);
+      for (const src of sources(this.dataset.code)) load(src);
+      if (this.dataset.late) HL.afterStop().then(() => sources(this.dataset.late).forEach(load));
     }
   }
 

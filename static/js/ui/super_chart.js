@@ -8,6 +8,7 @@
 
   class SuperChart extends LiveElement {
     build() {
+      this.classList.add("s-charthost");
       this.path = el("div", { class: "s-crumbs sub", role: "navigation", "aria-label": "Active states" });
       this.age = el("span", { class: "h-age" });
       this.tabs = HL.superSeg("View", [["chart", "Chart"], ["tree", "Tree"], ["moves", "Transitions"]], "chart", (key) => this.tab(key), "chart-tab");
@@ -16,10 +17,11 @@
       this.view = new HL.SuperView(this.root, (target) => this.tapped(target));
       this.view.isFull = () => this.isFull;
       this.note = el("div", { class: "s-note", role: "status", hidden: true });
-      this.stage = el("div", { class: "s-stage" }, this.root, this.view.buttons());
+      this.stage = el("div", { class: "s-stage" }, this.root);
       this.lists = el("div", { class: "s-lists", hidden: true });
       this.blank = el("div", { class: "s-blank" });
-      this.append(el("div", { class: "s-head" }, el("b", {}, "State"), this.path, el("span", { class: "h-sp" }), this.age, this.tabs.node, this.full), this.note, this.stage, this.lists, this.blank);
+      this.zooms = this.view.buttons();
+      this.append(el("div", { class: "s-head wrap" }, el("b", {}, "State"), this.path, el("span", { class: "h-sp" }), this.age, el("div", { class: "h-row s-tools" }, this.tabs.node, el("span", { class: "h-sp" }), this.zooms, this.full)), this.note, this.stage, this.lists, this.blank);
       this.root.addEventListener("keydown", (event) => this.key(event));
       this.shown = "chart";
       HL.superChart = this;
@@ -85,6 +87,7 @@
       this.shown = key;
       attr(this.stage, "hidden", key !== "chart");
       attr(this.lists, "hidden", key === "chart");
+      attr(this.zooms, "hidden", key !== "chart");
       if (key === "tree") this.lists.replaceChildren(this.tree?.node ?? "");
       if (key === "moves") this.lists.replaceChildren(this.moves?.node ?? "");
       this.marked = null;

@@ -3,7 +3,6 @@
   "use strict";
   const { svg, text, attr, toggle } = HL;
   const CORNER = 7;
-  const MANY = 5; // more lines than this into one state are one sign
 
   // straight pieces with round corners
   function wayPath(points) {
@@ -44,8 +43,11 @@
       const lines = svg("g", { "aria-hidden": "true" });
       root.append(frames, lines, boxes);
       for (const [id, place] of layout.places) this.state(id, place, frames, boxes);
-      const busy = this.busy(layout.ways);
-      for (const way of layout.ways) lines.append(this.way(way, busy.get(way.target)));
+      const busy = new Map();
+      for (const way of layout.ways) {
+        lines.append(this.way(way));
+        if (way.isMany) busy.set(way.target, (busy.get(way.target) ?? 0) + 1);
+      }
       for (const [id, count] of busy) this.any(id, count, lines);
       root.addEventListener("focusin", (event) => this.near(event.target.closest?.("[data-id]")?.dataset.id));
       this.lastTime = words({ class: "s-lasttime", "text-anchor": "middle" }, "");
@@ -77,19 +79,13 @@
       this.nodes.set(id, { group, label, time, state, isFrame, y, h, x, w });
     }
 
-    way({ source, target, points }, isBusy) {
-      const line = svg("path", { class: isBusy ? "s-way many" : "s-way", d: wayPath(points), "marker-end": "url(#s-arrow)" });
+    way({ source, target, points, isMany }) {
+      const line = svg("path", { class: isMany ? "s-way many" : "s-way", d: wayPath(points), "marker-end": "url(#s-arrow)" });
       this.ways.set(`${source}>${target}`, { line, source, target, at: longest(points) });
       return line;
     }
 
-    // a state that nearly every other leads to, such as Stopped: its lines show when it or the other is chosen
-    busy(ways) {
-      const into = new Map();
-      for (const { target } of ways) into.set(target, (into.get(target) ?? 0) + 1);
-      return new Map([...into].filter(([, count]) => count >= MANY));
-    }
-
+    // a state that nearly every other leads to, such as Stopped: one sign; its lines show when it or the other is chosen
     any(id, count, lines) {
       const node = this.nodes.get(id);
       if (!node || node.isFrame) return;

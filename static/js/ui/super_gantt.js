@@ -88,10 +88,22 @@
       for (const [name, value] of [["width", width], ["height", height], ["viewBox", `0 0 ${width} ${height}`], ["aria-label", this.said(rows)]]) attr(this.drawing, name, value);
       const x = (at) => LEFT + ((at - scene.start) / (scene.end - scene.start)) * wide;
       this.drawing.replaceChildren(
-        ...HL.ganttRows.axis(scene.start, scene.end, scene.isLive, (at) => words.wall(new Date(at))).map(([at, word]) => this.axisLine(x(at), word, height, width)),
+        ...this.axisLines(scene, x, height, width),
         ...rows.map((row, i) => this.row(row, TOP + i * ROW, width)),
         scene.isLive ? svg("path", { class: "s-now", d: `M${width - RIGHT} 0V${height - FOOT}` }) : "",
       );
+    }
+
+    // words that would run into each other are left out
+    axisLines(scene, x, height, width) {
+      let free = Infinity;
+      const marks = HL.ganttRows.axis(scene.start, scene.end, scene.isLive, (at) => words.wall(new Date(at)));
+      const newest = scene.isLive ? marks : marks.toReversed();
+      return newest.map(([at, word], i) => {
+        const fits = free - x(at) > (i > 1 ? 64 : 46);
+        if (fits) free = x(at);
+        return this.axisLine(x(at), fits ? word : "", height, width);
+      });
     }
 
     axisLine(x, word, height, width) {
@@ -110,7 +122,7 @@
     bar({ x, w, tone, label, isOver, isOpen, planned, one }, y) {
       const node = svg("g", { class: `s-bar t${tone}${isOver ? " over" : ""}${isOpen ? " open" : ""}`, "data-state": one.state });
       node.append(svg("rect", { x: (LEFT + x).toFixed(1), y, width: w.toFixed(1), height: BAR, rx: 2 }));
-      if (planned !== null) node.append(svg("path", { class: "planned", d: `M${(LEFT + planned).toFixed(1)} ${y}v${BAR}` }));
+      if (planned !== null && (isOver || w > 40)) node.append(svg("path", { class: "planned", d: `M${(LEFT + planned).toFixed(1)} ${y}v${BAR}` }));
       const said = isOver && one.normal_s ? `${label}: ${HL.chartFacts.span(((one.end ?? Date.now()) - one.start) / 1000)}, normal ${HL.chartFacts.span(one.normal_s)}` : label;
       const fits = [said, label].find((word) => word && w > word.length * 6.9 + 10);
       if (fits) {

@@ -60,7 +60,7 @@
       const big = svg("text", { class: "big", y: -2, "text-anchor": "middle" });
       big.textContent = HL.chartFacts.span(data.wall_s);
       const small = svg("text", { class: "small", y: 17, "text-anchor": "middle" });
-      small.textContent = HL.superTimes.span === "mission" ? "in mission" : "looked at";
+      small.textContent = HL.superTimes.span === "mission" ? "in mission" : "by the clock";
       this.body.replaceChildren(
         svg("svg", { class: "s-ring", viewBox: "-90 -90 180 180", role: "img", "aria-label": `Time by subsystem: ${data.share.map((one, i) => `${one.label} ${whole[i]} %`).join(", ")}` }, svg("defs", {}, hatch), ...parts, big, small),
         el("table", { class: "s-legend" }, el("tbody", {}, ...data.share.map((one, i) => {

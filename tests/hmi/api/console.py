@@ -21,6 +21,7 @@ from hmi.api.records import RecordRoutes
 from hmi.api.robots import RobotRoutes
 from hmi.api.router import PREFIX, ApiServices, build_api
 from hmi.api.sessions import SessionRoutes
+from hmi.api.state_chart import StateRoutes, state_chart_routes
 from hmi.domain.robot import Family, Robot
 from hmi.domain.robot_log import LogFailed
 from hmi.domain.role import Role
@@ -41,6 +42,7 @@ from hmi.store.database import Database
 from hmi.store.devices import Devices
 from hmi.store.history import History
 from hmi.store.robots import RegisteredRobot, Robots
+from hmi.store.state_times import StateRecords
 from hmi.store.stop_list import StopList
 from hmi.store.users import Users
 from tests.hmi.commands.field import FARM, Field
@@ -164,7 +166,14 @@ class Console:
             desk=self.field.desk,
             stop=self.stop,
             diagnostics={"ingest": lambda: {"messages": 7}},
-            further=[node_routes(NodeRoutes(self.fleet.robot, self.field.desk.commands, self.logs, clock))],
+            further=[
+                state_chart_routes(
+                    StateRoutes(
+                        self.fleet.robot, StateRecords(self.database, FARM), self.database, clock, self.authorize
+                    )
+                ),
+                node_routes(NodeRoutes(self.fleet.robot, self.field.desk.commands, self.logs, clock)),
+            ],
         )
 
     def register(self) -> None:

@@ -49,6 +49,10 @@ class Theatre:
         """Set alarms: ``put={id: changes}``, ``drop=[ids]``, ``tell=[events]``; see ``AlarmStage``."""
         self._post("/stage-alarms", wish)
 
+    def planter(self, **wish: Any) -> None:
+        """Set what the planter does: ``anew``, ``active=[[state, age_s]]``, ``last``, ``has_chart``, ``is_silent``."""
+        self._post("/stage-super", wish)
+
     def heard_map(self) -> dict[str, Any]:
         """Return what reached the farm map, and what it is now."""
         with urllib.request.urlopen(f"{self.url}/stage-map") as reply:

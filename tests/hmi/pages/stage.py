@@ -20,6 +20,7 @@ from fastapi.responses import JSONResponse
 from nicegui import ui
 from starlette.staticfiles import StaticFiles
 
+from hmi.api.access import Access
 from hmi.clock import SystemClock
 from hmi.domain import robot as domain
 from hmi.domain.freshness import TickRing
@@ -36,7 +37,7 @@ from hmi.settings import Settings
 from hmi.store.fleet import FleetStore
 from tests.components import map_field
 from tests.hmi.live.crowd import Crowd
-from tests.hmi.pages import alarm_stage, fleet_stage, machine_stage, maps_stage, maps_stage_routes
+from tests.hmi.pages import alarm_stage, fleet_stage, machine_stage, maps_stage, maps_stage_routes, super_stage
 
 SHA = "ab" * 32
 NAMES = {Role.OPERATOR: "Martha Keller", Role.SUPERVISOR: "Anna Ostermeier", Role.ADMIN: "Jonas Weber"}
@@ -151,6 +152,7 @@ class Stage:
         self.machine = machine_stage.MachineStage(self.fleet, self.clock.mono_s, self.register)
         self.register(False)
         self.fleet.put_factsheet("weeder-07", factsheet("Weeder 07"))
+        self.planter = super_stage.SuperStage(self.clock, is_silent=True)
 
     def register(self, has_machine: bool) -> None:
         """Let the robots be known, with or without the planter whose inside tests look at."""
@@ -190,6 +192,7 @@ class Stage:
         while True:
             if not self.scene.is_silent:
                 self.speak()
+            self.planter.speak(self.fleet, factsheet)
             self.machine.speak()
             self.fleet.announce()
             self.fleet.refresh_links()
@@ -293,6 +296,9 @@ def build(stage: Stage) -> FastAPI:
     app.include_router(fleet_stage.router(fleet_stage.FleetStage()))
     app.include_router(stage.machine.router(stage.orders))
     app.include_router(maps_stage_routes.router(maps_stage.MapStage(), stage.sessions))
+
+    app.state.access = Access(stage.sessions, None, authorize)  # type: ignore[arg-type]
+    app.include_router(super_stage.router(stage.planter, stage.fleet, authorize))
 
     @app.post("/stage/{scene}")
     async def play(scene: str) -> dict[str, Any]:
