@@ -12,7 +12,7 @@ from hmi.presenters import functions, inside, nodes, state_chart
 from hmi.store.fleet import ALL_PARTS, Part
 
 REVIEW_S = 1.0
-"""Nodes fall silent and functions go off without a message, or by a gauge that moves all the time: judged this often."""
+"""Nodes fall silent and functions go off without a message, or by a gauge that moves all the time."""
 _Make = Callable[[Robot, float], dict[str, Any] | None]
 
 MAKE: dict[str, _Make] = {
