@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from backend_clients.edge.fields import Mode
 from backend_clients.edge.messages_down import Mission
@@ -24,6 +24,7 @@ from backend_clients.simulator.machine import Machine
 from backend_clients.simulator.memory import Memory
 from backend_clients.simulator.mission_run import MissionRun
 from backend_clients.simulator.nodes import Nodes
+from backend_clients.simulator.people_rules import check
 from backend_clients.simulator.pilot import START_HORN_S, DriveState, Pilot
 from backend_clients.simulator.route import straight
 from backend_clients.simulator.state_folder import StateFolder
@@ -32,11 +33,11 @@ from backend_clients.simulator.watch import Watch
 from backend_clients.simulator.work import work_of
 from hmi.clock import Clock
 
-OPERATOR_LOST_S = 3.5  # operator pulses come at 1 Hz; same figure as common ground stations
-LINK_LOST_S = 10.0
+if TYPE_CHECKING:
+    from backend_clients.simulator.crane_task import CraneTask
+    from backend_clients.simulator.machine_orders import JogState
+
 FARM_HEARD_S = 3.0
-MANUAL_LOST_S = 10.0  # an open drive nobody uses is closed
-BATTERY_LOW, BATTERY_VERY_LOW = 0.2, 0.1
 LEAD_IN_M = 0.3  # nearer than this the tracker pulls it on the line while driving
 CHARGER_REACH_M = 2.0
 REASONS = {
@@ -88,12 +89,14 @@ class Brain:
         self.last_drive: DriveState = DriveState()
         self.run: MissionRun | None = None
         self.home_run: Tracker | None = None
-        self._home_is_supervised = True
+        self.errand_is_supervised = True
         self.errand_name = "return-home"
+        self.crane_task: CraneTask | None = None
+        self.jog: JogState | None = None
         self.pilot = Pilot(self)
         self.hold_code = ""
         self.operator_heard_s = self.link_heard_s = clock.mono_s()
-        self._is_button_known = False
+        self.is_button_known = False
         saved = self.memory.load_safety(boot)
         self.latch = Latch(saved.latch)
         self.guard = Guard(make_challenge, lease_token=saved.lease_token, revoked_token=saved.revoked_token)
@@ -124,12 +127,14 @@ class Brain:
 
     @property
     def is_auto(self) -> bool:
-        """Whether a mission or the way home is being driven now."""
-        return self.home_run is not None or (self.run is not None and self.run.status == "running")
+        """Whether it moves by itself now: a mission, the way home or to a place, or its crane."""
+        return bool(self.errand) or (self.run is not None and self.run.status == "running")
 
     @property
     def errand(self) -> str:
         """What it does by itself instead of its mission, as its chart calls it; empty if nothing."""
+        if self.crane_task is not None:
+            return "move-crane"
         return self.errand_name if self.home_run is not None else ""
 
     @property
@@ -165,30 +170,7 @@ class Brain:
 
     def check_people(self) -> None:
         """Apply every rule that protects people; on the clock, never hastened."""
-        now = self.clock.mono_s()
-        self.nodes.look(now, self.mono_ms(), is_tool_locked=self.machine.is_cover_open)
-        if self.machine.is_hardware_stop != self._is_button_known:
-            self._button_changed()
-        if self.drive is not None and now - max(self.drive.heard_s, self.operator_heard_s) > MANUAL_LOST_S:
-            self.close_drive()
-        if self.drive is not None and self.nodes.why_off(self.profile.hand_function):
-            self.close_drive()
-        if not self.is_auto:
-            return
-        if self.nodes.why_off(self.profile.drive_function if self.errand else self.profile.work_function):
-            self.pause("function_off")
-            return
-        is_supervised = self.run.is_supervised if self.run is not None and self.home_run is None else True
-        if self.home_run is not None:
-            is_supervised = self._home_is_supervised
-        if is_supervised and now - self.operator_heard_s > OPERATOR_LOST_S:
-            self.pause("operator_lost")
-        elif not is_supervised and now - self.link_heard_s > LINK_LOST_S:
-            self.pause("link_lost")
-        elif self.home_run is None and self.machine.soc < self.profile.home_below:
-            self.go_home(by="low_charge")
-        elif self.machine.soc < BATTERY_VERY_LOW and self.home_run is None:
-            self.pause("battery_low")
+        check(self)
 
     def step(self, dt_s: float) -> None:
         """Decide, and let the machine live, for ``dt_s`` of its own time."""
@@ -202,7 +184,7 @@ class Brain:
         machine.step(dt_s, wanted, is_braking=is_braking, tool_on=self.pilot.doing.tool_on)
         if self.pilot.followed is not None:
             self.pilot.followed.carry(machine.base, machine.base.distance_m - driven_m)
-        if run is not None and run.status == "running" and self.pilot.lead is None:
+        if run is not None and run.status == "running" and self.pilot.lead is None and not self.errand:
             self._count(run, before_m, dt_s)
         self._note_rest()
         self.watch.look()
@@ -283,8 +265,7 @@ class Brain:
 
     def pause(self, code: str) -> None:
         """Stop what is driven by itself and keep its progress; ``code`` is the reason shown."""
-        if self.home_run is not None:
-            self.home_run = None
+        self.home_run = self.crane_task = None
         if self.run is not None and self.run.status == "running":
             self.run.pause(code)
             self.note("mission", "Mission paused", REASONS.get(code, ""), reason=code)
@@ -293,7 +274,7 @@ class Brain:
 
     def abort(self) -> None:
         """End the mission for good; it stays loaded and can be started from its beginning."""
-        self.home_run = self.pilot.lead = None
+        self.home_run = self.pilot.lead = self.crane_task = None
         if self.run is not None and self.run.is_open:
             self.run.status = "aborted"
             self.note("mission", "Mission aborted", self.run.mission.name)
@@ -304,10 +285,31 @@ class Brain:
         """Drive straight home with the tool off; a running mission is paused where it is, ``by`` is the reason."""
         is_supervised = self.run.is_supervised if self.run is not None and self.run.is_open else True
         self.pause(by)
-        self._home_is_supervised = is_supervised
-        self.home_run = tracker_on(straight([self.place, self.home], self.profile.home_speed_mps, self.profile.motion))
-        self._set_off()
+        self._travel("return-home", self.home, is_supervised=is_supervised)
         self.note("mission", "Returning home")
+
+    def go_to(self, point: Point) -> None:
+        """Drive straight to a place with the tool off; somebody has to look on."""
+        self._travel("go-to", point, is_supervised=True)
+        self.note("mission", "Going to a place")
+
+    def move_crane(self, task: CraneTask) -> None:
+        """Move the crane alone, after the horn; somebody has to look on."""
+        self.errand_is_supervised, self.crane_task = True, task
+        self._set_off()
+
+    def crane_arrived(self) -> None:
+        """The crane is where it was sent."""
+        assert self.crane_task is not None
+        self.note("mission", self.crane_task.name)
+        self.crane_task = None
+        self.actions.close("finished")
+        self.pilot.horn_left_s = START_HORN_S  # before a mission goes on
+
+    def _travel(self, errand: str, point: Point, *, is_supervised: bool) -> None:
+        self.errand_name, self.errand_is_supervised = errand, is_supervised
+        self.home_run = tracker_on(straight([self.place, point], self.profile.home_speed_mps, self.profile.motion))
+        self._set_off()
 
     @property
     def home(self) -> Point:
@@ -324,13 +326,13 @@ class Brain:
     def close_drive(self) -> None:
         """End driving by hand; the machine brakes."""
         if self.drive is not None:
-            self.drive = None
+            self.drive = self.jog = None
             self.note("mission", "Driving by hand ended")
             self.save()
 
     def halt(self, code: str) -> None:
         """Brake now and end everything that could move it again: STOP and the button do this."""
-        self.drive = None
+        self.drive = self.jog = None
         self.pause("after_stop")
         self.guard.revoke()
         self.memory.save_safety(self)
@@ -340,9 +342,9 @@ class Brain:
         """Write place and progress to disk."""
         self.memory.save(self)
 
-    def _button_changed(self) -> None:
-        self._is_button_known = self.machine.is_hardware_stop
-        if self._is_button_known:
+    def button_changed(self) -> None:
+        self.is_button_known = self.machine.is_hardware_stop
+        if self.is_button_known:
             self.note("safety", "Button on the machine pressed")
             self.halt("hardware_stop")
         else:

@@ -59,7 +59,7 @@ def pose_for(tip: Point3, heading_rad: float = 0.0) -> Pose:
     """Return the joints that put the tip there, the head turned to ``heading_rad`` of the machine.
 
     Raises:
-        OutOfReach: some joint would be beyond its limit.
+        OutOfReach: some joint would be beyond its soft limit.
     """
     x_m, y_m, z_m = tip[0] - PILLAR_X_M, tip[1], tip[2] + HEAD_M - PILLAR_Z_M
     slew, reach_m = math.atan2(-y_m, -x_m), math.hypot(x_m, y_m)
@@ -79,7 +79,7 @@ def pose_for(tip: Point3, heading_rad: float = 0.0) -> Pose:
         "rotator": wrap_rad(heading_rad - slew),
     }
     for joint in JOINTS:
-        if not joint.lower <= pose[joint.name] <= joint.upper:
+        if is_beyond(joint, pose[joint.name]):
             raise OutOfReach(f"{joint.label} would be at {pose[joint.name]:.2f} {joint.unit}")
     return pose
 
@@ -139,6 +139,21 @@ class Crane:
                 v *= SLOW_SHARE
             self.pose[name] = min(max(at + v * dt_s, joint.lower), joint.upper)
             self.is_moving = self.is_moving or self.pose[name] != at
+        self.planned, self.path = dict(self.pose), []
+
+    def push(self, name: str, share: float) -> None:
+        """Let a joint be at ``share`` of its travel, as after a mistake: what was planned is forgotten."""
+        joint = BY_NAME[name]
+        self.pose[name] = joint.lower + share * (joint.upper - joint.lower)
+        self.planned, self.path = dict(self.pose), []
+
+    def pull_back(self) -> None:
+        """Bring what is beyond a soft limit back to it."""
+        for name in self.beyond():
+            joint = BY_NAME[name]
+            assert joint.soft_lower is not None
+            assert joint.soft_upper is not None
+            self.pose[name] = min(max(self.pose[name], joint.soft_lower), joint.soft_upper)
         self.planned, self.path = dict(self.pose), []
 
     def halt(self) -> None:

@@ -68,7 +68,6 @@ class EdgeSession:
         self._boot: Boot | None = None
         self._link: RobotLink | None = None
         self._tick = 0
-        self._lives: tuple[object, ...] = ()
         self._outbox: deque[up.Event] = deque(maxlen=MAX_OUTBOX)
         self._rng = random.Random(f"network/{robot.config.id}")  # noqa: S311
         self._shown: dict[Up, object] = {}
@@ -101,7 +100,7 @@ class EdgeSession:
             self._say(Up.TELEMETRY, boot.reporter.telemetry())
         self._report_safety(boot)
         self._report_state(boot)
-        if self._tick % self._rates.nodes == 0 or boot.reporter.node_lives() != self._lives:
+        if self._tick % self._rates.nodes == 0 or self._shown.get(Up.NODE) != boot.brain.nodes.revision:
             self._report_nodes(boot)
         if not self.is_lean:
             self._report_inside(boot)
@@ -214,7 +213,7 @@ class EdgeSession:
             self._say(Up.SCAN, boot.reporter.scan())
 
     def _report_nodes(self, boot: Boot) -> None:
-        self._lives = boot.reporter.node_lives()
+        self._shown[Up.NODE] = boot.brain.nodes.revision
         for node in boot.reporter.nodes(LEAN_NODES_MS if self.is_lean else NODES_MS):
             self._say(Up.NODE, node, qos=1, retain=True)
 

@@ -9,6 +9,7 @@ import msgspec
 from msgspec import Meta, Struct
 
 Probability = Annotated[float, Meta(ge=0, le=1)]
+BEYOND_SHARE = 0.97  # of the travel of the crane's stick; its soft limit is at 95 %
 Kind = TypeVar("Kind", bound=Struct)
 Seconds = Annotated[float, Meta(ge=0, le=600)]
 
@@ -72,7 +73,7 @@ class WeedUnsure(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, 
 
 
 class CraneLimit(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="crane-limit", tag_field="fault"):
-    """A planter's crane is outside its limit until it is driven by hand, or this fault is taken away."""
+    """A planter's crane is outside its limit until it is retracted or moved by hand, or this fault is taken away."""
 
 
 class TrayEmpty(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="tray-empty", tag_field="fault"):

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from backend_clients.simulator.brain import Brain
 from backend_clients.simulator.config import Job
 from backend_clients.simulator.mission_run import MOVED_LIMIT_M
+from backend_clients.simulator.work import Sites
 from backend_clients.simulator.world import SimRobot
 from hmi.clock import Clock
 
@@ -21,6 +22,8 @@ STARTING_S = 60.0
 OPERATOR_THERE_S = 5.0  # whoever has control at a screen decides
 CHARGED = 0.9
 SENT_HOME_BELOW = 0.15
+HELPED = {"tray_empty": "Tray loaded", "ask_person": "Tray and arm looked at"}
+"""What somebody beside the machine does about what it waits for."""
 GOES_ON = ("rebooted", "continued", "link_lost", "battery_low")
 """Reasons of a pause that somebody beside the machine may end."""
 
@@ -35,6 +38,7 @@ class Foreman:
         self._begun_s = clock.mono_s()
         self._looked_s = self._begun_s - LOOK_EVERY_S
         self._due_s: dict[str, float] = {}
+        self._help_s: dict[str, float] = {}
         self._to_begin = set(self._robots)
         for robot_id, robot in self._robots.items():
             self._bring(robot, jobs[robot_id])
@@ -71,10 +75,13 @@ class Foreman:
             self._due_s.pop(robot_id, None)
             return
         if brain.is_auto:
-            if brain.home_run is None and brain.machine.soc < SENT_HOME_BELOW:
+            if not brain.errand:
+                self._help(robot_id, brain, now_s)
+            if not brain.errand and brain.machine.soc < SENT_HOME_BELOW:
                 brain.go_home(by="low_charge")
             self._due_s.pop(robot_id, None)
             return
+        self._help_s.pop(robot_id, None)
         if not brain.is_farm_heard or not self._may_go(robot_id, brain):
             return
         has_operator = brain.guard.active_lease > 0 and now_s - brain.operator_heard_s < OPERATOR_THERE_S
@@ -89,6 +96,18 @@ class Foreman:
         elif now_s >= self._due_s.setdefault(robot_id, now_s + self._walk_s(now_s)):
             del self._due_s[robot_id]
             self._go(brain)
+
+    def _help(self, robot_id: str, brain: Brain, now_s: float) -> None:
+        """Walk to a machine that asks for a tray or for a look at it, and do that; not what a situation plays."""
+        code = brain.hold_code
+        if code not in HELPED or brain.faults.is_on("tray-empty"):
+            self._help_s.pop(robot_id, None)
+        elif now_s >= self._help_s.setdefault(robot_id, now_s + self._rng.uniform(*WALK_S)):
+            del self._help_s[robot_id]
+            brain.machine.seedlings = brain.machine.profile.tray
+            if isinstance(brain.work, Sites):
+                brain.work.person_helped()
+            brain.note("mission", HELPED[code])
 
     def _walk_s(self, now_s: float) -> float:
         # while everything starts, links come and go, and the people still stand beside the machines

@@ -142,7 +142,10 @@ class RobotEndpoint:
         wanted = request.query_params.get("lines", "200")
         if not wanted.isascii() or not wanted.isdigit() or len(wanted) > 6:
             return error(400, "bad_request", "lines must be a number.")
-        text = boot.brain.journal.tail(min(int(wanted), MAX_LOG_LINES))
+        node = request.query_params.get("node", "")
+        if node and node not in boot.brain.nodes.lives:
+            return error(404, "unknown_node", "The robot has no such node.")
+        text = boot.brain.journal.tail(min(int(wanted), MAX_LOG_LINES), node)
         return Response(text, media_type="text/plain; charset=utf-8")
 
     async def _map(self, _request: Request, _robot: SimRobot, boot: Boot) -> Response:

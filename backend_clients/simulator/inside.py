@@ -6,18 +6,19 @@ import math
 from typing import Any
 
 from backend_clients.edge.machine import Point3, Sighting
+from backend_clients.simulator.enu import Point
 from backend_clients.simulator.machine import Machine
 from backend_clients.simulator.planter_rig import PlanterRig
 from backend_clients.simulator.planting_site import to_enu
 from backend_clients.simulator.terrain import height_m, tilt_rad
 
 SEES_M = 40.0
-LEAST_TILT_RAD = 1e-6
+LANDING_MPS = 1.5
 
 
-def body_fields(machine: Machine) -> dict[str, Any]:
+def body_fields(machine: Machine, home: Point) -> dict[str, Any]:
     """Return the body message of a machine without its header."""
-    fields: dict[str, Any] = {"gauges": gauges(machine), "seen": seen(machine)}
+    fields: dict[str, Any] = {"gauges": gauges(machine, home), "seen": seen(machine)}
     rig = machine.rig
     if rig is None:
         if machine.limbs is not None:
@@ -39,7 +40,7 @@ def is_body_moving(machine: Machine) -> bool:
     return machine.limbs is not None and machine.limbs.is_moving
 
 
-def gauges(machine: Machine) -> dict[str, float]:
+def gauges(machine: Machine, home: Point) -> dict[str, float]:
     """Return what the machine measures."""
     if machine.rig is not None:
         base, rig = machine.base, machine.rig
@@ -50,6 +51,14 @@ def gauges(machine: Machine) -> dict[str, float]:
             "head-soil": round(max(rig.crane.tip[2], 0.0), 2),
         }
     found = {"motor-temp": round(machine.motor_c, 1)}
+    if machine.profile.energy.hover_w:
+        away_m = math.dist(home, (machine.base.x_m, machine.base.y_m))
+        back_s = away_m / machine.profile.home_speed_mps + machine.height_m / LANDING_MPS
+        found |= {
+            "height": round(machine.height_m, 1),
+            "wind": round(machine.wind_mps, 1),
+            "return-time": round(back_s / 60, 2),
+        }
     if machine.profile.hot_c is not None:
         found["laser-temp"] = round(machine.tool_temperature_c, 1)
     return found

@@ -26,6 +26,8 @@ FLOAT_DRIFT_M = 0.35
 COLD_C, WARM_UP_S = 21.0, 90.0
 STANDSTILL_S = 0.5
 MOTOR_TIME_S = 240.0
+CRUISE_M, CLIMB_MPS = 30.0, 2.5
+WIND_MPS = 4.0
 STOPPED = Setpoint(0.0, 0.0)
 
 
@@ -63,12 +65,13 @@ class Machine:
     is_rtk_float: bool = False
     is_charging: bool = False
     is_airborne: bool = False
-    is_crane_at_limit: bool = False
     is_unsure: bool = False
     seedlings: int = 0
     rig: PlanterRig | None = None
     limbs: Limbs | None = None
     motor_c: float = COLD_C
+    height_m: float = 0.0
+    wind_mps: float = WIND_MPS
     ignores_brakes: bool = False
     last_moving: Setpoint = STOPPED
     error_x: Drift = field(default_factory=Drift)
@@ -84,7 +87,8 @@ class Machine:
             self.last_moving = wanted
         self.tool_on = tool_on and not self.is_cover_open
         self.base.step(dt_s, wanted.v_mps, wanted.yaw_rate_radps, is_braking=is_braking)
-        self.still_s = self.still_s + dt_s if self.base.is_still else 0.0
+        is_still = self.base.is_still and not (self.rig is not None and self.rig.crane.is_moving)
+        self.still_s = self.still_s + dt_s if is_still else 0.0
         self._step_energy(dt_s)
         self._step_tool(dt_s)
         if self.rig is not None:
@@ -93,6 +97,11 @@ class Machine:
             self._step_limbs(dt_s)
         if not self.profile.motion.is_on_rails:
             self._step_error(dt_s)
+
+    @property
+    def is_crane_at_limit(self) -> bool:
+        """Whether a joint of the crane is outside its soft limits."""
+        return self.rig is not None and bool(self.rig.crane.beyond())
 
     @property
     def is_standing(self) -> bool:
@@ -169,6 +178,11 @@ class Machine:
         pan = 0.0 if self.base.is_still else round(self.base.yaw_rate_radps, 1)
         self.limbs.look(pan=pan, tilt=down if self.tool_on else -0.2)
         self.limbs.step(dt_s)
+        if self.profile.energy.hover_w:
+            goal_m = CRUISE_M if self.is_airborne else 0.0
+            self.height_m += min(max(goal_m - self.height_m, -CLIMB_MPS * dt_s), CLIMB_MPS * dt_s)
+            gust = (WIND_MPS - self.wind_mps) * dt_s / 30.0 + self.rng.gauss(0.0, 0.35 * math.sqrt(dt_s))
+            self.wind_mps = max(self.wind_mps + gust, 0.0)
         work = min(self.load_w / (self.profile.energy.tool_w + self.profile.energy.idle_w + 1.0), 1.5)
         self.motor_c += (COLD_C + 34.0 * work - self.motor_c) * min(dt_s / MOTOR_TIME_S, 1.0)
 

@@ -12,6 +12,7 @@ from backend_clients.simulator.profile import Node, Profile
 from backend_clients.simulator.verdict import OK, Verdict, accepted, refused
 
 STOPPING_S, STARTING_S = 0.8, 2.0
+RETRY_S = 0.2
 FIRST_MS, EACH_MS = 400, 700  # the nodes come up one after the other, before the robot says anything
 Log = Callable[[str, str], None]
 
@@ -44,6 +45,7 @@ class Nodes:
         self._off: dict[str, str] = {}
         self._needs_look = True
         self._is_tool_locked = False
+        self.revision = 0
 
     def look(self, now_s: float, now_ms: int, *, is_tool_locked: bool) -> None:
         """Go on with what is starting or stopping, and take up faults."""
@@ -72,7 +74,7 @@ class Nodes:
         return OK
 
     def stop(self, name: str, now_s: float, now_ms: int, *, comes_back: bool = False) -> Verdict:
-        """Stop a node, or restart it."""
+        """Stop a node, or restart it; what starts after it is restarted once it is back."""
         life = self.lives.get(name)
         if life is None:
             return refused("unknown_node")
@@ -157,11 +159,18 @@ class Nodes:
                 self._enter(life, "starting", now_ms)
                 life.due_s = now_s + STARTING_S
         elif life.state == "starting":
+            if any(self.lives[one].state != "started" for one in life.node.starts_after):
+                life.due_s = now_s + RETRY_S  # in order: what it needs is on its way or will be started
+                return
             self._enter(life, "started", now_ms)
+            for other in self.lives.values():
+                if life.node.name in other.node.starts_after and other.state == "started":
+                    self.stop(other.node.name, now_s, now_ms, comes_back=True)
 
     def _enter(self, life: Life, state: NodeState, now_ms: int, text: str = "") -> None:
         life.state, life.since_ms, life.text, life.due_s = state, now_ms, text, None
         self._needs_look = True
+        self.revision += 1
         self._log(life.node.name, f"{state} {text}".rstrip())
 
 

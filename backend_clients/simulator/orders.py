@@ -10,8 +10,10 @@ from msgspec.structs import replace
 from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.codec import mission_hash
-from backend_clients.simulator.brain import BATTERY_VERY_LOW, Brain
+from backend_clients.simulator.brain import Brain
+from backend_clients.simulator.machine_orders import FRESH_ONLY, MachineOrders, needs
 from backend_clients.simulator.mission_run import AT_HOME_M, MOVED_LIMIT_M
+from backend_clients.simulator.people_rules import BATTERY_VERY_LOW
 from backend_clients.simulator.pilot import DriveState
 from backend_clients.simulator.reports import Reporter
 from backend_clients.simulator.route import RouteError
@@ -20,6 +22,8 @@ from backend_clients.simulator.verdict import OK, Verdict, accepted, refused
 
 DRIVE_ACK_EVERY_S = 0.5  # refused setpoints come at 10 Hz; one answer in five is enough to explain
 MAX_START_DISTANCE_M = 500.0
+RUNNING = ("start", "resume", "return_home", "go_to", "tool_retract", "tool_go_to")
+"""Orders that take a while."""
 
 
 class OrderDesk:
@@ -32,6 +36,7 @@ class OrderDesk:
 
     def __init__(self, brain: Brain, reporter: Reporter) -> None:
         self._brain, self._reporter = brain, reporter
+        self._inside = MachineOrders(brain)
         self._drive_answered_s = -math.inf
 
     def receive(self, order: down.Order, *, is_retained: bool = False) -> up.Ack | None:
@@ -53,6 +58,8 @@ class OrderDesk:
                 return self._ack("command", order.command_id, self._command(order, is_retained=is_retained))
             case down.Drive():
                 return self._drive(order, is_retained=is_retained)
+            case down.Jog():
+                return self._jog(order, is_retained=is_retained)
             case down.OperatorHeartbeat():
                 self._pulse(order, is_retained=is_retained)
             case down.Ping() if not is_retained:
@@ -107,7 +114,7 @@ class OrderDesk:
             return known  # a repeat: the same answer, no second effect
         if not brain.guard.can_remember(now):
             return refused("busy")
-        if order.action in ("pause", "abort"):
+        if order.action in FRESH_ONLY:
             verdict = brain.guard.judge_fresh(now, order.challenge, order.ttl_ms / 1000, is_retained=is_retained)
         else:
             verdict = self._judge_leased(order, order.ttl_ms, is_retained=is_retained)
@@ -141,7 +148,7 @@ class OrderDesk:
                 self._brain.close_drive()
                 return OK if was_open else accepted("already_closed", "Driving by hand was not open.")
             case _:
-                return refused("not_supported")
+                return self._inside.carry_out(order, self._may_move())
 
     def _start(self, order: down.Command) -> Verdict:
         brain, run = self._brain, self._brain.run
@@ -152,7 +159,7 @@ class OrderDesk:
             return refused("no_mission")
         if order.mission_id != run.mission.mission_id or order.mission_sha256 not in (None, run.sha256):
             return refused("wrong_mission")
-        if run.status == "running" or brain.home_run is not None:
+        if run.status == "running" or brain.errand:
             return refused("already_running")
         if run.status == "paused" and run.moved_m(brain.place) <= MOVED_LIMIT_M:
             return refused("mission_paused")
@@ -171,7 +178,7 @@ class OrderDesk:
         verdict = self._may_move()
         if not verdict.is_accepted:
             return verdict
-        if run is None or run.status != "paused" or brain.home_run is not None:
+        if run is None or run.status != "paused" or brain.errand:
             return refused("not_paused")
         moved_m = run.moved_m(brain.place)
         if moved_m > MOVED_LIMIT_M:
@@ -209,7 +216,10 @@ class OrderDesk:
         verdict = self._may_move()
         if not verdict.is_accepted:
             return verdict
-        if brain.home_run is not None:
+        verdict = needs(brain, brain.profile.drive_function)
+        if not verdict.is_accepted:
+            return verdict
+        if brain.errand == "return-home":
             return accepted("already_running", "It is on its way home already.")
         if math.dist(brain.place, brain.home) < AT_HOME_M:
             return refused("already_home")
@@ -224,6 +234,9 @@ class OrderDesk:
             return self._may_move()
         if brain.drive is not None:
             return accepted("already_open", "Driving by hand is open already.")
+        verdict = needs(brain, brain.profile.hand_function)
+        if not verdict.is_accepted:
+            return verdict
         brain.open_drive()
         return OK
 
@@ -237,6 +250,9 @@ class OrderDesk:
 
     def _may_work(self) -> Verdict:
         brain, machine = self._brain, self._brain.machine
+        verdict = needs(brain, brain.profile.work_function)
+        if not verdict.is_accepted:
+            return verdict
         if machine.soc < BATTERY_VERY_LOW:
             return refused("battery_low")
         if machine.is_rtk_float and brain.profile.needs_rtk:
@@ -259,11 +275,24 @@ class OrderDesk:
         if verdict.is_accepted:
             brain.drive = DriveState(order.v_mps, order.yaw_rate_radps, now)
             brain.last_drive = brain.drive
-            return None
-        if now - self._drive_answered_s < DRIVE_ACK_EVERY_S:
+        return self._answer_setpoint(order.lease_seq, verdict)
+
+    def _jog(self, order: down.Jog, *, is_retained: bool) -> up.Ack | None:
+        guard, now = self._brain.guard, self._brain.clock.mono_s()
+        verdict = guard.judge_leased(
+            now, order.challenge, 2.0, order.lease_token, order.lease_seq, is_retained=is_retained
+        )
+        if verdict.is_accepted:
+            verdict = self._inside.jog(order, self._may_move(), now)
+        return self._answer_setpoint(order.lease_seq, verdict)
+
+    def _answer_setpoint(self, lease_seq: int, verdict: Verdict) -> up.Ack | None:
+        """Accepted setpoints are not answered, refused ones not each time."""
+        now = self._brain.clock.mono_s()
+        if verdict.is_accepted or now - self._drive_answered_s < DRIVE_ACK_EVERY_S:
             return None
         self._drive_answered_s = now
-        return self._ack("drive", str(order.lease_seq), verdict)
+        return self._ack("drive", str(lease_seq), verdict)
 
     def _pulse(self, order: down.OperatorHeartbeat, *, is_retained: bool) -> None:
         brain, now = self._brain, self._brain.clock.mono_s()
@@ -324,7 +353,7 @@ class OrderDesk:
         log = self._brain.actions
         if not verdict.is_accepted:
             log.add(order.command_id, order.action, "failed", verdict.text)
-        elif order.action in ("start", "resume", "return_home"):
+        elif order.action in RUNNING:
             log.add(order.command_id, order.action, "running", verdict.text)
         else:
             log.add(order.command_id, order.action, "finished", verdict.text)

@@ -6,16 +6,22 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from backend_clients.simulator.crane import TRANSPORT
 from backend_clients.simulator.machine import STOPPED
 from backend_clients.simulator.tracking import Setpoint, Tracker
 from backend_clients.simulator.work import Doing
 
 if TYPE_CHECKING:
     from backend_clients.simulator.brain import Brain
+    from backend_clients.simulator.crane_task import CraneTask
+    from backend_clients.simulator.planter_rig import PlanterRig
 
 DEADMAN_S = 0.5  # five missed setpoints at 10 Hz
 MANUAL_MAX_MPS = 1.0
 START_HORN_S = 3.0
+CRANE_OUT_MPS = 0.3  # by hand, with the crane not folded
+FOLD_SHARE = 0.5
+ARRIVED = {"return-home": "Home reached", "go-to": "Place reached"}
 
 
 @dataclass(slots=True)
@@ -45,9 +51,12 @@ class Pilot:
         if self._brain.is_stopped:
             return STOPPED
         if self._brain.drive is not None:
+            self._jog(dt_s)
             return self._by_hand(self._brain.drive)
         if not self._brain.is_auto:
             return STOPPED
+        if self._brain.crane_task is not None:
+            return self._move_crane(self._brain.crane_task, dt_s)
         reason = self._waiting_for()
         if reason:
             self.horn_left_s = START_HORN_S
@@ -62,26 +71,59 @@ class Pilot:
     def _by_hand(self, drive: DriveState) -> Setpoint:
         if self._brain.clock.mono_s() - drive.heard_s > DEADMAN_S:
             return STOPPED
-        if self._brain.machine.base.speed_mps:
-            self._brain.machine.is_crane_at_limit = False  # moved by hand, it reaches again
-        v = min(max(drive.v_mps, -MANUAL_MAX_MPS), MANUAL_MAX_MPS)
+        rig = self._brain.machine.rig
+        most = MANUAL_MAX_MPS if rig is None or rig.is_folded else CRANE_OUT_MPS
+        v = min(max(drive.v_mps, -most), most)
         if v > 0 and self._brain.machine.is_way_blocked():
             self._brain.hold_code = "person_ahead"
             return STOPPED
         return Setpoint(v, drive.yaw_rate_radps, is_pivoting=v == 0 and drive.yaw_rate_radps != 0)
 
+    def _jog(self, dt_s: float) -> None:
+        jog, rig = self._brain.jog, self._brain.machine.rig
+        if jog is None or rig is None or self._brain.clock.mono_s() - jog.heard_s > DEADMAN_S:
+            return
+        if self._brain.work.waits_for() == "person_inside":
+            self._brain.hold_code = "person_inside"
+        elif not self._brain.nodes.why_off("manual-crane"):
+            rig.crane.jog(jog.rates, dt_s)
+
+    def _move_crane(self, task: CraneTask, dt_s: float) -> Setpoint:
+        if self._brain.work.waits_for() == "person_inside":
+            self._brain.hold_code, self.horn_left_s = "person_inside", START_HORN_S
+        elif self.horn_left_s > 0:
+            self.horn_left_s -= dt_s
+            self._brain.hold_code = "start_horn"
+        else:
+            task.step(dt_s)
+            self.doing = Doing(STOPPED, tool_on=True)
+            if task.is_done:
+                self._brain.crane_arrived()
+        return STOPPED
+
+    def _fold(self, rig: PlanterRig, dt_s: float) -> Setpoint:
+        """Bring the crane where the machine may be driven."""
+        if rig.crane.planned != TRANSPORT:
+            rig.crane.send(dict(TRANSPORT))
+        rig.crane.step(dt_s, FOLD_SHARE)
+        self.doing = Doing(STOPPED, tool_on=True)
+        return STOPPED
+
     def _waiting_for(self) -> str:
         if self._brain.machine.is_way_blocked():
             return "person_ahead"
         if self._brain.home_run is not None:
-            return ""
+            return self._brain.work.waits_for() if self._brain.work.waits_for() == "person_inside" else ""
         if self._brain.machine.is_rtk_float and self._brain.profile.needs_rtk:
             return "rtk_float"
         return "tool_interlock" if self._brain.machine.is_cover_open else self._brain.work.waits_for()
 
     def _follow(self, dt_s: float) -> Setpoint:
-        tracker = self.tracker
+        tracker, rig = self.tracker, self._brain.machine.rig
         assert tracker is not None
+        is_travelling = self._brain.run is None or tracker is not self._brain.run.tracker
+        if is_travelling and rig is not None and not rig.is_folded:
+            return self._fold(rig, dt_s)
         if self._brain.work.is_at_site and self._brain.run is not None and tracker is self._brain.run.tracker:
             self.followed = tracker
             self.doing = self._brain.work.guide(self._brain.run, STOPPED, dt_s)
@@ -107,7 +149,7 @@ class Pilot:
         if tracker is self._brain.home_run:
             self._brain.home_run = None
             self._brain.actions.close("finished")
-            self._brain.note("mission", "Home reached")
+            self._brain.note("mission", ARRIVED[self._brain.errand_name])
         elif tracker is self.lead and self._brain.run is not None:
             self.lead = None
             self._brain.run.tracker.align()

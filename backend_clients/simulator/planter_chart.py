@@ -99,6 +99,7 @@ class PlanterMachine(StateChart[Any]):
                 crane_failed = above_plant.to(back_off) | on_ground.to(back_off)
                 grounded = on_ground.to(crane_idle)
                 no_ground = on_ground.to(back_off)
+                skip = above_plant.to(back_off) | on_ground.to(back_off)
                 planted = crane_idle.to(photo)
                 scar_failed = crane_idle.to(back_off)
                 backed_off = back_off.to(crane_idle)
@@ -201,6 +202,7 @@ _GUARDS: dict[str, str] = {
     "docked": "a seedling in the arm",
     "dock_failed": "FAIL_DOCK",
     "no_ground": "FAIL_GROUND",
+    "skip": "a person said so",
     "scar_failed": "FAIL_SCAR",
     "crane_failed": "FAIL_CRANE",
     "planted": "OK",

@@ -18,7 +18,7 @@ PLANTER = Profile(
     motion=WHEELED,
     # a 129 kW diesel; the store is its tank
     energy=Energy(600 * KWH, idle_w=6_000.0, tool_w=18_000.0, drive_w_per_mps=30_000.0, charge_w=2_000_000.0),
-    tool=up.Tool(kind="planter", label="Crane", width_m=2.0),
+    tool=up.Tool(kind="planter", label="Crane", width_m=4.0),
     work="plant",
     stop_effect="Drive and crane stop, hydraulics hold",
     words=Words(tool="Crane", cover="Crane guard", row="Plant row", tool_on="Planting", tool_off="Crane away"),

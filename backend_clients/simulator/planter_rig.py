@@ -9,7 +9,7 @@ import math
 import random
 from dataclasses import dataclass, field
 
-from backend_clients.simulator.crane import PILLAR_X_M, TELESCOPE_M, Crane
+from backend_clients.simulator.crane import PILLAR_X_M, TELESCOPE_M, TRANSPORT, Crane
 from backend_clients.simulator.enu import Point
 from backend_clients.simulator.kinematics import Base
 from backend_clients.simulator.planting_site import Site, to_machine
@@ -64,6 +64,11 @@ class PlanterRig:
     def __post_init__(self) -> None:
         self.chance = random.Random(f"planting/{self.seed}")  # noqa: S311
         self.crane.speed = self.tuning.crane_speed
+
+    @property
+    def is_folded(self) -> bool:
+        """Whether the crane is where it may be driven."""
+        return self.crane.is_there and self.crane.planned == TRANSPORT
 
     def step(self, dt_s: float) -> None:
         """Let the hydraulics follow what the crane does."""

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 from backend_clients.simulator.machine import STOPPED, Machine
 from backend_clients.simulator.planter_chart import PlanterMachine
 from backend_clients.simulator.planting_cycle import PlantingCycle, TreeResult
-from backend_clients.simulator.planting_site import Site, Stretch, area_of, map_site
+from backend_clients.simulator.planting_site import AREA_M, TREES_PER_M2, Site, Stretch, area_of, map_site
 from backend_clients.simulator.planting_stops import Stops, width_of
 from backend_clients.simulator.tracking import Setpoint
+from backend_clients.simulator.verdict import Verdict, accepted, refused
 from backend_clients.simulator.work import Doing, approach
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 MOVE_MPS = 0.39  # between two sites
 SETTLE_S, MAP_S = 0.2, 0.6
 AT_STOP_M = 0.06
+TREE_S, STOP_S = 70.0, 6.0  # of one attempt, and of each stop besides
 SLOW = 0.5  # of its speed, with a person near
 SLOW_MPS = 0.3
 BEGIN_FROM_M = 0.5
@@ -92,14 +94,31 @@ class Planting:
         self.cycle.forget()
         self._settle_left_s, self._map_left_s = SETTLE_S, MAP_S
 
+    def skip(self) -> Verdict:
+        """Leave the current point for the next one, its seedling still held."""
+        if "plant" in self.states.active:
+            return refused("too_late")
+        target = self.cycle.give_up("skipped", "Skipped by a person.")
+        if target is None:
+            return refused("no_target")
+        self.states.fire("skip", "SKIPPED")
+        return accepted("ok", f"Tree {target.id.removeprefix('tree-')} is left out.")
+
     def person_helped(self) -> None:
         """Somebody looked at what the machine asked for."""
         self.cycle.needs_person = False
 
+    def work_left_s(self, run: MissionRun) -> float:
+        """Return how long it will stand at the sites that are left."""
+        if self._stops is None or self._stops.route is not run.route:
+            self._stops = Stops(run)
+        left_m = self._stops.length_left_m(run.tracker.s_m - AT_STOP_M)
+        return left_m * (width_of(run) * TREES_PER_M2 * TREE_S + STOP_S / AREA_M)
+
     # ---- on the way ------------------------------------------------------------------------------------
 
     def _travel(self, wanted: Setpoint, dt_s: float) -> Doing:
-        if not self.cycle.is_folded:
+        if not self.rig.is_folded:
             self._be_at("plant-site")
             self.cycle.fold(dt_s, self._machine.base, 1.0)
             return Doing(STOPPED, tool_on=True)
@@ -109,7 +128,7 @@ class Planting:
 
     def _drive(self, wanted: Setpoint, ahead_m: float, dt_s: float, share: float) -> Doing:
         is_fetching = self.rig.tuning.docks_while_driving and "drive" in self.states.active
-        if not self.cycle.is_folded and not is_fetching:
+        if not self.rig.is_folded and not is_fetching:
             self.cycle.fold(dt_s, self._machine.base, share)
             return Doing(STOPPED, tool_on=True)
         if "hold" in self.states.active:
@@ -165,7 +184,7 @@ class Planting:
         self._step_cycle(dt_s, share)
         if site is not None:
             self._fresh += site.planted - before
-        if (site is None or not site.is_left) and self.cycle.is_folded and "crane-idle" in self.states.active:
+        if (site is None or not site.is_left) and self.rig.is_folded and "crane-idle" in self.states.active:
             self.is_at_site = False
             assert self._stops is not None
             self.rig.worked.add(self._stops.key(stop))

@@ -87,12 +87,6 @@ class PlantingCycle:
         self.results: list[TreeResult] = []
         self.log: list[tuple[str, str]] = []
 
-    @property
-    def is_folded(self) -> bool:
-        """Whether the crane is where it may be driven."""
-        crane = self._rig.crane
-        return crane.is_there and crane.planned == TRANSPORT
-
     def step(self, dt_s: float, base: Base, tray: int, share: float, *, may_fetch: bool = False) -> int:
         """Live for ``dt_s``, the crane at ``share`` of its speed; return how many seedlings left the tray.
 
@@ -171,7 +165,7 @@ class PlantingCycle:
         if can_fetch and (target is not None or (may_fetch and not rig.in_head)):
             self._attempt_s = 0.0
             return self._send("fetch")
-        if target is None and not self.is_folded and not may_fetch:
+        if target is None and not self._rig.is_folded and not may_fetch:
             return self._send("fold")
         return False
 

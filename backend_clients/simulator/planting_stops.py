@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
+from itertools import accumulate
 from typing import TYPE_CHECKING
 
 from backend_clients.simulator.planting_site import AREA_M, Stretch
@@ -27,6 +28,8 @@ class Stops:
             for stretch in _stretches(leg.row, leg.own_start_m, leg.end_m, run.route.length_m)
         ]
         self._at = [one.stop_m for one in self._stops]
+        lengths = [one.to_m - one.from_m for one in reversed(self._stops)]
+        self._left_m = [*accumulate(lengths, initial=0.0)][::-1]
 
     def next(self, s_m: float, worked: set[tuple[int, int]]) -> Stretch | None:
         """Return the first stop at or after ``s_m`` whose ground is not worked yet."""
@@ -40,10 +43,9 @@ class Stops:
         x, y = self.route.point_at((stretch.from_m + stretch.to_m) / 2)
         return round(x), round(y)
 
-    def area_left(self, s_m: float, worked: set[tuple[int, int]]) -> float:
-        """Return the length of row that is still to be planted, metres."""
-        left = self._stops[bisect_left(self._at, s_m) :]
-        return sum(one.to_m - one.from_m for one in left if self.key(one) not in worked)
+    def length_left_m(self, s_m: float) -> float:
+        """Return the length of row that is planted from the stops at or after ``s_m``."""
+        return self._left_m[bisect_left(self._at, s_m)]
 
 
 def width_of(run: MissionRun) -> float:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections import deque
 from typing import TypedDict
 
+from msgspec.structs import replace
+
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.machine import Body, Scan, Worksite
 from backend_clients.simulator.brain import Brain
@@ -13,8 +15,10 @@ from backend_clients.simulator.holds import fault
 from backend_clients.simulator.inside import body_fields, worksite_fields
 from backend_clients.simulator.journal import Happening
 from backend_clients.simulator.latch import PressRecord
+from backend_clients.simulator.mission_run import MissionRun
 from backend_clients.simulator.scan import scan_fields
 from backend_clients.simulator.watch import waiting_reason
+from backend_clients.simulator.work import Sites
 
 MAX_PENDING_PINGS = 4
 MAX_PRESSES_SHOWN = 64
@@ -113,7 +117,7 @@ class Reporter:
             path_since_ms=brain.watch.since_ms,
             lease_token=brain.guard.active_lease,
             set_speed_mps=run.leg.speed_mps if is_following and run is not None else None,
-            order=run.order_state() if run is not None else None,
+            order=self._order(run) if run is not None else None,
             actions=brain.actions.list(),
             faults=[fault(code, brain.profile.words) for code in brain.watch.faults],
             hold=waiting_reason(brain),
@@ -142,7 +146,7 @@ class Reporter:
 
     def body(self) -> Body:
         """Return joints, gauges and who is near."""
-        return Body(**self.header(), **body_fields(self._brain.machine))
+        return Body(**self.header(), **body_fields(self._brain.machine, self._brain.home))
 
     def worksite(self) -> Worksite | None:
         """Return where it works now, ``None`` before the first site and for machines without one."""
@@ -158,10 +162,6 @@ class Reporter:
         """Return the life cycle of each software node, reported at least each ``period_ms``."""
         return [up.Node(**self.header(), period_ms=period_ms, **fields) for fields in self._brain.nodes.fields()]
 
-    def node_lives(self) -> tuple[object, ...]:
-        """Return what has to be told at once when it changes."""
-        return tuple((life.state, life.restarts, life.text) for life in self._brain.nodes.lives.values())
-
     def event(self, happening: Happening) -> up.Event:
         """Return the message of one event."""
         return up.Event(
@@ -172,6 +172,12 @@ class Reporter:
             text=happening.text,
             data=happening.data,
         )
+
+    def _order(self, run: MissionRun) -> up.OrderState:
+        order, work = run.order_state(), self._brain.work
+        if not isinstance(work, Sites) or order.remaining_s is None or order.status == "done":
+            return order
+        return replace(order, remaining_s=round(order.remaining_s + work.work_left_s(run), 1))
 
     def _tool(self) -> up.ToolState:
         machine, brain = self._brain.machine, self._brain

@@ -42,6 +42,13 @@ UAV = Profile(
     ),
     gauges=(
         GaugeInfo(
+            key="height", label="Height", unit="m", lower=0.0, upper=60.0, ok_upper=50.0, limit_text="limit 50 m"
+        ),
+        GaugeInfo(
+            key="wind", label="Wind", unit="m/s", lower=0.0, upper=20.0, ok_upper=12.0, limit_text="limit 12 m/s"
+        ),
+        GaugeInfo(key="return-time", label="Way back", unit="min", lower=0.0, upper=15.0, limit_text="with landing"),
+        GaugeInfo(
             key="motor-temp",
             label="Motors",
             unit="°C",

@@ -130,7 +130,8 @@ def supervisor_path(brain: Brain) -> tuple[str, ...]:
     if brain.drive is not None:
         return ("Manual drive",)
     if brain.home_run is not None:
-        return ("Return home", _WAIT_WORDS.get(brain.hold_code, "Forward"))
+        word = {"return-home": "Return home", "go-to": "Go to a place"}[brain.errand_name]
+        return (word, _WAIT_WORDS.get(brain.hold_code, "Forward"))
     run = brain.run
     if run is None:
         return ("Idle",)

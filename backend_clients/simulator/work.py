@@ -7,10 +7,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from backend_clients.simulator.machine import Machine
 from backend_clients.simulator.tracking import Setpoint
+from backend_clients.simulator.verdict import Verdict
 
 if TYPE_CHECKING:
     from backend_clients.simulator.mission_run import MissionRun
@@ -18,6 +19,23 @@ if TYPE_CHECKING:
 
 ROLLING_MPS = 0.05
 CREEP_MPS = 0.1
+
+
+@runtime_checkable
+class Sites(Protocol):
+    """A work that goes from site to site, where people may help."""
+
+    def skip(self) -> Verdict:
+        """Leave the point that is worked at."""
+        ...
+
+    def person_helped(self) -> None:
+        """Somebody looked at what the machine asked for."""
+        ...
+
+    def work_left_s(self, run: MissionRun) -> float:
+        """Return how long what is left will take with the machine standing."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)

@@ -133,8 +133,8 @@ class SimRobot:
                 self.machine.put_person_ahead(fault.distance_m)
             case fault_kinds.WeedUnsure():
                 self.machine.is_unsure = True
-            case fault_kinds.CraneLimit():
-                self.machine.is_crane_at_limit = True
+            case fault_kinds.CraneLimit() if self.machine.rig is not None:
+                self.machine.rig.crane.push("stick", fault_kinds.BEYOND_SHARE)
             case fault_kinds.TrayEmpty():
                 self.machine.seedlings = min(fault.left, self.machine.profile.tray)
             case fault_kinds.HardwareStop():
@@ -162,8 +162,8 @@ class SimRobot:
                     self.machine.person = None
                 case fault_kinds.WeedUnsure():
                     self.machine.is_unsure = False
-                case fault_kinds.CraneLimit():
-                    self.machine.is_crane_at_limit = False
+                case fault_kinds.CraneLimit() if self.machine.rig is not None:
+                    self.machine.rig.crane.pull_back()
                 case fault_kinds.TrayEmpty():
                     self.machine.seedlings = self.machine.profile.tray
                 case fault_kinds.HardwareStop():

@@ -188,6 +188,24 @@ class Rig:
             self.drive(v_mps, yaw_rate_radps)
             self.run(0.1)
 
+    def jog(self, **rates: float) -> up.Ack | None:
+        """Send one setpoint for the joints."""
+        return self.robot.receive(
+            down.Jog(
+                robot="weeder-01",
+                lease_token=self.token,
+                lease_seq=self.next_seq(),
+                challenge=self.challenge(),
+                rates=rates,
+            )
+        )
+
+    def jog_for(self, seconds: float, **rates: float) -> None:
+        """Hold the joints' stick."""
+        for _ in range(round(seconds * 10)):
+            self.jog(**rates)
+            self.run(0.1)
+
     @property
     def state(self) -> up.State:
         """The state message now."""

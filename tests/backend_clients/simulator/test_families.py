@@ -160,7 +160,7 @@ def test_a_planter_without_seedlings_waits_for_a_tray_and_goes_on_with_a_full_on
     until(rig, lambda: rig.robot.machine.seedlings == 66, 60.0)
 
 
-def test_a_crane_outside_its_limit_waits_until_somebody_drives_it_by_hand() -> None:
+def test_a_crane_outside_its_limit_waits_until_somebody_moves_it_by_hand() -> None:
     rig = Rig(family="planter")
     rig.start(small_mission(length_m=12.0))
     rig.run(5.0)
@@ -171,8 +171,7 @@ def test_a_crane_outside_its_limit_waits_until_somebody_drives_it_by_hand() -> N
     assert (hold.code, hold.text) == ("crane_limit", "The crane is outside its limit.")
     assert rig.speed == 0
     rig.do("drive_open")
-    rig.drive_for(1.0, 0.3)
-    rig.drive_for(1.0, -0.3)
+    rig.jog_for(1.0, stick=-0.2)
     assert "crane-limit" not in [fault.code for fault in rig.state.faults]
 
 

@@ -174,6 +174,10 @@ async def test_logs_are_the_newest_lines(site: Site) -> None:
     assert len((await site.robot().logs(1)).splitlines()) == 1
     async with site.raw() as client:
         assert (await client.get("/weeder-01/logs?lines=-1")).status_code == 400
+        of_node = (await client.get("/weeder-01/logs?lines=50&node=supervisor")).text
+        assert "STOP" in of_node
+        assert all("[supervisor]" in line for line in of_node.splitlines())
+        assert (await client.get("/weeder-01/logs?node=crane")).json()["code"] == "unknown_node"
 
 
 async def test_an_oversized_body_is_refused(site: Site) -> None:
