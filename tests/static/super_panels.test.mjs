@@ -20,11 +20,13 @@ test('whole trees stand side by side, in their order, neither column much longer
   assert.deepEqual(names(right), ['b', 'c', 'c1']);
 });
 
-test('what is off is taller, and one tree alone is never cut', () => {
+test('what is off is taller; a large tree goes on in the second column, but never below a second level', () => {
   const [left, right] = columns([fn('a', 0, 'off'), fn('b', 0, 'off'), fn('c'), fn('d'), fn('e')]);
   assert.deepEqual([names(left), names(right)], [['a', 'b'], ['c', 'd', 'e']]);
-  const [one, none] = columns([fn('a'), fn('a1', 1), fn('a2', 2)]);
-  assert.deepEqual([names(one).length, names(none).length], [3, 0]);
+  const [one, rest] = columns([fn('a'), fn('a1', 1), fn('a2', 2), fn('a3', 1), fn('a4', 1), fn('a5', 1), fn('a6', 1), fn('b')]);
+  assert.deepEqual([names(one), names(rest)], [['a', 'a1', 'a2', 'a3', 'a4'], ['a5', 'a6', 'b']]);
+  const [deep, none] = columns([fn('a'), fn('a1', 1), fn('a2', 2)]);
+  assert.deepEqual([names(deep).length, names(none).length], [3, 0]);
   assert.deepEqual(Array.from(columns([]), (list) => list.length), [0, 0]);
 });
 

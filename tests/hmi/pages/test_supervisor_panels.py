@@ -46,7 +46,7 @@ def test_nodes_and_functions_say_what_is_wrong_why_and_what_turns_it_on(look: Lo
     states = {"plant": "off", "follow-path": "on", "see-people": "limited", "back-up": "off", "manual-crane": "on"}
     for name, state in states.items():
         expect(page.get_by_test_id(f"function-{name}")).to_have_attribute("data-state", state)
-    expect(page.get_by_test_id("function-back-up")).to_contain_text("Rear camera failed: No picture for 4")
+    expect(page.get_by_test_id("function-back-up")).to_contain_text("Rear camera failed for 4")
     expect(page.get_by_test_id("function-hint")).to_contain_text("To turn on Plant trees: restart Tree planner")
     page.get_by_test_id("function-back-up").click()
     expect(page.get_by_test_id("function-hint")).to_have_text(
