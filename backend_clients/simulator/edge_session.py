@@ -40,6 +40,7 @@ class Rates:
     body: int = 2  # 10 Hz while joints move
     body_resting: int = 10  # 2 Hz
     scan: int = 20  # 1 Hz
+    scan_far: int = 40  # of machines nobody works beside
 
 
 LEAN = Rates(heartbeat=1, telemetry=1, state=1, safety=1, safety_stopping=1, nodes=60)
@@ -209,7 +210,7 @@ class EdgeSession:
             if site is not None:
                 self._shown[Up.WORKSITE] = shown
                 self._say(Up.WORKSITE, site, qos=1, retain=True)
-        if rig is not None and self._tick % self._rates.scan == 0:
+        if self._tick % (self._rates.scan_far if rig is None else self._rates.scan) == 0:
             self._say(Up.SCAN, boot.reporter.scan())
 
     def _report_nodes(self, boot: Boot) -> None:

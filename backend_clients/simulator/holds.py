@@ -64,7 +64,7 @@ _HOLDS: dict[str, tuple[str, str, str]] = {
         "Look at the tray and the arm, then retract the crane or skip the tree.",
         "operator",
     ),
-    "function_off": ("A function it needs is off.", "Start the node it names, then resume.", "admin"),
+    "function_off": ("Paused by itself: a part of its software did not run.", "Resume the mission.", "operator"),
     "tray_empty": ("The seedling tray is empty.", "Load a tray at the machine.", "person at the machine"),
     "start_horn": ("The horn sounds before it moves.", "It moves in a moment.", ""),
 }
@@ -93,7 +93,6 @@ _FAULTS: dict[str, tuple[str, str, str]] = {
         "It could not take a seedling three times.",
         "Look at the tray and the arm, then retract the crane or skip the tree.",
     ),
-    "node-failure": ("high", "A part of its software failed.", "Look at the nodes and restart it."),
     "tray-low": ("low", "Fewer than 15 seedlings are left.", "Bring a tray."),
     "tray-empty": ("medium", "The seedling tray is empty.", "Load a tray at the machine."),
     "reserve-near": ("medium", "The battery is near its reserve; it returns by itself.", "Let it return."),

@@ -9,7 +9,7 @@ from typing import Protocol
 from backend_clients.edge.mqtt import LinkState, MqttLink, OnLink, OnMessage, Will
 from backend_clients.edge.topics import Down, topic
 
-FAST = frozenset({Down.DRIVE, Down.OPERATOR, Down.PING})
+FAST = frozenset({Down.DRIVE, Down.JOG, Down.OPERATOR, Down.PING})
 """Orders at QoS 0: only the newest counts."""
 
 

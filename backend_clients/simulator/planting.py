@@ -26,7 +26,7 @@ AT_STOP_M = 0.06
 TREE_S, STOP_S = 70.0, 6.0  # of one attempt, and of each stop besides
 SLOW = 0.5  # of its speed, with a person near
 SLOW_MPS = 0.3
-BEGIN_FROM_M = 0.5
+BEGIN_FROM_M = ELSEWHERE_M = 0.5
 
 
 class Planting:
@@ -54,6 +54,9 @@ class Planting:
         if stop is None or run.tracker.s_m < stop.from_m:
             self._leave_site()
             return self._travel(wanted, dt_s)
+        if self.is_at_site and abs(stop.stop_m - run.tracker.s_m) > ELSEWHERE_M:
+            self.is_at_site = False  # it was moved meanwhile
+            return Doing(STOPPED)
         self.row = stop.row
         self._be_at("plant-site")
         guard = self.rig.guard(self._machine.base, self._machine.person)

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from backend_clients.edge.machine import MAX_SCAN_POINTS
+from backend_clients.edge.machine import MAX_SCAN_POINTS, Obstacle
+from backend_clients.simulator.enu import Point
 from backend_clients.simulator.machine import Machine
 from backend_clients.simulator.terrain import WAVES, height_m
 
@@ -32,22 +33,26 @@ def _pattern() -> NDArray[np.float64]:
 
 def scan_fields(machine: Machine) -> dict[str, Any]:
     """Return the scan message without its header: centimetres from where the machine stands, as int16."""
-    base = machine.base
-    here = (base.x_m, base.y_m, height_m(base.x_m, base.y_m))
+    base, rig = machine.base, machine.rig
+    obstacles = tuple(rig.site.obstacles) if rig is not None and rig.site is not None else ()
+    origin, points = _cloud(round(base.x_m, 2), round(base.y_m, 2), obstacles, machine.person)
+    return {"origin": origin, "points": points}
+
+
+@lru_cache(maxsize=64)  # a machine that stands sees the same again
+def _cloud(
+    x_m: float, y_m: float, obstacles: tuple[Obstacle, ...], person: Point | None
+) -> tuple[tuple[float, ...], str]:
+    here = (x_m, y_m, height_m(x_m, y_m))
     flat = _pattern()
-    heights = _ground(flat[:, 0] + here[0], flat[:, 1] + here[1]) - here[2]
+    heights = _ground(flat[:, 0] + x_m, flat[:, 1] + y_m) - here[2]
     parts = [np.column_stack((flat, heights))]
-    if machine.rig is not None and machine.rig.site is not None:
-        parts += [
-            _cylinder(one.x_m - here[0], one.y_m - here[1], one.radius_m, one.height_m, 24)
-            for one in machine.rig.site.obstacles
-        ]
-    if machine.person is not None:
-        parts.append(_cylinder(machine.person[0] - here[0], machine.person[1] - here[1], 0.25, PERSON_M, 120))
+    parts += [_cylinder(one.x_m - x_m, one.y_m - y_m, one.radius_m, one.height_m, 24) for one in obstacles]
+    if person is not None:
+        parts.append(_cylinder(person[0] - x_m, person[1] - y_m, 0.25, PERSON_M, 120))
     points = np.concatenate(parts)[:MAX_SCAN_POINTS]
     centimetres = np.clip(np.round(points * 100), -32000, 32000).astype("<i2")
-    origin = tuple(round(value, 3) for value in here)
-    return {"origin": origin, "points": base64.b64encode(centimetres.tobytes()).decode("ascii")}
+    return tuple(round(value, 3) for value in here), base64.b64encode(centimetres.tobytes()).decode("ascii")
 
 
 def _ground(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -179,10 +179,10 @@ def fault_codes(brain: Brain) -> tuple[str, ...]:
         found.append("weed-unsure")
     if machine.is_crane_at_limit:
         found.append("crane-limit")
-    if machine.rig is not None and brain.work.waits_for() in ("person_inside", "ask_person"):
-        found.append(brain.work.waits_for().replace("_", "-"))
-    if brain.nodes.failed:
-        found.append("node-failure")
+    if machine.rig is not None and not machine.is_way_blocked():
+        code = brain.work.waits_for()
+        if code in ("person_inside", "ask_person"):
+            found.append(code.replace("_", "-"))
     if machine.profile.tray and machine.seedlings < TRAY_LOW:
         found.append("tray-low" if machine.seedlings else "tray-empty")
     found += _battery(brain)
@@ -219,9 +219,16 @@ def waiting_reason(brain: Brain) -> up.Hold | None:
         if moved_m > MOVED_LIMIT_M and run.pause_code not in ("return_home", "low_charge"):
             return hold("moved_while_paused", detail=f"It was moved {moved_m:.1f} m since the pause.")
         if run.pause_code == "function_off":
-            profile = brain.profile
-            why = brain.nodes.why_off(profile.work_function)
-            label = next(one.label for one in profile.functions if one.name == profile.work_function)
-            return hold("function_off", detail=f"{label} is off: {why} does not run." if why else "")
+            return _function_off(brain)
         return hold(run.pause_code or "paused")
     return None
+
+
+def _function_off(brain: Brain) -> up.Hold:
+    profile = brain.profile
+    why = brain.nodes.why_off(profile.work_function)
+    if not why:
+        return hold("function_off")
+    label = next(one.label for one in profile.functions if one.name == profile.work_function)
+    text = f"{label} is off: {why} does not run."
+    return up.Hold(code="function_off", text=text, clears=f"Restart {why}, then resume the mission.", who="admin")

@@ -177,8 +177,10 @@ class SimRobot:
                     self._boot_at_s = self.clock.mono_s()
 
     def crash(self, reboot_after_s: float | None) -> None:
-        """Let the software die; the machine's brakes close by themselves."""
+        """Let the software die; the machine's brakes close by themselves, its hydraulics hold."""
         self.boot = None
+        if self.machine.rig is not None:
+            self.machine.rig.crane.halt()
         self._boot_at_s = None if reboot_after_s is None else self.clock.mono_s() + reboot_after_s
 
     def power_up(self) -> Boot:

@@ -54,6 +54,12 @@ def test_active_states_are_legal_whatever_happens(family: str, seed: int) -> Non
                 rig.do("resume")
             case 8:
                 rig.do(rng.choice(["pause", "abort", "return_home", "drive_open", "drive_close"]))
+            case 14:
+                rig.do("go_to", place=(rng.uniform(-9, 9), rng.uniform(-9, 9), 0.0))
+            case 15 if family == "planter":
+                rig.do(rng.choice(["tool_retract", "skip_target", "stock_refilled"]))
+            case 16 if family == "planter":
+                rig.do("tool_go_to", place=(rng.uniform(-9, 9), rng.uniform(-9, 9), 0.5))
             case 9:
                 rig.robot.set_fault(rng.choice(FAULTS[family]))
             case 10 | 11:

@@ -284,7 +284,42 @@ def test_a_failed_node_pauses_the_mission_and_an_admin_restarts_it_without_contr
     since = [nodes[name].since_ms or 0 for name in ("drive", "crane", "planter", "supervisor")]
     assert since == sorted(since)
     assert [nodes[name].restarts for name in ("drive", "crane", "planter", "supervisor")] == [0, 1, 1, 1]
+    assert rig.state.hold is not None
+    assert rig.state.hold.text == "Paused by itself: a part of its software did not run."
     assert rig.do("resume").outcome == "accepted"
+
+
+def test_a_crash_in_the_middle_of_a_movement_leaves_the_crane_standing() -> None:
+    rig = at_work()
+    held = pose(rig)
+    rig.robot.crash(2.0)
+    rig.run(1.0)
+    assert rig.robot.machine.is_standing
+    rig.run(3.0)
+    assert pose(rig) == held
+    assert rig.state.mode == "paused"
+    assert rig.do("resume").outcome == "accepted"
+    until(rig, lambda: "plant" in active(rig), 90.0)
+    assert machine(rig).stops == 1
+
+
+def test_a_planter_that_was_driven_on_by_hand_starts_from_where_it_stands_now() -> None:
+    rig = at_work()
+    rig.do("pause")
+    rig.run(1.0)
+    rig.do("tool_retract")
+    until(rig, lambda: rig.state.mode == "paused", 60.0)
+    rig.do("drive_open")
+    rig.drive_for(6.0, 0.5)
+    rig.drive_for(1.0, 0.0)
+    rig.do("drive_close")
+    assert rig.do("resume").code == "moved_while_paused"
+    mission = small_mission(**AT_SITE)
+    assert rig.start(mission).outcome == "accepted"
+    until(rig, lambda: machine(rig).stops == 2, 120.0)
+    site = machine(rig).site
+    assert site is not None
+    until(rig, lambda: site.planted > 0, 400.0)
 
 
 def test_a_node_of_a_moving_robot_cannot_be_stopped_and_one_that_needs_others_waits_for_them() -> None:

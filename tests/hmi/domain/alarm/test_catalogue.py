@@ -26,6 +26,8 @@ def test_what_a_robot_of_the_edge_contract_reports_has_words() -> None:
     reported = ("hardware-stop", "person-ahead", "tool-interlock", "rtk-float", "battery-low", "battery-very-low",
                 "battery-empty")  # fmt: skip
     assert set(reported) <= catalogue().keys()
+    of_planters = ("crane-limit", "person-inside", "ask-person", "tray-low", "tray-empty")
+    assert set(of_planters) <= catalogue().keys()
 
 
 def test_critical_is_only_what_may_hurt_somebody_or_blinds_everybody() -> None:
