@@ -30,13 +30,19 @@ _USED: dict[Action, tuple[tuple[str, ...], ...]] = {
 class Uses:
     """What a robot's functions hold back now; judged once, however many orders are asked about.
 
-    Nodes are judged at the robot's newest heartbeat: while it is silent, other rules hold its orders back.
+    Nodes are judged at the robot's newest heartbeat: while it is silent, other rules hold its orders back. Of a robot
+    that tells nothing of its nodes nothing can be judged; it decides for itself.
     """
 
     def __init__(self, robot: Robot) -> None:
-        is_told = robot.factsheet is not None and bool(robot.factsheet.functions)
-        heard_s = robot.link.heard_s
+        sheet, heard_s = robot.factsheet, robot.link.heard_s
+        is_told = sheet is not None and bool(sheet.functions) and bool(sheet.nodes or robot.nodes)
         self._states = evaluate(robot, heard_s) if is_told and heard_s is not None else {}
+
+    @property
+    def are_known(self) -> bool:
+        """Whether anything is known of what it can do."""
+        return bool(self._states)
 
     def obstacle(self, action: Action) -> str:
         """Return why an order is off because a function it uses is off, with what turns it on; empty if none is."""

@@ -165,9 +165,9 @@ def _people(robot: Robot) -> Check:
 
 def _functions(robot: Robot) -> list[Check]:
     """Return nothing for a robot that does not tell what it can do."""
-    if robot.factsheet is None or not robot.factsheet.functions or robot.link.heard_s is None:
-        return []
     uses = Uses(robot)
+    if not uses.are_known:
+        return []
     if reason := uses.obstacle(Action.START):
         what, _, cure = reason.partition(". ")
         return [_check("functions", False, f"{what}.", cure)]

@@ -239,3 +239,9 @@ def test_stopping_work_and_nodes_is_never_held_back() -> None:
 
 def test_a_robot_that_declares_no_functions_is_held_back_by_none() -> None:
     assert all(obstacle(robot([node("gnss", "failure")]), action) == "" for action in Action)
+
+
+def test_a_robot_that_tells_nothing_of_its_nodes_decides_for_itself() -> None:
+    mute = robot([], FUNCTIONS)
+    assert all(obstacle(mute, action) == "" for action in Action)
+    assert off(mute) == {"plant", "follow-path", "manual-drive", "move-tool"}
