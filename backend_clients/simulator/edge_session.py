@@ -46,6 +46,7 @@ class Rates:
 LEAN = Rates(heartbeat=1, telemetry=1, state=1, safety=1, safety_stopping=1, nodes=60)
 """At 2 ticks a second: 2 Hz each, the slowest that no screen calls late."""
 MAX_OUTBOX = 2000
+NODES_MS, LEAN_NODES_MS = 5_000, 30_000  # the rates above, at 20 and 2 ticks a second
 OUTBOX_PER_TICK = 50  # after an outage, without drowning what is live
 
 
@@ -214,7 +215,7 @@ class EdgeSession:
 
     def _report_nodes(self, boot: Boot) -> None:
         self._shown[Up.NODE] = boot.brain.nodes.revision
-        for node in boot.reporter.nodes():
+        for node in boot.reporter.nodes(LEAN_NODES_MS if self.is_lean else NODES_MS):
             self._say(Up.NODE, node, qos=1, retain=True)
 
     def _collect_events(self, boot: Boot) -> None:

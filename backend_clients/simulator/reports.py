@@ -158,9 +158,9 @@ class Reporter:
         """Return what it sees of the ground around it."""
         return Scan(**self.header(), **scan_fields(self._brain.machine))
 
-    def nodes(self) -> list[up.Node]:
-        """Return the life cycle of each software node."""
-        return [up.Node(**self.header(), **fields) for fields in self._brain.nodes.fields()]
+    def nodes(self, period_ms: int = 5000) -> list[up.Node]:
+        """Return the life cycle of each software node, reported at least each ``period_ms``."""
+        return [up.Node(**self.header(), period_ms=period_ms, **fields) for fields in self._brain.nodes.fields()]
 
     def event(self, happening: Happening) -> up.Event:
         """Return the message of one event."""

@@ -27,31 +27,54 @@ _USED: dict[Action, tuple[tuple[str, ...], ...]] = {
 }
 
 
-def obstacle(robot: Robot, action: Action) -> str:
-    """Return why an order is off because a function it uses is off, one sentence or two; empty if none is.
+class Uses:
+    """What a robot's functions hold back now; judged once, however many orders are asked about.
 
-    Nodes are judged at the robot's newest heartbeat: while it is silent, other rules hold its orders back.
+    Nodes are judged at the robot's newest heartbeat: while it is silent, other rules hold its orders back. Of a robot
+    that tells nothing of its nodes nothing can be judged; it decides for itself.
     """
-    return _first_off(robot, _USED.get(action, ()))
+
+    def __init__(self, robot: Robot) -> None:
+        sheet, heard_s = robot.factsheet, robot.link.heard_s
+        is_told = sheet is not None and bool(sheet.functions) and bool(sheet.nodes or robot.nodes)
+        self._states = evaluate(robot, heard_s) if is_told and heard_s is not None else {}
+
+    @property
+    def are_known(self) -> bool:
+        """Whether anything is known of what it can do."""
+        return bool(self._states)
+
+    def obstacle(self, action: Action) -> str:
+        """Return why an order is off because a function it uses is off, with what turns it on; empty if none is."""
+        return self._first_off(_USED.get(action, ()))
+
+    def jog_obstacle(self) -> str:
+        """Return why the joints cannot be moved by hand; empty if they can."""
+        return self._first_off((HAND,))
+
+    def limited(self) -> FunctionState | None:
+        """Return the first function that is limited."""
+        return next((one for one in self._states.values() if one.ability is Ability.LIMITED), None)
+
+    def _first_off(self, used: tuple[tuple[str, ...], ...]) -> str:
+        for names in used:
+            state = next((self._states[name] for name in names if name in self._states), None)
+            if state is not None and state.ability is Ability.OFF:
+                return sentence(state)
+        return ""
+
+
+def obstacle(robot: Robot, action: Action) -> str:
+    """See ``Uses.obstacle``."""
+    return Uses(robot).obstacle(action)
 
 
 def jog_obstacle(robot: Robot) -> str:
-    """Return why the joints cannot be moved by hand; empty if they can."""
-    return _first_off(robot, (HAND,))
+    """See ``Uses.jog_obstacle``."""
+    return Uses(robot).jog_obstacle()
 
 
 def sentence(state: FunctionState) -> str:
     """Return why a function is off and what turns it on."""
     where = " on Supervisor" if any(one.is_node for one in state.causes) else ""
     return f"{state.info.label} is off: {state.why}. {state.turns_on}{where}."
-
-
-def _first_off(robot: Robot, used: tuple[tuple[str, ...], ...]) -> str:
-    if not used or robot.factsheet is None or not robot.factsheet.functions or robot.link.heard_s is None:
-        return ""
-    states = evaluate(robot, robot.link.heard_s)
-    for names in used:
-        state = next((states[name] for name in names if name in states), None)
-        if state is not None and state.ability is Ability.OFF:
-            return sentence(state)
-    return ""

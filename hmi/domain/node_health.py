@@ -109,11 +109,11 @@ def _absence(label: str, node: Node, usual_hz: float | None, now_s: float) -> tu
     match node.state:
         case "started" if is_slow(node, usual_hz):
             told = f"{label} runs at {node.rate_hz:.3g} Hz, usual {usual_hz:g} Hz"
-            return told, f"Restart {label}, or look at what loads its computer", None
+            return told, f"Restart {label}", None
         case "started":
             return "", "", None
         case "failure":
-            return f"{label} failed{because}", f"Restart {label}", node.since_s
+            return f"{label} failed", f"Restart {label}", node.since_s
         case "stopped":
             cure = f"Start {label}" if not node.text else f"Mend what stopped it, then start {label}"
             return f"{label} stopped{because}", cure, node.since_s
@@ -170,7 +170,7 @@ def _restarts(node: Node, now_s: float) -> list[NodeFinding]:
     if node.restarts == 0 or node.since_s is None or now_s - node.since_s > RESTARTED_S:
         return []
     times = "once" if node.restarts == 1 else f"{node.restarts} times"
-    return [NodeFinding(Trouble.RESTARTS, f"Restarted {times}, the last time just now.", node.since_s)]
+    return [NodeFinding(Trouble.RESTARTS, f"Restarted {times}, the last time within 10 minutes.", node.since_s)]
 
 
 def _span(span_s: float) -> str:

@@ -12,7 +12,7 @@ from hmi.presenters import functions, inside, nodes, state_chart
 from hmi.store.fleet import ALL_PARTS, Part
 
 REVIEW_S = 1.0
-"""Nodes fall silent and functions go off without a message: they are judged again this often."""
+"""Nodes fall silent and functions go off without a message, or by a gauge that moves all the time."""
 _Make = Callable[[Robot, float], dict[str, Any] | None]
 
 MAKE: dict[str, _Make] = {
@@ -30,10 +30,10 @@ GROUPS_OF: dict[Part, tuple[str, ...]] = {
     Part.LINK: (),
     Part.FACTSHEET: ("chart", "nodes", "functions", "joints", "gauges"),
     Part.TELEMETRY: (),
-    Part.STATE: ("active", "functions"),
-    Part.SAFETY: ("functions",),
+    Part.STATE: ("active",),
+    Part.SAFETY: (),
     Part.NODES: ("nodes", "functions"),
-    Part.BODY: ("joints", "gauges", "site", "seen", "functions"),
+    Part.BODY: ("joints", "gauges", "site", "seen"),
     Part.WORKSITE: ("site",),
 }
 REVIEWED = ("nodes", "functions")

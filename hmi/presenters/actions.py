@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 from hmi.domain.command import Action
-from hmi.domain.function_use import jog_obstacle, obstacle
+from hmi.domain.function_use import Uses
 from hmi.domain.robot import Mode, OrderStatus, Robot
 from hmi.presenters.units import milliseconds
 from hmi.presenters.words import HARDWARE_STOP, NO_LINK, NOT_REGISTERED, RESET_FIRST, has_mission, mode_of
@@ -56,7 +56,8 @@ def actions(robot: Robot) -> dict[str, Verdict]:
         "jog": _held(robot),
     }
     blocked = _blocked(robot)
-    found = {name: blocked or reasons[name] or _lacking(robot, name) for name in ACTIONS}
+    uses = Uses(robot)
+    found = {name: blocked or reasons[name] or _lacking(uses, name) for name in ACTIONS}
     return {name: {"ok": not reason, "reason": reason} for name, reason in found.items()}
 
 
@@ -75,11 +76,11 @@ def _blocked(robot: Robot) -> str:
     return "" if robot.link.is_online and robot.state is not None else NO_LINK
 
 
-def _lacking(robot: Robot, name: str) -> str:
+def _lacking(uses: Uses, name: str) -> str:
     """Return which function that it uses is off, and what turns it on."""
     if name == "jog":
-        return jog_obstacle(robot)
-    return obstacle(robot, _USES[name]) if name in _USES else ""
+        return uses.jog_obstacle()
+    return uses.obstacle(_USES[name]) if name in _USES else ""
 
 
 def _held(robot: Robot) -> str:

@@ -31,7 +31,9 @@ def _crane(robot: Robot) -> Tile:
         return tile("tool", label, "text", None, missing=NOT_HEARD if fast is None else "no tool reported")
     past = _past_soft_limit(robot)
     load = "" if body is None or body.is_loaded is None else "seedling in hand" if body.is_loaded else "hand empty"
-    guard = "guard closed" if fast.tool.is_interlock_ok else "guard open"
+    state = (
+        load if fast.tool.is_interlock_ok and load else "guard closed" if fast.tool.is_interlock_ok else "guard open"
+    )
     return tile(
         "tool",
         label,
@@ -39,7 +41,7 @@ def _crane(robot: Robot) -> Tile:
         fast.pose.stamp.source_s,
         value=fast.tool.state,
         text=TOOL_STATES[fast.tool.state],
-        sub=f"{past} at its soft limit" if past else ", ".join(one for one in (load, guard) if one),
+        sub=f"{past} at its soft limit" if past else state,
         level=2 if past or fast.tool.state == "fault" else None if fast.tool.is_interlock_ok else 3,
     )
 

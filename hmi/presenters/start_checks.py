@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from hmi.domain.command import Action
-from hmi.domain.function_use import obstacle
-from hmi.domain.functions import Ability, evaluate
+from hmi.domain.function_use import Uses
 from hmi.domain.robot import OrderStatus, Robot
 from hmi.presenters.units import number, percent
 from hmi.presenters.words import has_mission
@@ -166,16 +165,15 @@ def _people(robot: Robot) -> Check:
 
 def _functions(robot: Robot) -> list[Check]:
     """Return nothing for a robot that does not tell what it can do."""
-    if robot.factsheet is None or not robot.factsheet.functions or robot.link.heard_s is None:
+    uses = Uses(robot)
+    if not uses.are_known:
         return []
-    if reason := obstacle(robot, Action.START):
+    if reason := uses.obstacle(Action.START):
         what, _, cure = reason.partition(". ")
         return [_check("functions", False, f"{what}.", cure)]
-    states = evaluate(robot, robot.link.heard_s).values()
-    less = [one for one in states if one.ability is Ability.LIMITED]
-    if less:
-        text = f"{less[0].info.label} is limited: {less[0].why}."
-        return [_check("functions", False, text, f"{less[0].turns_on} on Supervisor.", blocks=False)]
+    if less := uses.limited():
+        text = f"{less.info.label} is limited: {less.why}."
+        return [_check("functions", False, text, f"{less.turns_on} on Supervisor.", blocks=False)]
     return [_check("functions", True, "Everything the work needs runs.")]
 
 

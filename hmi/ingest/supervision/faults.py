@@ -13,6 +13,7 @@ from hmi.ingest.supervision.view import View
 LEVELS = {"critical": Priority.CRITICAL, "high": Priority.HIGH, "medium": Priority.MEDIUM, "low": Priority.LOW}
 UNKNOWN = "robot-fault"
 MAX_TOLD = 32
+NODE_FAILURE = "node-failure"  # says in short what each node says for itself, where nodes are reported
 
 
 class Faults:
@@ -55,6 +56,8 @@ class Faults:
             return None
         if state is not self._state:
             self._state, self._found = state, self._find(state)
+        if view.robot.nodes and any(one.detail == NODE_FAILURE for one in self._found):
+            return tuple(one for one in self._found if one.detail != NODE_FAILURE)
         return self._found
 
     def _find(self, state: RobotState) -> Findings:

@@ -51,11 +51,13 @@
     }
 
     click(event) {
-      if (this.isOpen || this.reason || this.isBusy) return;
+      if (this.isOpen || this.isBusy) return;
+      if (this.reason) return HL.toast(this.reason, "lock");
       event.stopPropagation();
       this.isOpen = true;
       this.arm();
       this.options.onopen?.(true);
+      return undefined;
     }
 
     fold() {

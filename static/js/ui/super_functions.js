@@ -3,27 +3,24 @@
   "use strict";
   const { el, icon, alarm, text, attr, toggle, LiveElement, words } = HL;
   const WORDS = { on: "On", limited: "Limited", off: "Off" };
+  const CONTINUED = 1.5; // what a name said again costs, and a little more: trees stay whole where they can
   const SIGNS = { on: "check", limited: "remove", off: "block" };
 
   const group = () => HL.port.inside(HL.view.robot).functions;
 
-  // whole trees side by side, so that neither column is much longer; what is off takes two lines
+  // side by side, so that neither column is much longer; a large tree goes on in the second one below its name
   function columns(functions) {
-    const trees = [];
-    for (const one of functions) {
-      if (one.depth === 0 || !trees.length) trees.push([]);
-      trees[trees.length - 1].push(one);
-    }
-    const height = (tree) => tree.reduce((sum, one) => sum + (one.state === "on" ? 1 : 1.5), 0);
-    const total = trees.reduce((sum, tree) => sum + height(tree), 0);
-    let best = [1, Infinity];
+    const height = (one) => (one.state === "on" ? 1 : 1.5);
+    const total = functions.reduce((sum, one) => sum + height(one), 0);
+    let best = [functions.length, total];
     let left = 0;
-    trees.forEach((tree, i) => {
-      left += height(tree);
-      const worst = Math.max(left, total - left);
-      if (worst < best[1]) best = [i + 1, worst];
+    functions.forEach((one, i) => {
+      const right = total - left + (one.depth ? CONTINUED : 0);
+      const worst = Math.max(left, right);
+      if (i && one.depth < 2 && worst < best[1]) best = [i, worst];
+      left += height(one);
     });
-    return [trees.slice(0, best[0]).flat(), trees.slice(best[0]).flat()];
+    return [functions.slice(0, best[0]), functions.slice(best[0])];
   }
 
   // "Rear camera lost for 41 s"
@@ -66,7 +63,8 @@
       for (const { name } of functions) if (!this.rows.has(name)) this.rows.set(name, row(name, () => this.choose(name)));
       const [left, right] = columns(functions);
       this.left.replaceChildren(...left.map((one) => this.rows.get(one.name).node));
-      this.right.replaceChildren(...right.map((one) => this.rows.get(one.name).node));
+      const root = right[0]?.depth ? left.findLast((one) => one.depth === 0) : null;
+      this.right.replaceChildren(root ? el("li", { class: "cont h-t12 h-2", "data-state": "on" }, `${root.label}, continued`) : "", ...right.map((one) => this.rows.get(one.name).node));
     }
     choose(name) {
       this.chosen = this.chosen === name ? null : name;

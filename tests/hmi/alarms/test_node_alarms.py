@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from backend_clients.edge import machine as wire
+from backend_clients.edge import messages_up as up
 from tests.hmi.alarms.rig import AlarmRig
 
 ROBOT = "weeder-01"
@@ -148,3 +149,14 @@ async def test_a_node_that_restarts_three_times_in_ten_minutes_is_an_alarm() -> 
             assert rig.states() == {}
         live(rig, 10, camera={"restarts": 3})
         assert rig.states() == {"node-restarting.weeder-01.camera": "unacknowledged"}
+
+
+async def test_a_robot_that_also_says_in_short_that_a_node_failed_raises_no_second_alarm() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        begin(rig)
+        live(rig, 5)
+        fault = up.Fault(code="node-failure", level="high", text="A part of its software failed.")
+        rig.say(rig.wire().state(faults=[fault]))
+        tell(rig, camera={"state": "failure"})
+        live(rig, 10, camera={"state": "failure"})
+        assert set(rig.states()) == {"node-failed.weeder-01.camera"}

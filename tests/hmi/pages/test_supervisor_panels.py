@@ -46,7 +46,7 @@ def test_nodes_and_functions_say_what_is_wrong_why_and_what_turns_it_on(look: Lo
     states = {"plant": "off", "follow-path": "on", "see-people": "limited", "back-up": "off", "manual-crane": "on"}
     for name, state in states.items():
         expect(page.get_by_test_id(f"function-{name}")).to_have_attribute("data-state", state)
-    expect(page.get_by_test_id("function-back-up")).to_contain_text("Rear camera failed: No picture for 4")
+    expect(page.get_by_test_id("function-back-up")).to_contain_text("Rear camera failed for 4")
     expect(page.get_by_test_id("function-hint")).to_contain_text("To turn on Plant trees: restart Tree planner")
     page.get_by_test_id("function-back-up").click()
     expect(page.get_by_test_id("function-hint")).to_have_text(
@@ -102,7 +102,7 @@ def test_what_is_off_in_the_dock_says_why_and_sends_nothing(look: Look, machine:
     retract = page.get_by_test_id("tool-retract")
     expect(retract).to_have_attribute("aria-disabled", "true")
     expect(page.locator("hl-super-dock")).to_contain_text("Move the crane is off: Oil at 80 °C, limit 75 °C.")
-    page.get_by_test_id("jog-open").click()
+    page.get_by_test_id("jog-open").click(force=True)
     expect(page.get_by_test_id("toast")).to_contain_text("Crane by hand is off")
     assert machine.orders("commands") == []
     machine.machine(oil=60.0)

@@ -71,10 +71,10 @@ def test_a_node_carries_what_the_contract_names() -> None:
         ),
         ({"clock_offset_s": 0.05}, "", None),
         ({"since_s": NOW_S - 600}, "It was started before RTK receiver and may have missed it. Restart it.", 3),
-        ({"restarts": 3}, "Restarted 3 times, the last time just now.", None),
+        ({"restarts": 3}, "Restarted 3 times, the last time within 10 minutes.", None),
         (
             {"restarts": 3, "since_s": NOW_S - 450, "state": "stopped"},
-            "Restarted 3 times, the last time just now.",
+            "Restarted 3 times, the last time within 10 minutes.",
             None,
         ),
     ],
@@ -194,7 +194,7 @@ def test_a_planter_shows_crane_trays_and_tilt_where_a_weeder_shows_its_laser() -
     ]  # fmt: skip
     assert (tile(planter(), "tool")["label"], tile(planter(), "tool")["sub"]) == (
         "Crane",
-        "seedling in hand, guard closed",
+        "seedling in hand",
     )
     trays = tile(planter(), "stock")
     assert (trays["value"], trays["text"], trays["unit"], trays["level"]) == (41, "41", "left", None)
