@@ -127,6 +127,11 @@ class Records:
         """See ``StateRecords``."""
         return sorted((e for e in self._stage.events if e.robot_id == robot_id), key=lambda e: e.at_utc)
 
+    def newest(self, robot_id: str, most: int) -> list[RobotEvent]:
+        """See ``StateRecords``."""
+        now = self._stage.clock.utc()
+        return self.events(robot_id, now, now)[-most:]
+
     def mission_span(self, robot_id: str, mission_id: str) -> Span | None:
         """See ``StateRecords``."""
         times = [e.at_utc for e in self._stage.events if e.mission_id == mission_id]
