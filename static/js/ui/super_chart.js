@@ -161,7 +161,7 @@
 
     // the states a screen can be in besides its usual one; in words
     say(t, ageMs, link, chart) {
-      const isOff = t !== null && link && link.is_online === false;
+      const isOff = t !== null && link?.is_off;
       const last = t === null ? "" : `${this.lastName ?? "unknown"}, ${words.wall(HL.wallOf(t))}`;
       const note = isOff ? `Robot is off. Last state: ${last}` : t !== null && ageMs > HL.STALE_MS ? `State data stopped ${words.since(ageMs)} ago` : "";
       text(this.note, note);
