@@ -57,7 +57,7 @@ def _screens(services: PageServices, session: SessionInfo | None) -> None:
             "/missions": lambda: _missions(services, session),
             "/alarms": lambda: alarms.build(services, session),
             "/supervisor": lambda: supervisor.pick(services, session),
-            "/supervisor/{robot}": lambda robot: supervisor.build(services, session, robot),
+            "/supervisor/{robot}": lambda robot, mission="": supervisor.build(services, session, robot, mission),
             "/admin": lambda: admin.build(services, session),
             "/login": lambda: operate.pick(services, session),
         }
