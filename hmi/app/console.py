@@ -18,6 +18,7 @@ from hmi.app.missions import MissionDesk
 from hmi.app.queue import QueueDesk
 from hmi.app.records import Records
 from hmi.app.stops import StopDesk
+from hmi.app.twin import TwinDesk
 from hmi.app.witness import FleetWitness
 from hmi.clock import Clock
 from hmi.commands.desk import CommandDesk, CommandPorts
@@ -94,6 +95,7 @@ class Console:
             on_stop_all=self.queue.freeze.stop_all,
             on_move=self._stop_moved,
         )
+        self.twin = TwinDesk.of(settings, records, edge.fleet, self.authorize)
         self.alarms.weather = self.queue.weather
         self.alarms.notifications.responsible_for = self._responsible_for
         self.chores = Chores(records, self.hub, self.keeper, clock)
@@ -139,6 +141,7 @@ class Console:
 
     async def stop(self) -> None:
         """End everything in the opposite order; what is queued is written."""
+        await self.twin.stop()
         await self.alarms.stop()
         await self.chores.stop()
         for undo in self._undo:

@@ -53,6 +53,11 @@ def build_web(console: Console) -> FastAPI:
             console.desk.drive.connection_lost,
         )
     )
+    web.router.routes.extend(
+        console.twin.routes(
+            lambda origin, host: origins.is_allowed(origin, "https" if settings.is_tls else "http", host or "")
+        )
+    )
     web.mount(PREFIX, build_api(_api(console)))
     web.router.routes.append(console.metrics.route())
     web.router.routes.extend(bundle.routes())

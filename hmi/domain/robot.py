@@ -9,20 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from hmi.domain import stamp
+from hmi.domain import family, stamp
 from hmi.domain.machine import Body, FunctionInfo, GaugeInfo, JointInfo, NodeInfo, Worksite
 from hmi.domain.state_chart import ActiveState, Chart, LastTransition
 
+Family = family.Family
 Stamp = stamp.Stamp
-
-
-class Family(StrEnum):
-    """Kind of machine; decides words and tiles, never safety."""
-
-    WEEDER = "weeder"
-    PLANTER = "planter"
-    UAV = "uav"
-    OTHER = "other"
 
 
 class Mode(StrEnum):

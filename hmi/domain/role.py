@@ -37,6 +37,7 @@ class Permission(StrEnum):
     EDIT_MISSION = "edit_mission"
     EDIT_MAP = "edit_map"
     DISPATCH = "dispatch"
+    REPLAY = "replay"
     MANAGE_WALLS = "manage_walls"
     ENROL_DEVICE = "enrol_device"
     MANAGE_ROBOTS = "manage_robots"
@@ -76,6 +77,7 @@ _SUPERVISE = _OPERATE | {
     Permission.MANAGE_WALLS,
     Permission.READ_AUDIT,
     Permission.SHELVE_ALARM,
+    Permission.REPLAY,
 }
 
 PERMISSIONS: dict[Role, frozenset[Permission]] = {

@@ -19,7 +19,7 @@ STATIC = Path(__file__).resolve().parents[2] / "static"
 STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 """Cascade order of what every page carries: tokens first, screens last."""
 
-SCREEN_STYLES = ("maps", "plan", "queue", "alarms", "fleet", "demo", "supervisor")
+SCREEN_STYLES = ("maps", "plan", "queue", "alarms", "fleet", "demo", "supervisor", "twin")
 """Styles that a screen fetches with its scripts."""
 STYLE_PARTS = {"supervisor": ("supervisor", "supervisor_panels")}
 """A screen's style that is more than one file."""
@@ -60,6 +60,7 @@ SCRIPTS = {
         "super_nodes", "super_logs", "super_node_sheet", "super_functions", "super_jog", "super_dock", "super_screen",
     ),
     "chart_layout": ("chart_placing", "chart_routing", "chart_worker"),
+    "twin": ("twin_link", "twin_layers", "twin_joints", "twin_replay", "twin_details", "twin_model", "twin_screen"),
     "demo": ("demo_panel",),
     "run": ("field_picture", "start_checks", "rest_sheet", "queue_hold"),
     "draw": ("svg_view", "area_shape", "area_pen", "rest_map"),

@@ -36,7 +36,7 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
         data_screen="operate",
         data_robot=robot_id,
         data_title=robot.name,
-        data_code=demo_button.code(services, bundle.script_url("run")),
+        data_late=demo_button.code(services, bundle.script_url("run")),
         data_draw=bundle.script_url("draw"),
     ):
         with ui.element("section").classes("h-map").props('aria-label="Map"'):

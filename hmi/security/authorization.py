@@ -28,6 +28,7 @@ _DOING: dict[Permission, str] = {
     Permission.EDIT_MISSION: "Changing missions",
     Permission.EDIT_MAP: "Changing maps",
     Permission.DISPATCH: "Sending a robot out",
+    Permission.REPLAY: "Replay",
     Permission.MANAGE_WALLS: "Managing wall screens",
     Permission.ENROL_DEVICE: "Enrolling a tablet",
     Permission.MANAGE_ROBOTS: "Adding and changing robots",

@@ -79,9 +79,11 @@ window.HL = (() => {
     paint() {} // at most once a frame: compare and write
   }
 
+  // what STOP does not need comes after it, so that no byte of it delays STOP
+  const afterStop = (limitMs) => window.headlandStop?.whenReady(limitMs) ?? Promise.resolve();
   const define = (tag, kind) => customElements.get(tag) || customElements.define(tag, kind);
   const emit = (name, detail) => window.dispatchEvent(new CustomEvent(name, { detail }));
   setInterval(repaint, REPAINT_MS);
 
-  return { config, el, text, attr, style, toggle, repaint, LiveElement, define, emit };
+  return { config, el, text, attr, style, toggle, repaint, LiveElement, define, emit, afterStop };
 })();

@@ -17,7 +17,7 @@
     HL.repaint();
   }
 
-  // scripts that only this screen needs; its elements come to life when they have arrived
+  // scripts that only this screen needs, those of data-late after STOP is ready; its elements come to life when they have arrived
   const loaded = new Set();
   function load(src) {
     if (loaded.has(src)) return;
@@ -31,7 +31,9 @@
   class Screen extends HTMLElement {
     connectedCallback() {
       show(this);
-      for (const src of (this.dataset.code || "").split(" ").filter(Boolean)) load(src);
+      const sources = (list) => (list || "").split(" ").filter(Boolean);
+      for (const src of sources(this.dataset.code)) load(src);
+      if (this.dataset.late) HL.afterStop().then(() => sources(this.dataset.late).forEach(load));
     }
   }
 
