@@ -3,7 +3,7 @@
   "use strict";
   const { el, icon, svg, text, attr, toggle, LiveElement, words } = HL;
   const LEFT = 118, RIGHT = 16, MOST_ROW = 40, LEAST_ROW = 28, FOOT = 26, TOP = 4;
-  const REDRAW_MS = 1000;
+  const REDRAW_MS = { 10: 1000, 60: 5000, mission: 5000 }; // about a pixel
 
   class SuperGantt extends LiveElement {
     build() {
@@ -57,7 +57,7 @@
         return;
       }
       const now = performance.now();
-      if (data === this.drawnData && now - this.drawnAt < REDRAW_MS) return;
+      if (data === this.drawnData && now - this.drawnAt < REDRAW_MS[HL.superTimes.span]) return;
       this.drawnAt = now;
       this.drawnData = data;
       if (this.view === "bars") this.draw(data);
