@@ -106,10 +106,10 @@ def test_old_data_turns_grey_and_says_since_when(look: Look, planter: Callable[.
     planter(is_silent=True)
     expect(page.get_by_test_id("chart-states")).to_have_class("s-charthost stale")
     expect(page.get_by_test_id("chart-states").locator(".s-note")).to_contain_text("State data stopped")
-    said = state(page, "hold").locator(".time").inner_text()
+    said = state(page, "hold").locator(".time").text_content()
     planter(is_off=True)
     expect(page.get_by_test_id("chart-states").locator(".s-note")).to_contain_text("Robot is off. Last state: Lower")
-    assert state(page, "hold").locator(".time").inner_text() == said
+    assert state(page, "hold").locator(".time").text_content() == said
 
 
 def test_durations_and_shares_are_of_what_was_recorded(look: Look, planter: Callable[..., None]) -> None:
