@@ -79,6 +79,9 @@ def test_the_chart_fills_the_window_and_stop_stays_on_top(look: Look, planter: C
     wide = state(page, "on-ground").bounding_box()
     page.get_by_test_id("chart-full").click()
     expect(page.locator(".s-whole")).to_be_visible()
+    whole = page.locator(".s-whole").bounding_box()
+    assert whole is not None
+    assert (whole["x"], whole["y"], whole["width"], whole["height"]) == (0, 0, 1280, 800 - 96)
     assert is_stop_on_top(page)
     page.get_by_test_id("chart-zoom-in").click()
     near = state(page, "on-ground").bounding_box()
