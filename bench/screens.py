@@ -195,6 +195,7 @@ SCREENS: dict[str, tuple[str, str, Prepare]] = {
     "missions": ("operator", "/missions", _as_it_opens),
     "plan": ("planner", "/missions", _plan),
     "queue": ("planner", "/missions", _queue),
+    "supervisor": ("admin", "/supervisor/planter-01", _as_it_opens),
     "admin": ("admin", "/admin", _as_it_opens),
 }
 """Screen to who opens it, where, and what they do there before it is shown."""

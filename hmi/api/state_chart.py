@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import Annotated, Any
@@ -13,11 +13,12 @@ from hmi.api.access import Watcher
 from hmi.api.errors import ApiError, not_found
 from hmi.api.orders import RobotId
 from hmi.clock import Clock
+from hmi.domain.event import RobotEvent
 from hmi.domain.robot import Robot
 from hmi.domain.role import Permission
 from hmi.domain.state_chart import Chart
 from hmi.domain.state_share import add_up
-from hmi.domain.state_times import Interval, intervals, mark_of
+from hmi.domain.state_times import Interval, Mark, intervals, mark_of
 from hmi.presenters import state_chart, state_times
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
@@ -27,7 +28,7 @@ from hmi.store.state_times import StateRecords
 MOST_MINUTES = 7 * 24 * 60
 MOST_SPAN = timedelta(minutes=MOST_MINUTES)
 RECENT = timedelta(seconds=5)  # a span that ends so lately reaches now: what is active counts on
-BACK = timedelta(hours=6)  # so far back the newest changes are looked for
+EVENTS_A_CHANGE = 8  # a change of an outer state leaves and enters what is in it
 When = Annotated[datetime | None, Query(description="ISO 8601 with zone")]
 Minutes = Annotated[int | None, Query(ge=1, le=MOST_MINUTES)]
 MissionId = Annotated[str | None, Query(max_length=64)]
@@ -87,9 +88,13 @@ def state_chart_routes(parts: StateRoutes) -> APIRouter:
     async def transitions(
         robot_id: RobotId, session: Watcher, limit: Annotated[int, Query(ge=1, le=500)] = 50
     ) -> dict[str, Any]:
-        minutes = int(BACK.total_seconds() // 60)
-        found = await _find(parts, session, robot_id, (None, None, None, minutes))
-        return {"transitions": state_times.transitions(found.stays, found.chart, limit)}
+        declared = _chart(_robot(parts, session, robot_id))
+
+        def read() -> list[dict[str, Any]]:
+            events = parts.records.newest(robot_id, limit * EVENTS_A_CHANGE)
+            return state_times.transitions(intervals(_marks(events), declared), declared, limit)
+
+        return {"transitions": await parts.database.run(read)}
 
     return router
 
@@ -115,19 +120,23 @@ async def _find(
     robot = _robot(parts, session, robot_id)
     now, now_s = parts.clock.utc(), parts.clock.mono_s()
     start, end = await _span(parts, robot, wish, now)
-    events = await parts.database.run(parts.records.events, robot_id, start, end)
-    marks = [mark for event in events if (mark := mark_of(event)) is not None]
-    active, heard = None, marks[-1].at if marks else None
+    active, heard = None, None
     if robot.state is not None:
-        said_s = min(robot.state.stamp.source_s, now_s)
-        heard = now - timedelta(seconds=now_s - said_s)
+        heard = now - timedelta(seconds=max(0.0, now_s - robot.state.stamp.source_s))
         if end >= now - RECENT:
-            active = {
-                one.id: now - timedelta(seconds=max(0.0, now_s - one.since_s)) for one in robot.state.active
-            }  # fmt: skip
+            active = {one.id: now - timedelta(seconds=max(0.0, now_s - one.since_s)) for one in robot.state.active}
             end = min(end, heard)  # after that nothing is known
-    stays = intervals(marks, _chart(robot), active, heard)
-    return _Found(stays, _chart(robot), start, max(start, end))
+
+    def read() -> list[Interval]:
+        marks = _marks(parts.records.events(robot_id, start, end))
+        return intervals(marks, _chart(robot), active, heard or (marks[-1].at if marks else None))
+
+    # a day of events takes a while: not on the event loop
+    return _Found(await parts.database.run(read), _chart(robot), start, max(start, end))
+
+
+def _marks(events: Iterable[RobotEvent]) -> list[Mark]:
+    return [mark for event in events if (mark := mark_of(event)) is not None]
 
 
 async def _span(

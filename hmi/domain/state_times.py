@@ -157,6 +157,33 @@ def _group(one: Interval, states: Mapping[str, ChartState]) -> tuple[str, ...] |
     return ("chart", known.parent or "")
 
 
+class _Holders:
+    """Stays of states that hold others, by path and start."""
+
+    def __init__(self, stays: Iterable[Interval]) -> None:
+        self._by_path: dict[tuple[str, ...], list[Interval]] = defaultdict(list)
+        for one in stays:
+            self.add(one)
+
+    def add(self, one: Interval) -> None:
+        """Take a stay in, if something may be in it."""
+        if not one.is_leaf:
+            bisect.insort(self._by_path[one.path], one, key=lambda other: other.start)
+
+    def ends(self, one: Interval) -> list[datetime]:
+        """Return when what holds a stay ended."""
+        found = []
+        for depth in range(1, len(one.path)):
+            same = self._by_path.get(one.path[:depth], [])
+            # entered together: told a moment apart
+            until = one.start + timedelta(seconds=SAME_S)
+            at = bisect.bisect_right(same, until, key=lambda other: other.start) - 1
+            end = same[at].end if at >= 0 else None
+            if end is not None and end >= one.start:
+                found.append(end)
+        return found
+
+
 def _closed(
     told: list[Interval],
     begun: list[Interval],
@@ -169,19 +196,20 @@ def _closed(
     for one in (*told, *begun):
         group = _group(one, states)
         if group is not None:
-            bisect.insort(starts[group], one.start)
-    found = list(told)
+            starts[group].append(one.start)
+    for times in starts.values():
+        times.sort()
+    found, holders = list(told), _Holders(told)
+    is_now_unknown = active is None and heard is None
     for one in sorted(begun, key=lambda one: (len(one.path), one.start)):  # what holds others first
         group = _group(one, states)
-        ends = [_after(starts[group], one.start)] if group is not None else []
-        ends += [holder.end for holder in found if _holds(holder, one)]
-        known = [end for end in ends if end is not None]
-        if not known and active is not None and _is_since(active.get(one.state), one.start):
-            found.append(one)
-            continue
-        end = min(known) if known else max(one.start, heard or one.start)
-        is_open = not known and active is None and heard is None
-        found.append(replace(one, end=None if is_open else end, is_guessed=not is_open))
+        after = _after(starts[group], one.start) if group is not None else None
+        ends = [*holders.ends(one), *([after] if after is not None else [])]
+        stay = one
+        if ends or not (is_now_unknown or _is_since((active or {}).get(one.state), one.start)):
+            stay = replace(one, end=min(ends) if ends else max(one.start, heard or one.start), is_guessed=True)
+        found.append(stay)
+        holders.add(stay)
     return found
 
 
@@ -192,13 +220,6 @@ def _is_since(since: datetime | None, start: datetime) -> bool:
 def _after(times: Sequence[datetime], start: datetime) -> datetime | None:
     at = bisect.bisect_right(times, start)
     return times[at] if at < len(times) else None
-
-
-def _holds(holder: Interval, one: Interval) -> bool:
-    is_outer = len(holder.path) < len(one.path) and one.path[: len(holder.path)] == holder.path
-    return is_outer and holder.start <= one.start + timedelta(seconds=SAME_S) and holder.end is not None and (
-        holder.end >= one.start
-    )  # fmt: skip
 
 
 def _still_active(

@@ -71,7 +71,7 @@ def _screens(services: PageServices, session: SessionInfo | None) -> None:
             "/missions": lambda: _missions(services, session),
             "/alarms": lambda: alarms.build(services, session),
             "/supervisor": lambda: supervisor.pick(services, session),
-            "/supervisor/{robot}": lambda robot: supervisor.build(services, session, robot),
+            "/supervisor/{robot}": lambda robot, mission="": supervisor.build(services, session, robot, mission),
             "/twin": lambda: twin.pick(services, session),
             "/twin/{robot}": lambda robot: twin.build(services, session, robot),
             "/admin": lambda: admin.build(services, session),

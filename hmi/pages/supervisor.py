@@ -10,8 +10,11 @@ from hmi.pages.services import PageServices
 from hmi.security.session_info import SessionInfo
 
 
-def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
-    """Lay out the screen of one robot; a robot nobody ever heard of gets a notice instead."""
+def build(services: PageServices, session: SessionInfo, robot_id: str, mission_id: str = "") -> None:
+    """Lay out the screen of one robot, with the times of one of its missions if that is named.
+
+    A robot nobody ever heard of gets a notice instead.
+    """
     robot = services.fleet.robot(robot_id) if is_id(robot_id) else None
     if robot is None:
         name = robot_id if is_id(robot_id) else "this address"
@@ -28,6 +31,7 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
         data_screen="supervisor",
         data_robot=robot_id,
         data_title=robot.name,
+        data_mission=mission_id if is_id(mission_id) else "",
         data_code=bundle.script_url("supervisor"),
         data_layout=bundle.script_url("chart_layout"),
         data_super_style=bundle.screen_style_url("supervisor"),

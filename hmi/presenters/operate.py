@@ -58,6 +58,7 @@ def _link(robot: Robot, _context: Context) -> Any:
         "rtt_ms": milliseconds(link.rtt_s),
         "rtt_max_ms": milliseconds(link.rtt_max_s),
         "broker": "up" if link.is_broker_up else "down",
+        "is_off": link.said_goodbye and not link.is_online,
     }
 
 

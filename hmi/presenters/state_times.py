@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime, timedelta
 from typing import Any
 
@@ -15,7 +15,7 @@ from hmi.presenters.alarms import epoch_ms
 
 MOST_SHOWN = 4000  # more bars than a screen has places for; sums are of all
 COLUMNS = ("start_utc", "end_utc", "seconds", "state", "label", "subsystem", "path", "result", "is_guessed")
-LABELS = {"": "Other", "Waiting": "Waiting for person"}
+LABELS = {"": "Other"}
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 _AT_ONCE = timedelta(seconds=1)
 
@@ -68,7 +68,13 @@ def transitions(stays: Sequence[Interval], chart: Chart | None, most: int) -> li
         group = one.path[:-1] if one.state != " > ".join(one.path) else ()
         last = before.get(group)
         before[group] = one
-        if last is None or last.end is None or abs(one.start - last.end) > _AT_ONCE or _is_region(one, chart):
+        if (
+            last is None
+            or last.end is None
+            or abs(one.start - last.end) > _AT_ONCE
+            or _is_again(last, one, causes)
+            or _is_region(one, chart)
+        ):
             continue
         found.append(
             {
@@ -133,6 +139,11 @@ def _lanes(chart: Chart | None) -> dict[str, str]:
                 lanes[one.id] = at.label
                 break
     return lanes
+
+
+def _is_again(last: Interval, one: Interval, causes: Mapping[tuple[str, str], list[str]]) -> bool:
+    """Say whether it is the same state, only because what holds it was entered anew."""
+    return last.state == one.state and (last.state, one.state) not in causes
 
 
 def _is_region(one: Interval, chart: Chart | None) -> bool:

@@ -40,11 +40,13 @@ class StateRecords:
             rows = list(session.scalars(inside.order_by(EventRow.at.desc()).limit(MOST_EVENTS)))
             rows += session.scalars(before.order_by(EventRow.at.desc()).limit(MOST_AROUND))
             rows += session.scalars(later.order_by(EventRow.at).limit(MOST_AROUND))
-        events = [
-            RobotEvent(r.robot_id, r.id, r.kind, r.name, r.text, dict(r.data), at_utc=r.at, mission_id=r.mission_id)
-            for r in rows
-        ]
-        return sorted(events, key=lambda one: one.at_utc)
+        return sorted((_event(row) for row in rows), key=lambda one: one.at_utc)
+
+    def newest(self, robot_id: str, most: int) -> list[RobotEvent]:
+        """Return the newest changes, oldest first."""
+        query = self._of(robot_id).order_by(EventRow.at.desc()).limit(most)
+        with self._database.read() as session:
+            return sorted((_event(row) for row in session.scalars(query)), key=lambda one: one.at_utc)
 
     def mission_span(self, robot_id: str, mission_id: str) -> Span | None:
         """Return when a robot worked on a mission, ``None`` if it told no change of state in it."""
@@ -63,3 +65,9 @@ class StateRecords:
             .filter_by(farm_id=self._farm_id, robot_id=robot_id)
             .where(EventRow.kind.in_((ENTERED, LEFT)))
         )
+
+
+def _event(row: EventRow) -> RobotEvent:
+    return RobotEvent(
+        row.robot_id, row.id, row.kind, row.name, row.text, dict(row.data), at_utc=row.at, mission_id=row.mission_id
+    )

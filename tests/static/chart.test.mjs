@@ -36,7 +36,7 @@ function anyChart(seed, count) {
   return { states, transitions };
 }
 
-const CHARTS = [['the planter', planter], ...[1, 2, 3, 4, 5, 6].map((seed) => [`chart ${seed}`, anyChart(seed, 20 + seed * 12)])];
+const CHARTS = [['the planter', planter], ...[1, 2, 3, 4].map((seed) => [`chart ${seed}`, anyChart(seed, 16 + seed * 10)])];
 const isInside = (a, b) => a.x >= b.x && a.y >= b.y && a.x + a.w <= b.x + b.w && a.y + a.h <= b.y + b.h;
 const apart = (a, b) => a.x + a.w <= b.x || b.x + b.w <= a.x || a.y + a.h <= b.y || b.y + b.h <= a.y;
 
@@ -95,9 +95,9 @@ test('the same chart in the same window has the same places', () => {
 
 test('how long 100 states take to be laid out', () => {
   const chart = anyChart(9, 100);
-  const from = performance.now();
+  const from = process.cpuUsage();
   const { places } = chartLayout(chart, widthsOf(chart), WINDOWS[0]);
-  console.log(`layout of ${chart.states.length} states, ${chart.transitions.length} transitions: ${Math.round(performance.now() - from)} ms`);
+  console.log(`layout of ${chart.states.length} states, ${chart.transitions.length} transitions: ${Math.round(process.cpuUsage(from).user / 1000)} ms of a core`);
   assert.equal(places.length, chart.states.length);
 });
 

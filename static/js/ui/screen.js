@@ -8,11 +8,9 @@
     Object.assign(HL.view, { screen: screen.dataset.screen, robot: screen.dataset.robot || null, title: screen.dataset.title || "" });
     document.querySelector(".h-app")?.setAttribute("data-screen", HL.view.screen);
     document.title = `${HL.view.title} · Headland`;
-    for (const link of document.querySelectorAll("[data-nav]")) {
-      attr(link, "aria-current", link.dataset.nav === HL.view.screen ? "page" : null);
-      if (link.hasAttribute("aria-current")) link.scrollIntoView({ block: "nearest", inline: "nearest" });
-    }
+    for (const link of document.querySelectorAll("[data-nav]")) attr(link, "aria-current", link.dataset.nav === HL.view.screen ? "page" : null);
     document.querySelector(".h-app")?.toggleAttribute("data-one-robot", Boolean(HL.view.robot));
+    document.querySelector("[data-nav][aria-current]")?.scrollIntoView({ block: "nearest", inline: "nearest" });
     if (HL.view.robot) HL.keep.write(LAST_KEY, HL.view.robot);
     HL.port.watch();
     window.headlandStop?.setScope(HL.view.robot ? { kind: "robot", id: HL.view.robot, name: HL.view.name() } : { kind: "all" });

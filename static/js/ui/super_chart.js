@@ -3,6 +3,7 @@
   "use strict";
   const { el, icon, svg, text, attr, toggle, LiveElement, words } = HL;
   const RETRY_MS = 5000;
+  const OTHER_SHAPE = 0.3;
   const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
   const NO_CHART = "This robot sends no chart";
 
@@ -22,6 +23,7 @@
       this.blank = el("div", { class: "s-blank" });
       this.zooms = this.view.buttons();
       this.append(el("div", { class: "s-head wrap" }, el("b", {}, "State"), this.path, el("span", { class: "h-sp" }), this.age, el("div", { class: "h-row s-tools" }, this.tabs.node, el("span", { class: "h-sp" }), this.zooms, this.full)), this.note, this.stage, this.lists, this.blank);
+      this.root.addEventListener("focusin", (event) => this.drawing?.near(event.target.closest?.("[data-id]")?.dataset.id));
       this.root.addEventListener("keydown", (event) => this.key(event));
       this.shown = "chart";
       HL.superChart = this;
@@ -66,6 +68,10 @@
     lay() {
       const { width, height } = this.stage.getBoundingClientRect();
       if (!this.chart || width < 50 || height < 50) return;
+      // a scroll bar or a line of text more is no other shape: the states stay where they are
+      const shape = Math.log(width / height);
+      if (this.layoutKey && Math.abs(shape - this.laidShape) < OTHER_SHAPE) return;
+      this.laidShape = shape;
       const { key, layout } = HL.chartLayouts.of(this.chart, { w: width, h: height });
       if (key === this.layoutKey) return;
       this.layoutKey = key;
@@ -155,7 +161,7 @@
 
     // the states a screen can be in besides its usual one; in words
     say(t, ageMs, link, chart) {
-      const isOff = t !== null && link && link.is_online === false;
+      const isOff = t !== null && link?.is_off;
       const last = t === null ? "" : `${this.lastName ?? "unknown"}, ${words.wall(HL.wallOf(t))}`;
       const note = isOff ? `Robot is off. Last state: ${last}` : t !== null && ageMs > HL.STALE_MS ? `State data stopped ${words.since(ageMs)} ago` : "";
       text(this.note, note);

@@ -49,7 +49,6 @@
         if (way.isMany) busy.set(way.target, (busy.get(way.target) ?? 0) + 1);
       }
       for (const [id, count] of busy) this.any(id, count, lines);
-      root.addEventListener("focusin", (event) => this.near(event.target.closest?.("[data-id]")?.dataset.id));
       this.lastTime = words({ class: "s-lasttime", "text-anchor": "middle" }, "");
       root.append(this.lastTime);
     }

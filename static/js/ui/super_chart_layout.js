@@ -55,5 +55,5 @@
     return { key, layout: kept.get(key) };
   }
 
-  HL.chartLayouts = { of, shape };
+  HL.chartLayouts = { of };
 })();

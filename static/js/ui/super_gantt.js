@@ -2,8 +2,8 @@
 (() => {
   "use strict";
   const { el, icon, svg, text, attr, toggle, LiveElement, words } = HL;
-  const LEFT = 118, RIGHT = 16, ROW = 40, BAR = 27, FOOT = 26, TOP = 4;
-  const REDRAW_MS = 1000;
+  const LEFT = 118, RIGHT = 16, MOST_ROW = 40, LEAST_ROW = 28, FOOT = 26, TOP = 4;
+  const REDRAW_MS = { 10: 1000, 60: 5000, mission: 5000 }; // about a pixel
 
   class SuperGantt extends LiveElement {
     build() {
@@ -24,7 +24,7 @@
     }
 
     enter() {
-      HL.superTimes.begin(HL.view.robot);
+      HL.superTimes.begin(HL.view.robot, this.closest("hl-screen").dataset.mission);
       this.span.mark(HL.superTimes.span);
       this.drawnAt = -Infinity;
       this.resized = new ResizeObserver(() => (this.drawnAt = -Infinity));
@@ -57,7 +57,7 @@
         return;
       }
       const now = performance.now();
-      if (data === this.drawnData && now - this.drawnAt < REDRAW_MS) return;
+      if (data === this.drawnData && now - this.drawnAt < REDRAW_MS[HL.superTimes.span]) return;
       this.drawnAt = now;
       this.drawnData = data;
       if (this.view === "bars") this.draw(data);
@@ -79,17 +79,18 @@
     }
 
     draw(data) {
-      const { width } = this.stage.getBoundingClientRect();
+      const { width, height: room } = this.stage.getBoundingClientRect();
       if (width < 100) return;
       const scene = this.scene(data);
       const wide = width - LEFT - RIGHT;
       const rows = HL.ganttRows.rows(scene.intervals, HL.superChart?.facts, data.resting ?? [], { ...scene, width: wide });
-      const height = TOP + rows.length * ROW + FOOT;
+      const high = Math.max(LEAST_ROW, Math.min(MOST_ROW, Math.floor((room - TOP - FOOT) / Math.max(1, rows.length))));
+      const height = TOP + rows.length * high + FOOT;
       for (const [name, value] of [["width", width], ["height", height], ["viewBox", `0 0 ${width} ${height}`], ["aria-label", this.said(rows)]]) attr(this.drawing, name, value);
       const x = (at) => LEFT + ((at - scene.start) / (scene.end - scene.start)) * wide;
       this.drawing.replaceChildren(
         ...this.axisLines(scene, x, height, width),
-        ...rows.map((row, i) => this.row(row, TOP + i * ROW, width)),
+        ...rows.map((row, i) => this.row(row, TOP + i * high, width, high)),
         scene.isLive ? svg("path", { class: "s-now", d: `M${width - RIGHT} 0V${height - FOOT}` }) : "",
       );
     }
@@ -113,20 +114,20 @@
       return svg("g", {}, svg("path", { class: "s-axisline", d: `M${x} 0V${height - FOOT}` }), label);
     }
 
-    row({ lane, bars }, y, width) {
-      const name = svg("text", { class: "s-lane", x: 14, y: y + 24 });
+    row({ lane, bars }, y, width, high) {
+      const name = svg("text", { class: "s-lane", x: 14, y: y + high / 2 + 3 });
       name.textContent = lane;
-      return svg("g", {}, svg("path", { class: "s-laneline", d: `M0 ${y + ROW - 2}H${width}` }), ...bars.map((bar) => this.bar(bar, y + 5)), svg("rect", { class: "s-lanemask", x: 0, y, width: LEFT - 2, height: ROW - 3 }), name);
+      return svg("g", {}, svg("path", { class: "s-laneline", d: `M0 ${y + high - 2}H${width}` }), ...bars.map((bar) => this.bar(bar, y + 4, high - 11)), svg("rect", { class: "s-lanemask", x: 0, y, width: LEFT - 2, height: high - 3 }), name);
     }
 
-    bar({ x, w, tone, label, isOver, isOpen, planned, one }, y) {
+    bar({ x, w, tone, label, isOver, isOpen, planned, one }, y, high) {
       const node = svg("g", { class: `s-bar t${tone}${isOver ? " over" : ""}${isOpen ? " open" : ""}`, "data-state": one.state });
-      node.append(svg("rect", { x: (LEFT + x).toFixed(1), y, width: w.toFixed(1), height: BAR, rx: 2 }));
-      if (planned !== null && (isOver || w > 40)) node.append(svg("path", { class: "planned", d: `M${(LEFT + planned).toFixed(1)} ${y}v${BAR}` }));
+      node.append(svg("rect", { x: (LEFT + x).toFixed(1), y, width: w.toFixed(1), height: high, rx: 2 }));
+      if (planned !== null && (isOver || w > 40)) node.append(svg("path", { class: "planned", d: `M${(LEFT + planned).toFixed(1)} ${y}v${high}` }));
       const said = isOver && one.normal_s ? `${label}: ${HL.chartFacts.span(((one.end ?? Date.now()) - one.start) / 1000)}, normal ${HL.chartFacts.span(one.normal_s)}` : label;
       const fits = [said, label].find((word) => word && w > word.length * 6.9 + 10);
       if (fits) {
-        const written = svg("text", { x: (LEFT + x + 6).toFixed(1), y: y + 18 });
+        const written = svg("text", { x: (LEFT + x + 6).toFixed(1), y: y + high / 2 + 4 });
         written.textContent = fits;
         node.append(written);
       }

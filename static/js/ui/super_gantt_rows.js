@@ -3,6 +3,7 @@
   "use strict";
   const home = typeof HL === "undefined" ? (globalThis.HLC ??= {}) : HL;
   const TONES = [1, 2, 3];
+  const SAME_MS = 1500; // the record and the newest report tell of one stay
 
   // the row of a state: its region, and outside of regions its subsystem
   function laneOf(facts, id) {
@@ -23,28 +24,25 @@
     if (!facts || !active) return intervals;
     const on = new Map(active.filter(([id]) => facts.byId.has(id) && !facts.kids(id).length));
     const seen = new Set();
-    const near = (a, b) => Math.abs(a - b) < 1500;
     const carried = intervals.map((one) => {
-      const start = on.get(one.state);
-      if (one.end !== null) {
-        if (start !== undefined && near(start, one.start)) seen.add(one.state), (one = { ...one, end: null });
-        return one;
-      }
-      if (start !== undefined && near(start, one.start)) {
+      if (on.has(one.state) && Math.abs(on.get(one.state) - one.start) < SAME_MS) {
         seen.add(one.state);
-        return one;
+        return { ...one, end: null };
       }
-      // it ended since: another of its row is active now, and says when that began
-      const lane = one.lane;
-      const next = [...on].filter(([id, begun]) => laneOf(facts, id) === lane && begun >= one.start).map(([, begun]) => begun);
-      return { ...one, end: Math.max(one.start, Math.min(...next, Infinity) === Infinity ? one.start : Math.min(...next)), is_guessed: true };
+      return one.end === null ? { ...one, end: endOf(one, facts, on), is_guessed: true } : one;
     });
-    for (const [id, start] of on) {
-      if (seen.has(id)) continue;
-      const state = facts.byId.get(id);
-      carried.push({ state: id, label: state.label, subsystem: state.subsystem, lane: laneOf(facts, id), path: facts.path(id).map((one) => one.label), start, end: null, result: "", normal_s: state.normal_s, is_guessed: false });
-    }
-    return carried;
+    return [...carried, ...[...on].filter(([id]) => !seen.has(id)).map(([id, start]) => begun(facts, id, start))];
+  }
+
+  // it is not active any more: what is active in its row says when that began
+  function endOf(one, facts, on) {
+    const next = [...on].filter(([id, start]) => laneOf(facts, id) === one.lane && start >= one.start).map(([, start]) => start);
+    return next.length ? Math.min(...next) : one.start;
+  }
+
+  function begun(facts, id, start) {
+    const state = facts.byId.get(id);
+    return { state: id, label: state.label, subsystem: state.subsystem, lane: laneOf(facts, id), path: facts.path(id).map((one) => one.label), start, end: null, result: "", normal_s: state.normal_s, is_guessed: false };
   }
 
   // how dark a state is drawn: resting light, the others of a row in turn; the same state always alike

@@ -2,15 +2,14 @@
 (() => {
   "use strict";
   const SPANS = { 10: { minutes: 10, word: "last 10 min", everyMs: 8000 }, 60: { minutes: 60, word: "last hour", everyMs: 20000 }, mission: { word: "this mission", everyMs: 20000 } };
-  const wanted = () => new URLSearchParams(location.search).get("mission");
 
   const times = {
     span: "10", mission: null, data: null, problem: "", isLoading: false, loadedAt: -Infinity, key: "", robot: null,
 
     // another robot, or the same with another mission in its address
-    begin(robot) {
-      const mission = wanted();
-      Object.assign(times, { robot, mission, data: null, problem: "", span: mission ? "mission" : times.span, loadedAt: -Infinity, asked: 0 });
+    begin(robot, wanted) {
+      const mission = wanted || null;
+      Object.assign(times, { robot, mission, data: null, problem: "", span: mission ? "mission" : times.span, loadedAt: -Infinity });
     },
     choose(span) {
       Object.assign(times, { span, data: null, problem: "", loadedAt: -Infinity });

@@ -54,6 +54,7 @@ class SuperStage:
     clock: Clock
     has_chart: bool = True
     is_silent: bool = False
+    is_off: bool = False
     active: list[list[Any]] = field(default_factory=lambda: [list(one) for one in NOW])
     last: list[str] = field(default_factory=lambda: ["above-plant", "on-ground", "lowered", ""])
     set_s: float = 0.0
@@ -61,7 +62,7 @@ class SuperStage:
 
     def reset(self) -> None:
         """Begin anew: ten minutes of laps are on record."""
-        self.has_chart, self.is_silent = True, False
+        self.has_chart, self.is_silent, self.is_off = True, False, False
         self.active, self.last = [list(one) for one in NOW], ["above-plant", "on-ground", "lowered", ""]
         self.set_s = self.clock.mono_s()
         now = self.clock.utc()
@@ -97,6 +98,8 @@ class SuperStage:
         chart = CHART if self.has_chart else None
         if robot is None or robot.factsheet is None or robot.factsheet.chart is not chart:
             fleet.put_factsheet(ROBOT, replace(sheet("Planter 02"), family=domain.Family.PLANTER, chart=chart))
+        if self.is_off:
+            fleet.put_presence(ROBOT, is_online=False, is_shutdown=True)
         if self.is_silent:
             return
         now = self.clock.mono_s()
@@ -126,6 +129,11 @@ class Records:
     def events(self, robot_id: str, start: datetime, end: datetime) -> list[RobotEvent]:
         """See ``StateRecords``."""
         return sorted((e for e in self._stage.events if e.robot_id == robot_id), key=lambda e: e.at_utc)
+
+    def newest(self, robot_id: str, most: int) -> list[RobotEvent]:
+        """See ``StateRecords``."""
+        now = self._stage.clock.utc()
+        return self.events(robot_id, now, now)[-most:]
 
     def mission_span(self, robot_id: str, mission_id: str) -> Span | None:
         """See ``StateRecords``."""
