@@ -22,16 +22,16 @@ export class FleetView {
   /**
    * Take what the list says: {verdicts: Map, chosen: Set, current, isSeen(id), layers: {names, paths, coverage}}.
    *
-   * True when the map looks different by it.
+   * Returns what it needs: 'now' when a person chose something, 'soon' when marks are others, '' when the map looks the same.
    */
   set(said) {
     const before = this.said?.key;
     this.said = said;
     said.key = `${said.current}|${[...said.chosen]}|${JSON.stringify(said.layers)}`;
-    let hasChanged = before !== said.key;
-    for (const robot of this.map.intake.robots.values()) hasChanged = this.#mark(robot, said) || hasChanged;
+    let isMarked = false;
+    for (const robot of this.map.intake.robots.values()) isMarked = this.#mark(robot, said) || isMarked;
     this.#layers(said.layers);
-    return hasChanged;
+    return before !== said.key ? 'now' : isMarked ? 'soon' : '';
   }
 
   #mark(robot, { verdicts, isSeen }) {

@@ -13,6 +13,7 @@
   const ms = (seconds) => (seconds === null || seconds === undefined ? Infinity : seconds * 1000);
   const robot = (id) => (id && lane.state(`robot/${id}`)) || EMPTY;
   const fleet = () => lane.state("fleet")?.robots || EMPTY;
+  const ids = new Set(); // of the fleet: asking an object of a thousand entries for its keys is dear
   const age = (t) => ms(lane.age(t));
 
   // how long the console has been silent; without a person there is no lane and nothing to miss
@@ -71,12 +72,22 @@
     watch();
   }
 
+  function note(robots, changed) {
+    if (!changed) ids.clear();
+    for (const id of changed ?? Object.keys(robots)) {
+      if (robots[id]) ids.add(id);
+      else ids.delete(id);
+    }
+  }
+
   const heard = new Set();
   function listenTo(topic) {
     if (heard.has(topic)) return;
     heard.add(topic);
-    lane.on(topic, (state) => {
+    lane.on(topic, (state, _topic, changed) => {
       if (topic.startsWith("robot/") && "lease" in state) noteLease(topic.slice(6), state.lease?.owner);
+      if (topic === "fleet" && changed?.length === 0) return; // beats alone only make the list younger
+      if (topic === "fleet") note(state.robots ?? EMPTY, changed);
       HL.repaint();
     });
   }
@@ -138,5 +149,5 @@
   window.addEventListener("headland:dropped", () => HL.toast("Not sent: no connection. Try again when it is back.", "cloud_off"));
   setInterval(here, HERE_MS);
 
-  HL.port = { robot, fleet, age, server, delayMs, watch, follow, command, lease, reset, seen, sendMission, drive, api, tickInfo: () => lane.state("tick") };
+  HL.port = { robot, fleet, ids, age, server, delayMs, watch, follow, command, lease, reset, seen, sendMission, drive, api, tickInfo: () => lane.state("tick") };
 })();
