@@ -33,6 +33,7 @@ const FIELD_ZOOMS = [16.2, 19.5]; // a large field keeps its rows apart, a small
 const FIELD_MARGIN_PX = 40;
 const NAMES_ZOOM = 15.5;
 const LOST_CONTEXT_MS = 3000;
+const COVERED_MS = 1000;
 const RING_MARGIN = 1.5;
 const USUAL = {
   mode: 'robot', hasButtons: true, engine: 'auto',
@@ -340,10 +341,23 @@ export class LiveMap {
     if (this.look) {
       labels.push(...robotLabels(this.fleet.single(this.intake.robots.values(), look), look), ...this.fleet.drawClusters(camera, this.palette));
     }
+    this.labelLayer.block(this.#covered());
     this.labelLayer.draw(camera, labels, this.palette);
     this.frameNumber += 1;
     if (this.frameNumber === 1) this.#notice(); // until now the map said that it is loading
     this.#said();
+  }
+
+  /** Boxes of what lies on the map: its own buttons and what the screen puts over it; looked at once a second, for it costs a layout. */
+  #covered() {
+    const now = performance.now();
+    if (now - (this.coveredAt ?? -Infinity) < COVERED_MS) return this.covered;
+    this.coveredAt = now;
+    const place = this.host.getBoundingClientRect();
+    const nodes = [...this.host.querySelectorAll('.hl-map-buttons > *'), ...this.host.parentElement?.querySelectorAll(':scope > .h-card, :scope > .f-over > *') ?? []];
+    this.covered = nodes.map((node) => node.getBoundingClientRect()).filter((box) => box.width)
+      .map((box) => [box.left - place.left, box.top - place.top, box.right - place.left, box.bottom - place.top].map(Math.round));
+    return this.covered;
   }
 
   /** Up to which revision of the lane the picture is true. */
