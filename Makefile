@@ -46,10 +46,10 @@ test: tools lint types
 	$(BIN)/pytest $(MANY) --dist worksteal -m "not long and not browser"
 	$(BIN)/pytest $(MANY) --dist loadfile -m "not long and browser"
 
-# The inner loop: no browser, no broker.
+# The inner loop: no browser, no broker, nothing that takes seconds.
 test-fast: $(DEV_STAMP)
 	$(BIN)/ruff check .
-	$(BIN)/pytest -q -x -m "not long and not browser and not broker"
+	$(BIN)/pytest -q -x $(MANY) --dist worksteal -m "not long and not slow and not browser and not broker"
 
 test-long: tools
 	HEADLAND_LONG=1 $(BIN)/pytest -m "long and not browser"

@@ -28,6 +28,7 @@ MODULES: dict[str, tuple[str, ...]] = {
     "bench.map": ("map_update_ms_1000", "map_update_ms_5000"),
     "bench.import_large": ("import_20mb_s", "import_20mb_mb", "import_20mb_stall_ms"),
     "bench.editor": ("editor_drag_ms_10000",),
+    "bench.planter_times": ("planter_total_s",),
     "bench.simulator": ("simulator_fleet_cpu_pct", "simulator_lean_cpu_pct"),
     "bench.demo": (
         "demo_ready_s",

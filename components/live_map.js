@@ -34,6 +34,8 @@ export default {
     async begin() {
       const base = window.path_prefix ?? "";
       this.$el.textContent = "Loading map";
+      await window.headlandStop?.whenReady(); // nothing of a map may delay STOP
+      if (this.isGone) return;
       try {
         const [code] = await Promise.all([
           import(`${base}${this.codeUrl}/live_map.js`),

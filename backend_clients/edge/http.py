@@ -15,6 +15,8 @@ Paths below ``base_url`` (from the registry, never from the wire)::
 
 from __future__ import annotations
 
+import asyncio
+
 import httpx
 
 from backend_clients.edge import messages_down as down
@@ -25,6 +27,8 @@ from backend_clients.errors import MalformedPayload, Refused, TimedOut, Transpor
 
 TIMEOUT_S = 1.0  # one STOP attempt; the sender repeats
 UPLOAD_TIMEOUT_S = 20.0
+LOG_TIMEOUT_S = 5.0
+MAX_LOG_BYTES = 1_000_000  # 2,000 lines of 500 characters
 
 
 class RobotHttp:
@@ -81,13 +85,33 @@ class RobotHttp:
         return self._ack(await self._send("PUT", path, encode(mission), timeout_s=UPLOAD_TIMEOUT_S))
 
     async def logs(self, lines: int) -> str:
-        """Return the last lines of the robot's log."""
-        return (await self._send("GET", f"logs?lines={int(lines)}")).decode("utf-8", "replace")
+        """Return the last lines of the robot's log; a longer answer than a megabyte is refused."""
+        try:
+            async with asyncio.timeout(LOG_TIMEOUT_S):
+                return (await self._read(f"logs?lines={int(lines)}", MAX_LOG_BYTES)).decode("utf-8", "replace")
+        except TimeoutError as error:  # a robot that sends a byte now and then would hold the caller for ever
+            raise TimedOut(f"{self.robot} did not send its log in {LOG_TIMEOUT_S:g} s") from error
 
     def _ack(self, body: bytes) -> up.Ack:
         message = decode_body(Address(self.robot, Up.ACK), body)
         assert isinstance(message, up.Ack)
         return message
+
+    async def _read(self, path: str, most: int) -> bytes:
+        try:
+            async with self._client.stream("GET", path) as response:
+                body = b""
+                async for piece in response.aiter_bytes():
+                    body += piece
+                    if len(body) > most:
+                        raise MalformedPayload(f"{self.robot} GET {path}: more than {most} bytes")
+        except httpx.TimeoutException as error:
+            raise TimedOut(f"{self.robot} did not answer GET {path} in {TIMEOUT_S:g} s") from error
+        except httpx.HTTPError as error:
+            raise TransportError(f"{self.robot} GET {path}: {error}") from error
+        if response.status_code >= 300:
+            raise _refusal(httpx.Response(response.status_code, content=body))
+        return body
 
     async def _send(self, method: str, path: str, body: bytes | None = None, *, timeout_s: float = TIMEOUT_S) -> bytes:
         headers = {"Content-Type": "application/json"} if body is not None else {}

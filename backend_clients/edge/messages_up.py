@@ -291,7 +291,7 @@ class Event(Header, frozen=True, kw_only=True):
 
 
 class Node(Header, frozen=True, kw_only=True):
-    """Life cycle of one software node on the robot (U6); retained per change, at least each 5 s."""
+    """Life cycle of one software node on the robot (U6); retained per change, at least each ``period_ms``."""
 
     name: Id
     state: NodeState
@@ -302,6 +302,7 @@ class Node(Header, frozen=True, kw_only=True):
     host: Name = ""
     since_ms: Annotated[Count, Meta(description="mono_ms when this state of its life began")] | None = None
     clock_offset_ms: Annotated[float, Meta(ge=-1e9, le=1e9, description="its clock ahead of the robot's")] | None = None
+    period_ms: Annotated[int, Meta(ge=100, le=600_000, description="longest time between two reports")] = 5000
 
 
 class Ack(Header, frozen=True, kw_only=True):

@@ -23,6 +23,7 @@ from backend_clients.simulator.latch import Latch
 from backend_clients.simulator.machine import Machine
 from backend_clients.simulator.memory import Memory
 from backend_clients.simulator.mission_run import MissionRun
+from backend_clients.simulator.nodes import Nodes
 from backend_clients.simulator.pilot import START_HORN_S, DriveState, Pilot
 from backend_clients.simulator.route import straight
 from backend_clients.simulator.state_folder import StateFolder
@@ -47,6 +48,7 @@ REASONS = {
     "manual": "for driving by hand",
     "return_home": "to return home",
     "low_charge": "to charge",
+    "function_off": "a function it needs is off",
 }
 
 
@@ -81,11 +83,13 @@ class Brain:
         self.frame = EnuFrame(config.datum_lat_deg, config.datum_lon_deg)
         self.journal = Journal(boot)
         self.actions = ActionLog()
+        self.nodes = Nodes(self.profile, faults, lambda node, line: self.journal.log(self.mono_ms(), line, node=node))
         self.drive: DriveState | None = None
         self.last_drive: DriveState = DriveState()
         self.run: MissionRun | None = None
         self.home_run: Tracker | None = None
         self._home_is_supervised = True
+        self.errand_name = "return-home"
         self.pilot = Pilot(self)
         self.hold_code = ""
         self.operator_heard_s = self.link_heard_s = clock.mono_s()
@@ -124,6 +128,11 @@ class Brain:
         return self.home_run is not None or (self.run is not None and self.run.status == "running")
 
     @property
+    def errand(self) -> str:
+        """What it does by itself instead of its mission, as its chart calls it; empty if nothing."""
+        return self.errand_name if self.home_run is not None else ""
+
+    @property
     def mode(self) -> Mode:
         """The operating mode as reported."""
         if self.is_stopped:
@@ -157,11 +166,17 @@ class Brain:
     def check_people(self) -> None:
         """Apply every rule that protects people; on the clock, never hastened."""
         now = self.clock.mono_s()
+        self.nodes.look(now, self.mono_ms(), is_tool_locked=self.machine.is_cover_open)
         if self.machine.is_hardware_stop != self._is_button_known:
             self._button_changed()
         if self.drive is not None and now - max(self.drive.heard_s, self.operator_heard_s) > MANUAL_LOST_S:
             self.close_drive()
+        if self.drive is not None and self.nodes.why_off(self.profile.hand_function):
+            self.close_drive()
         if not self.is_auto:
+            return
+        if self.nodes.why_off(self.profile.drive_function if self.errand else self.profile.work_function):
+            self.pause("function_off")
             return
         is_supervised = self.run.is_supervised if self.run is not None and self.home_run is None else True
         if self.home_run is not None:
@@ -208,6 +223,7 @@ class Brain:
             count=self.work.count(run, dt_s),
             journal=self.journal,
             mono_ms=self.mono_ms(),
+            row=self.work.row,
         )
 
     # ---- what orders and rules do ---------------------------------------------------------------------

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from backend_clients.edge import messages_up as up
+from backend_clients.edge.machine import NodeInfo
 from backend_clients.simulator.config import RobotConfig
-from backend_clients.simulator.machine import Machine
+from backend_clients.simulator.supervisor import tree_of
 
 
 def factsheet_fields(config: RobotConfig) -> dict[str, Any]:
@@ -23,27 +24,22 @@ def factsheet_fields(config: RobotConfig) -> dict[str, Any]:
         "tool": profile.tool,
         "battery": up.BatteryPack(capacity_wh=profile.energy.capacity_j / 3600, charge_w=profile.energy.charge_w),
         "cameras": list(profile.cameras),
-        "joints": list(profile.joints),
+        "joints": [] if config.is_lean else list(profile.joints),
+        "gauges": [] if config.is_lean else list(profile.gauges),
+        "nodes": [
+            NodeInfo(
+                name=node.name,
+                label=node.label,
+                subsystem=node.subsystem,
+                rate_hz=node.rate_hz,
+                starts_after=list(node.starts_after),
+            )
+            for node in profile.nodes
+        ],
         "functions": list(profile.functions),
+        "chart": None if config.is_lean else tree_of(profile.family).chart,
         "behaviour": up.Behaviour(stop_effect=profile.stop_effect, keep_out_m=profile.keep_out_m),
     }
-
-
-def node_fields(machine: Machine) -> list[dict[str, Any]]:
-    """Return name, state, rate and load of each software node."""
-    profile, fields = machine.profile, []
-    for node in profile.nodes:
-        is_off = node.name == profile.tool_node and machine.is_cover_open
-        fields.append(
-            {
-                "name": node.name,
-                "state": "stopped" if is_off else "started",
-                "rate_hz": 0.0 if is_off else node.rate_hz,
-                "cpu_pct": 0.0 if is_off else node.cpu_pct,
-                "text": f"{profile.words.cover} is open" if is_off else "",
-            }
-        )
-    return fields
 
 
 def urdf(config: RobotConfig) -> str:

@@ -18,6 +18,7 @@ from backend_clients.edge.mqtt import LinkState, Will
 from backend_clients.edge.topics import Down, Up, parse, topic
 from backend_clients.errors import MalformedPayload, WireError
 from backend_clients.simulator.faults import fate
+from backend_clients.simulator.inside import is_body_moving
 from backend_clients.simulator.links import LinkMaker, RobotLink
 from backend_clients.simulator.loop_mail import LoopMail
 from backend_clients.simulator.unreadable_stop import read_anyway
@@ -36,6 +37,9 @@ class Rates:
     safety: int = 4  # 5 Hz
     safety_stopping: int = 2  # 10 Hz
     nodes: int = 100  # each 5 s
+    body: int = 2  # 10 Hz while joints move
+    body_resting: int = 10  # 2 Hz
+    scan: int = 20  # 1 Hz
 
 
 LEAN = Rates(heartbeat=1, telemetry=1, state=1, safety=1, safety_stopping=1, nodes=60)
@@ -97,6 +101,8 @@ class EdgeSession:
         self._report_state(boot)
         if self._tick % self._rates.nodes == 0:
             self._report_nodes(boot)
+        if not self.is_lean:
+            self._report_inside(boot)
         self._empty_outbox()
 
     def close(self, *, is_abrupt: bool = False) -> None:
@@ -151,6 +157,8 @@ class EdgeSession:
         self._report_safety(boot)
         self._report_state(boot)
         self._report_nodes(boot)
+        if not self.is_lean:
+            self._report_inside(boot)
 
     # ---- up -----------------------------------------------------------------------------------------
 
@@ -178,6 +186,7 @@ class EdgeSession:
             brain.mode,
             brain.watch.path,
             brain.watch.faults,
+            brain.watch.activity.states if brain.watch.activity is not None else None,
             brain.hold_code,
             brain.guard.active_lease,
             (run.sha256, run.status, run.row, run.pause_code) if run is not None else None,
@@ -186,6 +195,21 @@ class EdgeSession:
         if is_new or self._tick % self._rates.state == 0:
             self._shown[Up.STATE] = shown
             self._say(Up.STATE, boot.reporter.state(), qos=1 if is_new or not self.is_lean else 0)
+
+    def _report_inside(self, boot: Boot) -> None:
+        machine = boot.brain.machine
+        every = self._rates.body if is_body_moving(machine) else self._rates.body_resting
+        if self._tick % every == 0:
+            self._say(Up.BODY, boot.reporter.body())
+        rig = machine.rig
+        shown = (rig.site.stop, rig.site.revision) if rig is not None and rig.site is not None else None
+        if shown is not None and self._shown.get(Up.WORKSITE) != shown:
+            site = boot.reporter.worksite()
+            if site is not None:
+                self._shown[Up.WORKSITE] = shown
+                self._say(Up.WORKSITE, site, qos=1, retain=True)
+        if rig is not None and self._tick % self._rates.scan == 0:
+            self._say(Up.SCAN, boot.reporter.scan())
 
     def _report_nodes(self, boot: Boot) -> None:
         for node in boot.reporter.nodes():

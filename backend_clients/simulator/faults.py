@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import random
-from typing import Annotated, Literal
+from typing import Annotated, Literal, TypeVar
 
 import msgspec
 from msgspec import Meta, Struct
 
 Probability = Annotated[float, Meta(ge=0, le=1)]
+Kind = TypeVar("Kind", bound=Struct)
 Seconds = Annotated[float, Meta(ge=0, le=600)]
 
 
@@ -80,6 +81,43 @@ class TrayEmpty(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, t
     left: Annotated[int, Meta(ge=0, le=1000)] = 0
 
 
+NodeName = Annotated[str, Meta(min_length=1, max_length=64)]
+
+
+class NodeFailure(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="node-failure", tag_field="fault"):
+    """A software node dies; a restart mends it."""
+
+    node: NodeName
+
+
+class NodeSilent(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="node-silent", tag_field="fault"):
+    """Nothing is heard of a software node."""
+
+    node: NodeName
+
+
+class NodeSlow(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="node-slow", tag_field="fault"):
+    """A software node runs at ``share`` of its usual rate."""
+
+    node: NodeName
+    share: Probability = 0.4
+
+
+class ClockSkew(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="clock-skew", tag_field="fault"):
+    """The clock of a software node's computer is ahead of the robot's."""
+
+    node: NodeName
+    offset_ms: Annotated[float, Meta(ge=-1e9, le=1e9)] = 850.0
+
+
+class WrongStartOrder(
+    Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="wrong-start-order", tag_field="fault"
+):
+    """A software node was started before what it needs; restarting it helps."""
+
+    node: NodeName
+
+
 class HardwareStop(
     Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="hardware-stop", tag_field="fault"
 ):
@@ -107,7 +145,13 @@ Fault = (
     | TrayEmpty
     | HardwareStop
     | WallClock
+    | NodeFailure
+    | NodeSilent
+    | NodeSlow
+    | ClockSkew
+    | WrongStartOrder
 )
+NODE_FAULTS = (NodeFailure, NodeSilent, NodeSlow, ClockSkew, WrongStartOrder)
 NAMES: tuple[str, ...] = (
     "silence",
     "packets",
@@ -123,6 +167,11 @@ NAMES: tuple[str, ...] = (
     "tray-empty",
     "hardware-stop",
     "wall-clock",
+    "node-failure",
+    "node-silent",
+    "node-slow",
+    "clock-skew",
+    "wrong-start-order",
 )
 _decoder: msgspec.json.Decoder[Fault] = msgspec.json.Decoder(Fault)
 
@@ -150,6 +199,17 @@ class Faults:
     def list(self) -> list[Fault]:
         """Return the active faults."""
         return list(self._active.values())
+
+    def of(self, kind: type[Kind]) -> Kind | None:
+        """Return the active fault of a kind."""
+        fault = self._active.get(str(kind.__struct_config__.tag))
+        return fault if isinstance(fault, kind) else None
+
+    def clear_node(self, node: str) -> None:
+        """Take away what a restart of a software node mends."""
+        for fault in self.list():
+            if isinstance(fault, NODE_FAULTS) and fault.node == node and not isinstance(fault, ClockSkew):
+                del self._active[name_of(fault)]
 
     def is_on(self, name: str) -> bool:
         """Say whether a fault is active."""

@@ -51,9 +51,20 @@ _HOLDS: dict[str, tuple[str, str, str]] = {
     ),
     "crane_limit": (
         "The crane is outside its limit.",
-        "Retract the crane at the machine, or drive it by hand a little.",
+        "Retract the crane, or move it by hand.",
         "operator",
     ),
+    "person_inside": (
+        "Somebody is within reach of the crane.",
+        "Clear the area; it goes on by itself after the horn.",
+        "person at the machine",
+    ),
+    "ask_person": (
+        "It could not take a seedling three times.",
+        "Look at the tray and the arm, then retract the crane or skip the tree.",
+        "operator",
+    ),
+    "function_off": ("A function it needs is off.", "Start the node it names, then resume.", "admin"),
     "tray_empty": ("The seedling tray is empty.", "Load a tray at the machine.", "person at the machine"),
     "start_horn": ("The horn sounds before it moves.", "It moves in a moment.", ""),
 }
@@ -70,8 +81,19 @@ _FAULTS: dict[str, tuple[str, str, str]] = {
     "crane-limit": (
         "high",
         "The crane is outside its limit: joint 3 at 97 %.",
-        "Retract the crane at the machine, or drive it by hand a little.",
+        "Retract the crane, or move it by hand.",
     ),
+    "person-inside": (
+        "high",
+        "Somebody is within reach of the crane.",
+        "Look at the camera; clear the area.",
+    ),
+    "ask-person": (
+        "medium",
+        "It could not take a seedling three times.",
+        "Look at the tray and the arm, then retract the crane or skip the tree.",
+    ),
+    "node-failure": ("high", "A part of its software failed.", "Look at the nodes and restart it."),
     "tray-low": ("low", "Fewer than 15 seedlings are left.", "Bring a tray."),
     "tray-empty": ("medium", "The seedling tray is empty.", "Load a tray at the machine."),
     "reserve-near": ("medium", "The battery is near its reserve; it returns by itself.", "Let it return."),

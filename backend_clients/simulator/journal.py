@@ -9,6 +9,7 @@ from typing import Any, Literal
 EventKind = Literal["state_entered", "state_left", "alarm_raised", "alarm_cleared", "treatment", "mission", "safety"]
 MAX_PENDING = 2000  # an outage of some hours at the usual rate
 MAX_LOG_LINES = 2000
+SUPERVISOR = "supervisor"
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +35,7 @@ class Journal:
         self._boot = boot
         self._count = 0
         self.pending: deque[Happening] = deque(maxlen=MAX_PENDING)
-        self._lines: deque[str] = deque(maxlen=MAX_LOG_LINES)
+        self._lines: deque[tuple[str, str]] = deque(maxlen=MAX_LOG_LINES)
 
     def event(self, mono_ms: int, kind: EventKind, name: str, text: str = "", **data: Any) -> None:
         """Note one event and its log line."""
@@ -42,9 +43,9 @@ class Journal:
         self.pending.append(Happening(f"{self._boot}-{self._count}", mono_ms, kind, name[:80], text[:400], data))
         self.log(mono_ms, f"{kind} {name} {text}".rstrip())
 
-    def log(self, mono_ms: int, line: str) -> None:
-        """Note one line."""
-        self._lines.append(f"{mono_ms / 1000:.3f} {line}")
+    def log(self, mono_ms: int, line: str, *, node: str = SUPERVISOR) -> None:
+        """Note one line of a software node."""
+        self._lines.append((node, f"{mono_ms / 1000:.3f} [{node}] {line}"))
 
     def take(self) -> list[Happening]:
         """Return the events not yet taken, oldest first."""
@@ -52,7 +53,7 @@ class Journal:
         self.pending.clear()
         return taken
 
-    def tail(self, lines: int) -> str:
-        """Return the last ``lines`` log lines."""
-        kept = list(self._lines)
+    def tail(self, lines: int, node: str = "") -> str:
+        """Return the last ``lines`` log lines, of one node or of all."""
+        kept = [line for of, line in self._lines if node in ("", of)]
         return "\n".join(kept[-lines:] if lines > 0 else [])

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import random
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from backend_clients.edge import messages_up as up
 from backend_clients.simulator.families import WEEDER
@@ -15,11 +16,16 @@ from backend_clients.simulator.kinematics import Base, wrap_rad
 from backend_clients.simulator.profile import Profile
 from backend_clients.simulator.tracking import Setpoint
 
+if TYPE_CHECKING:
+    from backend_clients.simulator.limbs import Limbs
+    from backend_clients.simulator.planter_rig import PlanterRig
+
 NOISE_LIMIT_M = 0.015  # published RTK accuracy
 NOISE_TIME_S = 4.0  # RTK errors wander, they do not jump
 FLOAT_DRIFT_M = 0.35
 COLD_C, WARM_UP_S = 21.0, 90.0
 STANDSTILL_S = 0.5
+MOTOR_TIME_S = 240.0
 STOPPED = Setpoint(0.0, 0.0)
 
 
@@ -60,6 +66,9 @@ class Machine:
     is_crane_at_limit: bool = False
     is_unsure: bool = False
     seedlings: int = 0
+    rig: PlanterRig | None = None
+    limbs: Limbs | None = None
+    motor_c: float = COLD_C
     ignores_brakes: bool = False
     last_moving: Setpoint = STOPPED
     error_x: Drift = field(default_factory=Drift)
@@ -78,6 +87,10 @@ class Machine:
         self.still_s = self.still_s + dt_s if self.base.is_still else 0.0
         self._step_energy(dt_s)
         self._step_tool(dt_s)
+        if self.rig is not None:
+            self.rig.step(dt_s)
+        elif self.limbs is not None:
+            self._step_limbs(dt_s)
         if not self.profile.motion.is_on_rails:
             self._step_error(dt_s)
 
@@ -147,6 +160,17 @@ class Machine:
         self.load_w += (now_w - self.load_w) * min(dt_s / 20.0, 1.0)
         gained_w = energy.charge_w if self.is_charging else -now_w
         self.soc = min(max(self.soc + gained_w * dt_s / energy.capacity_j, 0.0), 1.0)
+
+    def _step_limbs(self, dt_s: float) -> None:
+        assert self.limbs is not None
+        is_airborne = self.is_airborne or self.profile.energy.hover_w > 0
+        down = -1.1 if is_airborne else -0.6
+        # the head looks into the bend, and down at what the tool does
+        pan = 0.0 if self.base.is_still else round(self.base.yaw_rate_radps, 1)
+        self.limbs.look(pan=pan, tilt=down if self.tool_on else -0.2)
+        self.limbs.step(dt_s)
+        work = min(self.load_w / (self.profile.energy.tool_w + self.profile.energy.idle_w + 1.0), 1.5)
+        self.motor_c += (COLD_C + 34.0 * work - self.motor_c) * min(dt_s / MOTOR_TIME_S, 1.0)
 
     def _step_tool(self, dt_s: float) -> None:
         goal = (self.profile.hot_c or COLD_C) if self.tool_on else COLD_C

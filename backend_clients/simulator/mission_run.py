@@ -134,9 +134,21 @@ class MissionRun:
         s = self.tracker.s_m
         self.tracker.s_m = max(self.route.locate(pose[0], pose[1], s, s + REJOIN_AHEAD_M), s)
 
-    def advance(self, before_m: float, *, is_working: bool, count: float, journal: Journal, mono_ms: int) -> None:
-        """Count what was driven and treated since ``before_m`` along the line; ``count`` weeds or trees were done."""
-        row = self.leg.row
+    def advance(
+        self,
+        before_m: float,
+        *,
+        is_working: bool,
+        count: float,
+        journal: Journal,
+        mono_ms: int,
+        row: int | None = None,
+    ) -> None:
+        """Count what was driven and treated since ``before_m`` along the line; ``count`` weeds or trees were done.
+
+        ``row``: the row that is worked, if it is not the one of the path here.
+        """
+        row = self.leg.row if row is None else row
         if row != self._open_row:
             self._close_row(journal, mono_ms)
             self._open_row, self.row = row, row or self.row

@@ -40,6 +40,8 @@ class Pilot:
     def decide(self, dt_s: float) -> Setpoint:
         """Return the speeds wanted in this step; sets ``doing``, ``followed`` and the brain's ``hold_code``."""
         self.doing, self.followed = Doing(STOPPED), None
+        if self._brain.machine.rig is not None:
+            self._brain.machine.rig.crane.halt()  # until somebody moves it in this step
         if self._brain.is_stopped:
             return STOPPED
         if self._brain.drive is not None:
@@ -80,6 +82,10 @@ class Pilot:
     def _follow(self, dt_s: float) -> Setpoint:
         tracker = self.tracker
         assert tracker is not None
+        if self._brain.work.is_at_site and self._brain.run is not None and tracker is self._brain.run.tracker:
+            self.followed = tracker
+            self.doing = self._brain.work.guide(self._brain.run, STOPPED, dt_s)
+            return STOPPED
         wanted = tracker.steer(*self._brain.machine.measured_pose(), dt_s)
         if tracker.is_done:
             self._arrived(tracker)

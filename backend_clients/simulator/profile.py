@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from backend_clients.edge import messages_up as up
-from backend_clients.edge.machine import Joint
+from backend_clients.edge.machine import GaugeInfo, Joint
 from backend_clients.simulator.kinematics import Motion
 
 Family = Literal["weeder", "planter", "uav"]
@@ -27,11 +27,15 @@ class Energy:
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """One software node: rate of its loop and load of its computer."""
+    """One software node: rate of its loop, load of its computer, and what must be started before it."""
 
     name: str
     rate_hz: float
     cpu_pct: float
+    label: str = ""
+    subsystem: str = ""
+    starts_after: tuple[str, ...] = ()
+    host: str = "main"
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,9 +61,8 @@ class Profile:
         home_below: goes home by itself below this charge, if it may; 0 never.
         home_speed_mps, lead_speed_mps: on its way home, and to the path of its mission.
         rate_per_min: of the tool at work, shown as it is.
-        dwell_s: of one planting.
+        work_function, drive_function, hand_function: without which it neither works, nor drives alone, nor by hand.
         tray: seedlings on a full tray.
-        spacing_m: along the row, from tree to tree.
     """
 
     family: Family
@@ -75,7 +78,11 @@ class Profile:
     nodes: tuple[Node, ...]
     functions: tuple[up.Function, ...]
     cameras: tuple[up.Camera, ...]
+    work_function: str
     joints: tuple[Joint, ...] = ()
+    gauges: tuple[GaugeInfo, ...] = ()
+    drive_function: str = "follow-path"
+    hand_function: str = "manual-drive"
     tool_node: str = ""
     protective_field_m: float = 4.0
     needs_rtk: bool = True
@@ -83,8 +90,6 @@ class Profile:
     home_speed_mps: float = 1.0
     lead_speed_mps: float = 0.8
     rate_per_min: float | None = None
-    dwell_s: float = 0.0
     tray: int = 0
-    spacing_m: float = 0.0
     hot_c: float | None = None
     keep_out_m: float = 15.0

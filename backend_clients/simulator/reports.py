@@ -6,11 +6,14 @@ from collections import deque
 from typing import TypedDict
 
 from backend_clients.edge import messages_up as up
+from backend_clients.edge.machine import Body, Scan, Worksite
 from backend_clients.simulator.brain import Brain
-from backend_clients.simulator.datasheet import factsheet_fields, node_fields
+from backend_clients.simulator.datasheet import factsheet_fields
 from backend_clients.simulator.holds import fault
+from backend_clients.simulator.inside import body_fields, worksite_fields
 from backend_clients.simulator.journal import Happening
 from backend_clients.simulator.latch import PressRecord
+from backend_clients.simulator.scan import scan_fields
 from backend_clients.simulator.watch import waiting_reason
 
 MAX_PENDING_PINGS = 4
@@ -114,6 +117,8 @@ class Reporter:
             actions=brain.actions.list(),
             faults=[fault(code, brain.profile.words) for code in brain.watch.faults],
             hold=waiting_reason(brain),
+            active=brain.watch.activity.active() if brain.watch.activity is not None else [],
+            last_transition=brain.watch.activity.last if brain.watch.activity is not None else None,
         )
 
     def safety(self) -> up.Safety:
@@ -135,9 +140,23 @@ class Reporter:
         """Return who the robot is and what it can do."""
         return up.Factsheet(**self.header(), **factsheet_fields(self._brain.config))
 
+    def body(self) -> Body:
+        """Return joints, gauges and who is near."""
+        return Body(**self.header(), **body_fields(self._brain.machine))
+
+    def worksite(self) -> Worksite | None:
+        """Return where it works now, ``None`` before the first site and for machines without one."""
+        rig = self._brain.machine.rig
+        fields = worksite_fields(rig) if rig is not None else None
+        return None if fields is None else Worksite(**self.header(), **fields)
+
+    def scan(self) -> Scan:
+        """Return what it sees of the ground around it."""
+        return Scan(**self.header(), **scan_fields(self._brain.machine))
+
     def nodes(self) -> list[up.Node]:
         """Return the life cycle of each software node."""
-        return [up.Node(**self.header(), **fields) for fields in node_fields(self._brain.machine)]
+        return [up.Node(**self.header(), **fields) for fields in self._brain.nodes.fields()]
 
     def event(self, happening: Happening) -> up.Event:
         """Return the message of one event."""

@@ -1,16 +1,17 @@
 """What the robot tells about itself: supervisor states, active faults, and why it waits.
 
-Words of the supervisor path follow the robot's own sequence: select and start (A0), perceive (A1),
-decide (A2), command (A3), forward (A4), treat (A5), end (A6).
+A robot with a chart tells each state of it; a lean robot has none and tells the path in words only.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from backend_clients.edge import messages_up as up
+from backend_clients.simulator.activity import Activity, Change
 from backend_clients.simulator.holds import fault, hold
 from backend_clients.simulator.mission_run import MOVED_LIMIT_M
+from backend_clients.simulator.supervisor import supervisor_of
 
 if TYPE_CHECKING:
     from backend_clients.simulator.brain import Brain
@@ -26,6 +27,8 @@ _WAIT_WORDS = {
     "crane_limit": "Crane at limit",
     "tray_empty": "Tray empty",
     "start_horn": "Horn",
+    "person_inside": "Person inside",
+    "ask_person": "Help wanted",
 }
 
 
@@ -37,11 +40,16 @@ class Watch:
         self.path: tuple[str, ...] = ("Boot",)
         self.since_ms = 0
         self.faults: tuple[str, ...] = ()
+        self._supervisor = None if brain.config.is_lean else supervisor_of(brain)
+        self.activity: Activity | None = None
+        if self._supervisor is not None:
+            self.activity = Activity(self._supervisor.tree, ("start-up",), 0)
         self.look()
 
     def look(self) -> None:
         """Compare with the last look."""
-        path, codes = supervisor_path(self._brain), fault_codes(self._brain)
+        self._look_at_states()
+        path, codes = self._words(), fault_codes(self._brain)
         if path != self.path:
             self._changed(path)
         if codes != self.faults:
@@ -56,12 +64,63 @@ class Watch:
     def _text(self, code: str) -> str:
         return fault(code, self._brain.profile.words).text
 
+    def _look_at_states(self) -> None:
+        if self._supervisor is None or self.activity is None:
+            return
+        states, steps = self._supervisor.look(self._brain)
+        if not steps and states == self.activity.states:
+            return
+        for change in self.activity.become(states, self._brain.mono_ms(), steps):
+            self._tell(change)
+
+    def _tell(self, change: Change) -> None:
+        assert self.activity is not None
+        tree = self.activity.tree
+        state, path = tree.states[change.state], tree.labels(change.state)
+        facts: dict[str, Any] = {
+            "state": state.id,
+            "path": path,
+            "subsystem": state.subsystem,
+            "is_leaf": tree.is_leaf(state.id),
+        }
+        if self._brain.run is not None:
+            facts["mission_id"] = self._brain.run.mission.mission_id
+        if change.is_entered:
+            self._brain.note("state_entered", state.label, **facts)
+        else:
+            facts |= {"duration_ms": change.duration_ms, "result": change.result}
+            self._brain.note("state_left", state.label, **facts)
+
+    def _words(self) -> tuple[str, ...]:
+        if self.activity is not None and self._brain.profile.work == "plant":
+            return planter_words(self._brain, self.activity)
+        return supervisor_path(self._brain)
+
     def _changed(self, path: tuple[str, ...]) -> None:
         now_ms = self._brain.mono_ms()
-        left, entered = " > ".join(self.path), " > ".join(path)
-        self._brain.note("state_left", left[:80], duration_ms=now_ms - self.since_ms, path=list(self.path))
-        self._brain.note("state_entered", entered[:80], path=list(path))
+        if self.activity is None:
+            left, entered = " > ".join(self.path), " > ".join(path)
+            self._brain.note("state_left", left[:80], duration_ms=now_ms - self.since_ms, path=list(self.path))
+            self._brain.note("state_entered", entered[:80], path=list(path))
         self.path, self.since_ms = path, now_ms
+
+
+_QUIET = ("crane-idle", "tool-idle", "transfer", "hold", "area-clear", "person-near")
+
+
+def planter_words(brain: Brain, activity: Activity) -> tuple[str, ...]:
+    """Return the states of a planter worth a word, outer first: one leaf of those that are active together."""
+    tree, states = activity.tree, activity.states
+    leaves = [one for one in states if tree.is_leaf(one)]
+    leaf = next((one for one in reversed(leaves) if one not in _QUIET), leaves[0])
+    words = [label for label in tree.labels(leaf) if label not in ("Base", "Crane", "Planting tool", "Guard")]
+    rig = brain.machine.rig
+    target = rig.site.current if rig is not None and rig.site is not None else None
+    if target is not None and "plant-site" in states:
+        words[1] = f"Plant tree {target.id.removeprefix('tree-')}"
+    if brain.hold_code and brain.hold_code in _WAIT_WORDS and "mission" in states:
+        words.append(_WAIT_WORDS[brain.hold_code])
+    return tuple(words)
 
 
 def supervisor_path(brain: Brain) -> tuple[str, ...]:
@@ -119,6 +178,10 @@ def fault_codes(brain: Brain) -> tuple[str, ...]:
         found.append("weed-unsure")
     if machine.is_crane_at_limit:
         found.append("crane-limit")
+    if machine.rig is not None and brain.work.waits_for() in ("person_inside", "ask_person"):
+        found.append(brain.work.waits_for().replace("_", "-"))
+    if brain.nodes.failed:
+        found.append("node-failure")
     if machine.profile.tray and machine.seedlings < TRAY_LOW:
         found.append("tray-low" if machine.seedlings else "tray-empty")
     found += _battery(brain)
@@ -154,5 +217,10 @@ def waiting_reason(brain: Brain) -> up.Hold | None:
         moved_m = run.moved_m(brain.place)
         if moved_m > MOVED_LIMIT_M and run.pause_code not in ("return_home", "low_charge"):
             return hold("moved_while_paused", detail=f"It was moved {moved_m:.1f} m since the pause.")
+        if run.pause_code == "function_off":
+            profile = brain.profile
+            why = brain.nodes.why_off(profile.work_function)
+            label = next(one.label for one in profile.functions if one.name == profile.work_function)
+            return hold("function_off", detail=f"{label} is off: {why} does not run." if why else "")
         return hold(run.pause_code or "paused")
     return None

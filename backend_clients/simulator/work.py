@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from backend_clients.simulator.machine import STOPPED, Machine
+from backend_clients.simulator.machine import Machine
 from backend_clients.simulator.tracking import Setpoint
 
 if TYPE_CHECKING:
@@ -17,9 +17,7 @@ if TYPE_CHECKING:
     from backend_clients.simulator.profile import Profile
 
 ROLLING_MPS = 0.05
-AT_TREE_M = 0.06
-TO_TREE_MPS = 0.1
-LEAST_STEP_M = 0.1
+CREEP_MPS = 0.1
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +30,14 @@ class Doing:
 
 
 class Work(Protocol):
-    """One kind of work."""
+    """One kind of work.
+
+    ``row`` is the row that is worked where it is not the one the machine is on; ``is_at_site`` while it works with
+    the machine standing.
+    """
+
+    row: int | None
+    is_at_site: bool
 
     def guide(self, run: MissionRun, wanted: Setpoint, dt_s: float) -> Doing:
         """Return what to do where the mission wants ``wanted``."""
@@ -49,6 +54,9 @@ class Work(Protocol):
 
 class Weeding:
     """Fires at weeds while it rolls along a row."""
+
+    row: int | None = None
+    is_at_site = False
 
     def __init__(self, machine: Machine) -> None:
         self._machine = machine
@@ -70,61 +78,11 @@ class Weeding:
         return (self._machine.rate_per_min or 0.0) * dt_s / 60 * min(dose, 1 / max(dose, 1))
 
 
-class Planting:
-    """Stops at each planting point of a row, plants one seedling, drives on."""
-
-    def __init__(self, machine: Machine) -> None:
-        self._machine = machine
-        self._left_s = 0.0
-        self._planted_at_m = -math.inf
-        self._fresh = 0
-
-    def guide(self, run: MissionRun, wanted: Setpoint, dt_s: float) -> Doing:
-        """Brake for the next point; plant there with the drive still."""
-        s_m = run.tracker.s_m
-        if self._left_s > 0:
-            return self._plant(s_m, dt_s)
-        if wanted.is_pivoting or not run.leg.is_tool_wanted(s_m):
-            return Doing(wanted)
-        ahead_m = self._next_m(run, s_m) - s_m
-        if ahead_m > AT_TREE_M:
-            decel = self._machine.profile.motion.planned_decel_mps2
-            v = min(wanted.v_mps, max(math.sqrt(2 * decel * ahead_m) * 0.8, TO_TREE_MPS))
-            return Doing(Setpoint(v, wanted.yaw_rate_radps), is_working=True)
-        if self._machine.base.is_still:
-            self._left_s = self._machine.profile.dwell_s
-        return Doing(STOPPED, is_working=True)
-
-    def waits_for(self) -> str:
-        """Wait for a tray, or for a crane that somebody brings back."""
-        if self._machine.is_crane_at_limit:
-            return "crane_limit"
-        return "tray_empty" if self._machine.seedlings == 0 and self._left_s <= 0 else ""
-
-    def count(self, run: MissionRun, dt_s: float) -> float:
-        """Return the trees planted."""
-        fresh, self._fresh = self._fresh, 0
-        return fresh
-
-    def _plant(self, s_m: float, dt_s: float) -> Doing:
-        self._left_s -= dt_s
-        if self._left_s <= 0:
-            self._machine.seedlings = max(self._machine.seedlings - 1, 0)
-            self._planted_at_m, self._fresh = s_m, self._fresh + 1
-        return Doing(STOPPED, tool_on=self._left_s > 0, is_working=True)
-
-    def _next_m(self, run: MissionRun, s_m: float) -> float:
-        """Return where on the line the next tree goes; the end of the row if there is none."""
-        if self._planted_at_m > s_m + AT_TREE_M:
-            self._planted_at_m = -math.inf  # the mission began again
-        leg, spacing = run.leg, self._machine.profile.spacing_m
-        first = max(self._planted_at_m + LEAST_STEP_M, s_m - AT_TREE_M) - leg.own_start_m
-        at = leg.own_start_m + max(math.ceil(first / spacing), 0) * spacing
-        return at if at <= leg.end_m else leg.end_m + spacing
-
-
 class Searching:
     """Takes pictures while it flies along a line."""
+
+    row: int | None = None
+    is_at_site = False
 
     def __init__(self, machine: Machine) -> None:
         self._machine = machine
@@ -143,11 +101,16 @@ class Searching:
         return 0.0
 
 
+def approach(v_mps: float, ahead_m: float, decel_mps2: float) -> float:
+    """Return the speed that still stops after ``ahead_m``."""
+    return min(v_mps, max(math.sqrt(2 * decel_mps2 * max(ahead_m, 0.0)) * 0.8, CREEP_MPS))
+
+
 def work_of(profile: Profile, machine: Machine) -> Work:
     """Return the work a family does."""
-    kinds: dict[str, type[Weeding] | type[Planting] | type[Searching]] = {
-        "weed": Weeding,
-        "plant": Planting,
-        "survey": Searching,
-    }
-    return kinds[profile.work](machine)
+    if profile.work == "plant":
+        # its supervisor's library is not needed where no planter lives
+        from backend_clients.simulator.planting import Planting
+
+        return Planting(machine)
+    return Weeding(machine) if profile.work == "weed" else Searching(machine)

@@ -15,8 +15,10 @@ from backend_clients.simulator.config import RobotConfig
 from backend_clients.simulator.faults import Fault, Faults
 from backend_clients.simulator.journal import Happening
 from backend_clients.simulator.kinematics import Base
+from backend_clients.simulator.limbs import Limbs
 from backend_clients.simulator.machine import STOPPED, Machine
 from backend_clients.simulator.orders import OrderDesk
+from backend_clients.simulator.planter_rig import PlanterRig
 from backend_clients.simulator.reports import Reporter
 from backend_clients.simulator.state_folder import StateFolder
 from hmi.clock import Clock
@@ -51,7 +53,11 @@ class SimRobot:
         self.store = StateFolder(state_dir)
         noise = random.Random(f"noise/{config.id}/{seed}")  # noqa: S311
         profile = config.profile
-        self.machine = Machine(noise, self._first_place(), profile, soc=config.soc, seedlings=profile.tray)
+        rig = PlanterRig(f"{config.id}/{seed}") if profile.work == "plant" else None
+        limbs = Limbs(profile.joints) if rig is None and profile.joints and not config.is_lean else None
+        self.machine = Machine(
+            noise, self._first_place(), profile, config.soc, seedlings=profile.tray, rig=rig, limbs=limbs
+        )
         saved = self.store.load_progress()
         if saved is not None:
             self.machine.soc = saved.soc
@@ -60,7 +66,7 @@ class SimRobot:
         self.lived_s = 0.0  # of the world's time
         self.is_lazy = False  # lean and in its usual round: not looked at before its turn
         self.is_awake = False  # an order came; what it changes is not to wait for the next long step
-        self.boot: Boot | None = self._power_up()
+        self.boot: Boot | None = self.power_up()
 
     def receive(self, order: down.Order, *, is_retained: bool = False) -> up.Ack | None:
         """Hand one order to the software; ``None`` too when it is switched off."""
@@ -75,12 +81,13 @@ class SimRobot:
             if self._boot_at_s is not None and self.clock.mono_s() >= self._boot_at_s:
                 self.faults.clear("crash")
                 self._boot_at_s = None
-                self.boot = self._power_up()
+                self.boot = self.power_up()
         else:
             brain = self.boot.brain
             brain.check_people()
             left_s = dt_s * speed if brain.is_auto else dt_s
-            most_s = MAX_RAIL_STEP_S if self.machine.profile.motion.is_on_rails or self.is_resting else MAX_STEP_S
+            is_easy = self.machine.profile.motion.is_on_rails or self.is_resting or brain.work.is_at_site
+            most_s = MAX_RAIL_STEP_S if is_easy else MAX_STEP_S
             while left_s > 1e-9:
                 step_s = min(left_s, most_s)
                 brain.step(step_s)
@@ -134,6 +141,10 @@ class SimRobot:
                 self.machine.is_hardware_stop = True
             case fault_kinds.KeepsMoving():
                 self.machine.ignores_brakes = True
+            case fault_kinds.WrongStartOrder() if self.boot is not None:
+                brain = self.boot.brain
+                if fault.node in brain.nodes.lives:
+                    brain.nodes.start_too_early(fault.node, brain.mono_ms())
             case fault_kinds.Crash():
                 self.crash(fault.reboot_after_s)
 
@@ -159,6 +170,9 @@ class SimRobot:
                     self.machine.is_hardware_stop = False
                 case fault_kinds.KeepsMoving():
                     self.machine.ignores_brakes = False
+                case fault_kinds.NodeFailure() | fault_kinds.WrongStartOrder() if self.boot is not None:
+                    brain = self.boot.brain
+                    brain.nodes.mend(fault.node, self.clock.mono_s(), brain.mono_ms())
                 case fault_kinds.Crash() if self.boot is None:
                     self._boot_at_s = self.clock.mono_s()
 
@@ -167,7 +181,8 @@ class SimRobot:
         self.boot = None
         self._boot_at_s = None if reboot_after_s is None else self.clock.mono_s() + reboot_after_s
 
-    def _power_up(self) -> Boot:
+    def power_up(self) -> Boot:
+        """Return the software as it starts on the machine as it stands."""
         # never from the seed: a replayed order of an earlier run must find neither its boot nor its challenge
         boot_id = secrets.token_hex(8)
         brain = Brain(self.config, self.machine, self.clock, self.store, self.faults, boot_id, _challenge)

@@ -18,7 +18,8 @@ from hmi.domain.alarm.live_alarm import LiveAlarm
 from hmi.presenters import alarm_journal as shown
 from hmi.presenters.alarm_sequence import sequence
 from hmi.presenters.alarms import entry, words
-from hmi.presenters.diagnosis import Scene, diagnose
+from hmi.presenters.diagnosis import diagnose
+from hmi.presenters.scene import Scene
 from hmi.store.alarm_journal import AlarmJournal, Search
 from hmi.store.alarms import AlarmStore
 from hmi.store.audit import Audit

@@ -31,6 +31,8 @@ REFUSAL_STATUS = {
     "not_registered": 403,
     "other_farm": 403,
     "unknown_robot": 404,
+    "unknown_node": 404,
+    "incomplete": 422,
     "has_progress": 409,
 }
 """Refusals of the console that are an error of the request, not an outcome of an order."""

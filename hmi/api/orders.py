@@ -18,6 +18,7 @@ from hmi.commands.reset import ResetRequest
 from hmi.commands.service import CommandRequest
 from hmi.domain.command import Action
 
+Metres = Annotated[float, Field(ge=-100_000, le=100_000)]
 RobotId = Annotated[str, Path(max_length=64)]
 
 
@@ -25,10 +26,19 @@ class CommandBody(Body):
     """An instant action."""
 
     command_id: Ref
-    action: Literal["start", "resume", "pause", "abort", "return_home", "drive_open", "drive_close"]
+    action: Literal[
+        "start", "resume", "pause", "abort", "return_home", "drive_open", "drive_close",
+        "go_to", "tool_retract", "tool_go_to", "skip_target", "stock_refilled",
+        "node_start", "node_stop", "node_restart",
+    ]  # fmt: skip
     tick: Tick
     mission_id: Id | None = None
     checklist_id: Annotated[str | None, Field(max_length=64, description="record of the pre-start checklist")] = None
+    node: Annotated[Id | None, Field(description="for node_start, node_stop and node_restart")] = None
+    place: Annotated[
+        tuple[Metres, Metres, Metres] | None,
+        Field(description="for go_to and tool_go_to: ENU metres of the robot's datum", strict=False),
+    ] = None
 
 
 class LeaseBody(Body):
@@ -69,9 +79,11 @@ def order_routes(desk: CommandDesk) -> APIRouter:
     @router.post("/commands", summary="Command a robot")
     async def command(robot_id: RobotId, body: CommandBody, session: SignedIn) -> dict[str, Any]:
         action, tick = Action(body.action), body.tick
-        request = CommandRequest(robot_id, action, body.command_id, tick, body.mission_id, body.checklist_id)
+        request = CommandRequest(
+            robot_id, action, body.command_id, tick, body.mission_id, body.checklist_id, body.node, body.place
+        )
         result = await desk.commands.submit(session, request)
-        return {"command_id": body.command_id, **_outcome(result)}
+        return {"command_id": body.command_id, **outcome_of(result)}
 
     @router.post("/lease", summary="Ask for, give, keep, take or give back control")
     async def lease(robot_id: RobotId, body: LeaseBody, session: SignedIn) -> dict[str, Any]:
@@ -91,7 +103,7 @@ def order_routes(desk: CommandDesk) -> APIRouter:
     async def stop_reset(robot_id: RobotId, body: ResetBody, session: SignedIn) -> dict[str, Any]:
         request = ResetRequest(robot_id, body.reset_id, tuple(body.stop_ids), body.reason, body.tick)
         result = await desk.resets.reset(session, request)
-        return {"reset_id": body.reset_id, **_outcome(result)}
+        return {"reset_id": body.reset_id, **outcome_of(result)}
 
     @router.post("/seen", status_code=204, summary="I see it standing still")
     async def seen(robot_id: RobotId, body: SeenBody, session: SignedIn) -> None:
@@ -106,7 +118,8 @@ def order_routes(desk: CommandDesk) -> APIRouter:
     return router
 
 
-def _outcome(result: CommandResult) -> dict[str, Any]:
+def outcome_of(result: CommandResult) -> dict[str, Any]:
+    """Return what became of an order; raises what is an error of the request."""
     if result.ms is None:  # a robot's own words come with a time, and are never an error of the request
         raise_if_forbidden(result.code, result.text)
     return {"outcome": result.outcome.value, "code": result.code, "text": result.text, "ms": result.ms}

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from hmi.lean_start import lean_start
+
 if TYPE_CHECKING:
     from hmi.settings import Settings
 
@@ -14,6 +16,7 @@ def run_console(settings: Settings) -> None:
     Raises:
         StartError: the database cannot be used.
     """
-    from hmi.app.server import serve_console
+    with lean_start("engineio", "httpx"):
+        from hmi.app.server import serve_console
 
     serve_console(settings)

@@ -40,7 +40,7 @@ from hmi.ingest.supervision.rules import rules_of
 from hmi.ingest.supervision.view import MissionOf, Rule
 from hmi.ingest.supervision.watch import Watch
 from hmi.presenters import alarms as shown
-from hmi.presenters.diagnosis import Scene
+from hmi.presenters.scene import Scene
 from hmi.security.authorization import Authorize
 from hmi.settings import Settings
 from hmi.store.alarm_journal import AlarmJournal

@@ -18,14 +18,15 @@ from hmi.app.missions import MissionDesk
 from hmi.app.queue import QueueDesk
 from hmi.app.records import Records
 from hmi.app.stops import StopDesk
+from hmi.app.twin import TwinDesk
 from hmi.app.witness import FleetWitness
 from hmi.clock import Clock
 from hmi.commands.desk import CommandDesk, CommandPorts
-from hmi.commands.drive import DriveFrame
+from hmi.commands.drive import DriveFrame, JogFrame
 from hmi.commands.lease_words import asked_of, owner_of
 from hmi.domain.event import RobotEvent
 from hmi.domain.robot import SafetyState
-from hmi.live.frames import Drive, Here
+from hmi.live.frames import Drive, Here, Jog
 from hmi.live.hub import LiveHub
 from hmi.security.authorization import Authorizer
 from hmi.security.session_info import SessionInfo
@@ -94,6 +95,7 @@ class Console:
             on_stop_all=self.queue.freeze.stop_all,
             on_move=self._stop_moved,
         )
+        self.twin = TwinDesk.of(settings, records, edge.fleet, self.authorize)
         self.alarms.weather = self.queue.weather
         self.alarms.notifications.responsible_for = self._responsible_for
         self.chores = Chores(records, self.hub, self.keeper, clock)
@@ -139,6 +141,7 @@ class Console:
 
     async def stop(self) -> None:
         """End everything in the opposite order; what is queued is written."""
+        await self.twin.stop()
         await self.alarms.stop()
         await self.chores.stop()
         for undo in self._undo:
@@ -158,15 +161,19 @@ class Console:
         """Let the live store know which robots are registered now; call it on the loop."""
         self.edge.fleet.set_registry(self.records.robots.all())
 
-    def client_frame(self, session: SessionInfo, lane_id: str, frame: Here | Drive) -> None:
-        """Take a ``here`` or ``drive`` frame of a browser."""
+    def client_frame(self, session: SessionInfo, lane_id: str, frame: Here | Drive | Jog) -> None:
+        """Take a ``here``, ``drive`` or ``jog`` frame of a browser."""
         if isinstance(frame, Here):
             for robot_id in frame.each():
                 self.desk.pulse.here(session, robot_id, frame.tick)
             return
-        verdict = self.desk.drive.setpoint(session, lane_id, DriveFrame(frame.robot, frame.v, frame.w, frame.tick))
+        if isinstance(frame, Jog):
+            kind, verdict = "jog", self.desk.drive.jog(session, lane_id, JogFrame(frame.robot, frame.rates, frame.tick))
+        else:
+            setpoint = DriveFrame(frame.robot, frame.v, frame.w, frame.tick)
+            kind, verdict = "drive", self.desk.drive.setpoint(session, lane_id, setpoint)
         if not verdict.is_forwarded and self._is_new_refusal(lane_id, verdict.code):
-            told = {"kind": "drive", "robot": frame.robot, "code": verdict.code, "text": verdict.text}
+            told = {"kind": kind, "robot": frame.robot, "code": verdict.code, "text": verdict.text}
             self.hub.event(told, session_id=session.session_id)
 
     def _is_new_refusal(self, lane_id: str, code: str) -> bool:

@@ -27,6 +27,7 @@ from hmi.store.maps import Maps
 from hmi.store.missions import Missions
 from hmi.store.recorder import Recorder
 from hmi.store.robots import Robots
+from hmi.store.state_times import StateRecords
 from hmi.store.stop_list import StopList
 from hmi.store.templates import Templates
 from hmi.store.thinning import Thinning
@@ -57,6 +58,7 @@ class Records:
         self.audit = Audit(self.database, clock, settings.data / "audit-spill.jsonl")
         self.recorder = Recorder(self.database, farm, clock, is_registered)
         self.history = History(self.database, farm)
+        self.state_times = StateRecords(self.database, farm)
         self.counters = Counters(self.database, farm)
         self.features = Features(self.database, clock)
         self.maps = Maps(self.database, clock)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import logging
 
-import structlog
 import uvicorn
 
 from hmi.app.console import Console
@@ -55,15 +54,6 @@ async def _serve(settings: Settings) -> None:
 
 
 def _configure_logging() -> None:
-    structlog.configure(
-        processors=[
-            structlog.stdlib.add_log_level,
-            structlog.processors.TimeStamper(fmt="iso", utc=True),
-            structlog.processors.format_exc_info,
-            structlog.processors.JSONRenderer(),
-        ],
-        logger_factory=structlog.stdlib.LoggerFactory(),
-    )
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s %(message)s")
     for noisy in ("httpx", "httpcore", "alembic"):
         logging.getLogger(noisy).setLevel(logging.WARNING)

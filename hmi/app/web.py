@@ -15,10 +15,12 @@ from hmi.api.demo import demo_routes
 from hmi.api.diagnostics import Sources
 from hmi.api.health import HealthRoutes
 from hmi.api.metrics import Gauge
+from hmi.api.nodes import NodeRoutes, node_routes
 from hmi.api.records import RecordRoutes
 from hmi.api.robots import RobotRoutes
 from hmi.api.router import PREFIX, ApiServices, build_api
 from hmi.api.sessions import SessionRoutes
+from hmi.api.state_chart import StateRoutes, state_chart_routes
 from hmi.app.console import Console
 from hmi.app.demo import SimulatorStage
 from hmi.assets import CompressedAssets
@@ -49,6 +51,11 @@ def build_web(console: Console) -> FastAPI:
             console.client_frame,
             console.clock,
             console.desk.drive.connection_lost,
+        )
+    )
+    web.router.routes.extend(
+        console.twin.routes(
+            lambda origin, host: origins.is_allowed(origin, "https" if settings.is_tls else "http", host or "")
         )
     )
     web.mount(PREFIX, build_api(_api(console)))
@@ -152,6 +159,10 @@ def _api(console: Console) -> ApiServices:
             console.queue.routes(),
             *console.fleet.routes(),
             *console.alarms.routes(),
+            node_routes(NodeRoutes(edge.fleet.robot, console.desk.commands, edge.sender, console.clock)),
+            state_chart_routes(
+                StateRoutes(edge.fleet.robot, records.state_times, records.database, console.clock, console.authorize)
+            ),
             *_demo_routes(console),
         ],
     )

@@ -11,7 +11,7 @@ import typer
 
 from hmi import __version__
 from hmi.cli import bench, cert, check, people, processes, records, robots, simulate
-from hmi.cli.failure import report_failures
+from hmi.keeper.failure import report_failures
 
 app = typer.Typer(
     name="headland",

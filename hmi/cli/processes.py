@@ -1,4 +1,4 @@
-"""``headland demo``, ``serve``, ``console``, ``stop``: the installation and its processes."""
+"""``headland demo``, ``serve``, ``console``, ``stop``, ``media``: the installation and its processes."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ def register(app: typer.Typer) -> None:
     app.command()(serve)
     app.command()(console)
     app.command()(stop)
+    app.command()(media)
 
 
 def demo(*, tls: Tls = False) -> None:
@@ -45,3 +46,11 @@ def stop() -> None:
     from hmi.stop_gateway.process import run_gateway
 
     run_gateway(Settings())  # type: ignore[call-arg]  # every field comes from file or variables
+
+
+def media() -> None:
+    """Run the media process with the 3D twin alone (the keeper does this)."""
+    from hmi.media.process import run_media
+    from hmi.settings import Settings
+
+    run_media(Settings())  # type: ignore[call-arg]  # every field comes from file or variables

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hmi.clock import SystemClock
+from hmi.domain.family import Family
 from hmi.domain.ids import is_id
-from hmi.domain.robot import Family
 from hmi.keeper.errors import StartError
 
 if TYPE_CHECKING:

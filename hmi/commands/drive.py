@@ -1,43 +1,33 @@
 """Hold-to-run: each setpoint a browser sends is judged, clamped and forwarded once, or not at all.
 
-Nothing here repeats a setpoint: when frames stop, sending stops, and the robot's own dead-man (0.5 s) does the
-rest. The only setpoint the console ever makes by itself is zero.
+Wheels and joints follow the same rules and share one pair of hands. Nothing here repeats a setpoint: when frames
+stop, sending stops, and the robot's own dead-man (0.5 s) does the rest. The only setpoint the console ever makes by
+itself is zero.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Awaitable, Callable
-from dataclasses import dataclass, replace
+from collections.abc import Awaitable, Callable, Mapping
+from dataclasses import dataclass, field, replace
 
 from hmi.clock import Clock
 from hmi.commands.gate import Gate
+from hmi.commands.hold_rules import HoldRules
 from hmi.commands.lease_service import LeaseService
 from hmi.commands.ledger import CommandResult, Ticket
 from hmi.commands.ports import FleetReader, LaneEvent, TickJudge
-from hmi.commands.refusal import (
-    BAD_SETPOINT,
-    DELAY,
-    DELAY_UNKNOWN,
-    DRIVEN_ELSEWHERE,
-    NO_LEASE,
-    NOT_CONNECTED,
-    NOT_MANUAL,
-    STALE_TICK,
-    OrderRefused,
-)
-from hmi.domain.command import Action, DriveOrder, OrderSender
+from hmi.commands.refusal import BAD_SETPOINT, DRIVEN_ELSEWHERE, FUNCTION_OFF, NOT_CONNECTED, OrderRefused
+from hmi.domain.command import Action, DriveOrder, JogOrder, OrderSender
+from hmi.domain.function_use import jog_obstacle, obstacle
 from hmi.domain.ids import new_id
 from hmi.domain.lease import Lease
-from hmi.domain.robot import Mode, Robot
-from hmi.domain.role import Permission
+from hmi.domain.robot import Robot
 from hmi.security.session_info import SessionInfo
 
 SLOW_MPS, CREEP_MPS = 0.5, 0.2  # ux-spec.md: Slow and Creep; faster needs a spotter on site
 SLOW_RADPS, CREEP_RADPS = 0.6, 0.3  # a 1.5 m machine's corner then moves no faster than its middle
-DELAY_LOWERS_S, DELAY_STOPS_S = 0.2, 0.3  # at 0.5 m/s and 0.3 s the robot is 15 cm past what the person saw
-RTT_KNOWN_S = 5.0  # an older measurement says nothing of the link now
-TICK_PERIOD_S = 0.1  # a tick is up to this old when a browser echoes it at once
+SLOW_SHARE, CREEP_SHARE = 0.5, 0.2  # of a joint's own top rate: nobody guides a crane by hand at full speed
 SAME_HAND_S = 0.5  # one pair of hands: a second page of the same person waits until the first let go
 NO_INPUT_S = 300.0  # ux-spec.md: control ends after 5:00 without input
 
@@ -53,8 +43,17 @@ class DriveFrame:
 
 
 @dataclass(frozen=True, slots=True)
+class JogFrame:
+    """One setpoint of joints from a browser, by name: rad/s or m/s."""
+
+    robot_id: str
+    rates: Mapping[str, float]
+    tick_id: str
+
+
+@dataclass(frozen=True, slots=True)
 class DriveVerdict:
-    """What became of a frame: forwarded as ``v_mps`` and ``yaw_rate_radps``, or refused with a sentence."""
+    """What became of a frame: forwarded as ``v_mps`` and ``yaw_rate_radps`` or ``rates``, or refused."""
 
     is_forwarded: bool
     code: str
@@ -62,6 +61,7 @@ class DriveVerdict:
     v_mps: float = 0.0
     yaw_rate_radps: float = 0.0
     ends_in_s: float = NO_INPUT_S
+    rates: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,10 +73,12 @@ class _Driving:
     connection: str = ""
     moved_s: float = -math.inf
     lease: Lease | None = None
+    is_driving: bool = False
+    joints: frozenset[str] = frozenset()
 
     @property
     def is_moving(self) -> bool:
-        """Whether the last setpoint forwarded was not zero."""
+        """Whether the last setpoint forwarded to wheels or joints was not zero."""
         return self.lease is not None
 
 
@@ -101,30 +103,37 @@ class DriveRelay:
         on_event: LaneEvent,
         close_drive: CloseDrive,
     ) -> None:
-        self._gate, self._leases, self._fleet, self._ticks = gate, leases, fleet, ticks
+        self._leases, self._fleet, self._rules = leases, fleet, HoldRules(gate, leases, ticks, clock)
         self._sender, self._clock, self._on_event, self._close_drive = sender, clock, on_event, close_drive
         self._driving: dict[str, _Driving] = {}
         leases.when_ended(self._lease_ended)
 
     def setpoint(self, actor: SessionInfo, connection: str, frame: DriveFrame) -> DriveVerdict:
-        """Judge one frame and forward it at once, or refuse it and bring the robot to rest.
+        """Judge one frame for the wheels and forward it at once, or refuse it and bring the robot to rest.
 
         Args:
             connection: names the socket the frame came by, see ``connection_lost``.
         """
         try:
-            robot, lease, cap_mps, cap_radps = self._admit(actor, connection, frame)
+            robot, lease, v_mps, w_radps = self._admit_drive(actor, connection, frame)
         except OrderRefused as refused:
-            driving = self._driving.get(frame.robot_id)
-            is_own = driving is not None and driving.actor.session_id == actor.session_id
-            if is_own and refused.code != DRIVEN_ELSEWHERE:
-                self._rest(frame.robot_id)
-            return DriveVerdict(False, refused.code, refused.text, ends_in_s=self.ends_in_s(frame.robot_id))
-        v_mps, w_radps = _clamp(frame, robot, cap_mps, cap_radps)
+            return self._refuse(actor, frame.robot_id, refused)
         if not self._sender.send(self._order(robot, lease, v_mps, w_radps)):
-            return DriveVerdict(False, NOT_CONNECTED, "There is no connection to the robots. Nothing was sent.")
-        self._note(actor, connection, robot.id, lease, is_moving=bool(v_mps or w_radps))
+            return _NOT_SENT
+        self._note(actor, connection, robot.id, lease, is_driving=bool(v_mps or w_radps))
         return DriveVerdict(True, "ok", "", v_mps, w_radps, self.ends_in_s(robot.id))
+
+    def jog(self, actor: SessionInfo, connection: str, frame: JogFrame) -> DriveVerdict:
+        """Judge one frame for the joints and forward it at once, or refuse it and bring the robot to rest."""
+        try:
+            robot, lease, rates = self._admit_jog(actor, connection, frame)
+        except OrderRefused as refused:
+            return self._refuse(actor, frame.robot_id, refused)
+        if not self._sender.send(self._jog_order(robot, lease, rates)):
+            return _NOT_SENT
+        moving = frozenset(name for name, rate in rates.items() if rate)
+        self._note(actor, connection, robot.id, lease, joints=moving)
+        return DriveVerdict(True, "ok", "", ends_in_s=self.ends_in_s(robot.id), rates=rates)
 
     def connection_lost(self, connection: str) -> None:
         """Bring to rest what was driven over a socket that is gone; one zero each, then silence."""
@@ -155,23 +164,32 @@ class DriveRelay:
             self._on_event({"kind": "drive", "robot": robot_id, "op": "ended", "by": actor.user_name, "text": text})
             await self._close_drive(actor, robot_id, new_id())
 
-    def _admit(self, actor: SessionInfo, connection: str, frame: DriveFrame) -> tuple[Robot, Lease, float, float]:
+    def _admit_drive(self, actor: SessionInfo, connection: str, frame: DriveFrame) -> tuple[Robot, Lease, float, float]:
         if not (math.isfinite(frame.v_mps) and math.isfinite(frame.yaw_rate_radps)):
             raise OrderRefused(BAD_SETPOINT, "The setpoint is not a number.")
-        robot = self._gate.right(actor, Permission.DRIVE, frame.robot_id)
-        self._leases.observe(robot)
-        lease = self._leases.holds(actor.session_id, robot.id)
-        if lease is None:
-            owner = self._leases.of(robot.id)
-            who = f"{owner.holder.user_name} has control. Ask for it." if owner else "Control has ended. Ask for it."
-            raise OrderRefused(NO_LEASE, who)
-        self._gate.decided_now(frame.tick_id)
-        self._gate.challenge(robot)
-        self._gate.may_move(robot)
-        if robot.state is None or robot.state.mode is not Mode.MANUAL:
-            raise OrderRefused(NOT_MANUAL, f"{robot.name} is not driven by hand now. Open driving first.")
+        robot, lease = self._rules.admit(actor, frame.robot_id, frame.tick_id)
+        if reason := obstacle(robot, Action.DRIVE_OPEN):
+            raise OrderRefused(FUNCTION_OFF, reason)
         self._check_hand(robot.id, connection)
-        return robot, lease, *self._caps(robot, frame.tick_id)
+        is_slow = self._rules.is_slow_link(robot, frame.tick_id)
+        return robot, lease, *_clamp(frame, robot, *_caps(robot, is_slow=is_slow))
+
+    def _admit_jog(self, actor: SessionInfo, connection: str, frame: JogFrame) -> tuple[Robot, Lease, dict[str, float]]:
+        if not all(math.isfinite(one) for one in frame.rates.values()):
+            raise OrderRefused(BAD_SETPOINT, "The setpoint is not a number.")
+        robot, lease = self._rules.admit(actor, frame.robot_id, frame.tick_id)
+        if reason := jog_obstacle(robot):
+            raise OrderRefused(FUNCTION_OFF, reason)
+        self._check_hand(robot.id, connection)
+        is_slow = self._rules.is_slow_link(robot, frame.tick_id)
+        return robot, lease, _clamp_joints(frame, robot, CREEP_SHARE if is_slow else SLOW_SHARE)
+
+    def _refuse(self, actor: SessionInfo, robot_id: str, refused: OrderRefused) -> DriveVerdict:
+        driving = self._driving.get(robot_id)
+        is_own = driving is not None and driving.actor.session_id == actor.session_id
+        if is_own and refused.code != DRIVEN_ELSEWHERE:
+            self._rest(robot_id)
+        return DriveVerdict(False, refused.code, refused.text, ends_in_s=self.ends_in_s(robot_id))
 
     def _check_hand(self, robot_id: str, connection: str) -> None:
         driving = self._driving.get(robot_id)
@@ -180,43 +198,42 @@ class DriveRelay:
         if self._clock.mono_s() - driving.moved_s < SAME_HAND_S:
             raise OrderRefused(DRIVEN_ELSEWHERE, "You drive from another page already. Let go there first.")
 
-    def _caps(self, robot: Robot, tick_id: str) -> tuple[float, float]:
-        """Return the highest speed and yaw rate for the delay there is."""
-        link, now_s = robot.link, self._clock.mono_s()
-        if link.rtt_s is None or link.rtt_at_s is None or now_s - link.rtt_at_s > RTT_KNOWN_S:
-            raise OrderRefused(DELAY_UNKNOWN, f"The delay to {robot.name} is not known right now.")
-        age_s = self._ticks.age_s(tick_id)
-        if age_s is None:
-            raise OrderRefused(STALE_TICK, "The picture on this screen was older than 2 s.")
-        # The tick's age holds the way to the browser and back, and at most one tick period on top.
-        delay_s = link.rtt_s + max(0.0, age_s - TICK_PERIOD_S)
-        if delay_s > DELAY_STOPS_S:
-            raise OrderRefused(DELAY, f"The delay is {delay_s * 1000:.0f} ms. Driving needs 300 ms or less.")
-        is_slow_link = delay_s > DELAY_LOWERS_S or robot.factsheet is None
-        cap_mps, cap_radps = (CREEP_MPS, CREEP_RADPS) if is_slow_link else (SLOW_MPS, SLOW_RADPS)
-        if robot.factsheet is not None:
-            cap_mps = min(cap_mps, robot.factsheet.max_speed_mps)
-            cap_radps = min(cap_radps, robot.factsheet.max_yaw_rate_radps)
-        return cap_mps, cap_radps
-
-    def _note(self, actor: SessionInfo, connection: str, robot_id: str, lease: Lease, *, is_moving: bool) -> None:
+    def _note(
+        self,
+        actor: SessionInfo,
+        connection: str,
+        robot_id: str,
+        lease: Lease,
+        *,
+        is_driving: bool | None = None,
+        joints: frozenset[str] | None = None,
+    ) -> None:
+        """Remember what moves now; what a frame does not speak of stays as it was."""
         now_s = self._clock.mono_s()
         driving = self._driving.get(robot_id)
         if driving is None or driving.actor.session_id != actor.session_id:
             driving = _Driving(actor, now_s)
-        if is_moving:
-            driving = replace(driving, input_s=now_s, connection=connection, moved_s=now_s, lease=lease)
-        else:
-            driving = replace(driving, connection="", lease=None)
+        if is_driving is not None:
+            driving = replace(driving, is_driving=is_driving)
+        if joints is not None:
+            driving = replace(driving, joints=joints)
+        if is_driving or joints:
+            driving = replace(driving, input_s=now_s, connection=connection, moved_s=now_s)
+        is_moving = driving.is_driving or bool(driving.joints)
+        driving = replace(driving, lease=lease) if is_moving else replace(driving, connection="", lease=None)
         self._driving[robot_id] = driving
 
     def _rest(self, robot_id: str) -> None:
         driving, robot = self._driving.get(robot_id), self._fleet.robot(robot_id)
         if driving is None or driving.lease is None:
             return
-        self._driving[robot_id] = replace(driving, connection="", lease=None)
-        if robot is not None and robot.link.challenge is not None:
+        self._driving[robot_id] = replace(driving, connection="", lease=None, is_driving=False, joints=frozenset())
+        if robot is None or robot.link.challenge is None:
+            return
+        if driving.is_driving:
             self._sender.send(self._order(robot, driving.lease, 0.0, 0.0))
+        if driving.joints:
+            self._sender.send(self._jog_order(robot, driving.lease, dict.fromkeys(sorted(driving.joints), 0.0)))
 
     def _lease_ended(self, lease: Lease) -> None:
         driving = self._driving.get(lease.robot_id)
@@ -233,6 +250,35 @@ class DriveRelay:
             v_mps=v_mps,
             yaw_rate_radps=yaw_rate_radps,
         )
+
+    def _jog_order(self, robot: Robot, lease: Lease, rates: Mapping[str, float]) -> JogOrder:
+        return JogOrder(robot.id, lease.token, self._leases.next_seq(lease), robot.link.challenge or "", rates)
+
+
+_NOT_SENT = DriveVerdict(False, NOT_CONNECTED, "There is no connection to the robots. Nothing was sent.")
+
+
+def _caps(robot: Robot, *, is_slow: bool) -> tuple[float, float]:
+    """Return the highest speed and yaw rate for the link there is."""
+    cap_mps, cap_radps = (CREEP_MPS, CREEP_RADPS) if is_slow else (SLOW_MPS, SLOW_RADPS)
+    if robot.factsheet is not None:
+        cap_mps = min(cap_mps, robot.factsheet.max_speed_mps)
+        cap_radps = min(cap_radps, robot.factsheet.max_yaw_rate_radps)
+    return cap_mps, cap_radps
+
+
+def _clamp_joints(frame: JogFrame, robot: Robot, share: float) -> dict[str, float]:
+    """Slow each joint down to a share of its own top rate; a joint the machine does not have is refused."""
+    joints = {one.name: one for one in robot.factsheet.joints} if robot.factsheet is not None else {}
+    rates = {}
+    for name, rate in frame.rates.items():
+        if name not in joints:
+            raise OrderRefused(BAD_SETPOINT, f"{robot.name} has no joint {name}.")
+        cap = joints[name].max_rate * share
+        rates[name] = max(-cap, min(cap, rate))
+    if not rates:
+        raise OrderRefused(BAD_SETPOINT, "The setpoint names no joint.")
+    return rates
 
 
 def _clamp(frame: DriveFrame, robot: Robot, cap_mps: float, cap_radps: float) -> tuple[float, float]:

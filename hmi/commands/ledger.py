@@ -28,7 +28,10 @@ MAX_PENDING, MAX_PENDING_URGENT = 8, 32  # per robot; an honest screen has one. 
 
 @dataclass(frozen=True, slots=True)
 class Ticket:
-    """Names one order. ``kind`` is the one its acknowledgement carries; ``what`` the word for people."""
+    """Names one order. ``kind`` is the one its acknowledgement carries; ``what`` the word for people.
+
+    ``about`` is what it is done to, such as a node, where that is not the robot as a whole.
+    """
 
     kind: str
     ref: str
@@ -37,6 +40,7 @@ class Ticket:
     actor: SessionInfo
     content: tuple[str, ...] = ()
     is_urgent: bool = False
+    about: str = ""
 
     @property
     def fingerprint(self) -> tuple[str, ...]:
@@ -234,6 +238,8 @@ class OrderLedger:
     def _report(self, ticket: Ticket, result: CommandResult, *, is_late: bool = False) -> None:
         actor, outcome = ticket.actor, result.outcome.value
         detail = {"action": ticket.what, "code": result.code, "ms": result.ms, "is_late": is_late}
+        if ticket.about:
+            detail["about"] = ticket.about
         robot_id, text = ticket.robot_id, result.text
         self._audit.append(
             AuditEntry(

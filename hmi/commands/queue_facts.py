@@ -10,6 +10,8 @@ from zoneinfo import ZoneInfo
 from hmi.clock import Clock
 from hmi.commands.lease_service import LeaseService
 from hmi.commands.ports import FleetReader
+from hmi.domain.command import Action
+from hmi.domain.function_use import obstacle
 from hmi.domain.queue.arming import ArmingBook
 from hmi.domain.queue.entry import Entry
 from hmi.domain.queue.facts import Facts, MissionFacts, RobotFacts, Weather
@@ -107,6 +109,7 @@ def _robot(robot: Robot, source: FactSources, *, is_allowed: bool) -> RobotFacts
         value_age_s=None if telemetry is None else now_s - telemetry.pose.stamp.source_s,
         soc=None if telemetry is None or telemetry.battery is None else telemetry.battery.soc,
         fix=None if telemetry is None or telemetry.gnss is None else telemetry.gnss.fix,
+        cannot=obstacle(robot, Action.START),
     )
 
 

@@ -22,6 +22,7 @@ NOT_STANDING, OTHER_PRESS, NOTHING_TO_RESET = "not_standing", "other_press", "no
 UNKNOWN_MISSION, HASH_MISMATCH, HAS_PROGRESS = "unknown_mission", "hash_mismatch", "has_progress"
 MAP_CHANGED, NOT_READ_BACK, CHECKLIST_MISSING = "map_changed", "not_read_back", "checklist_missing"
 HARDWARE_STOP, SAFETY_UNKNOWN, WRONG_MISSION = "hardware_stop", "safety_unknown", "wrong_mission"
+FUNCTION_OFF, UNKNOWN_NODE, INCOMPLETE = "function_off", "unknown_node", "incomplete"
 
 ACTION_PERMISSION: dict[Action, Permission] = {
     Action.START: Permission.START,
@@ -31,6 +32,14 @@ ACTION_PERMISSION: dict[Action, Permission] = {
     Action.RETURN_HOME: Permission.RETURN_HOME,
     Action.DRIVE_OPEN: Permission.DRIVE,
     Action.DRIVE_CLOSE: Permission.DRIVE,
+    Action.GO_TO: Permission.GO_TO,
+    Action.TOOL_RETRACT: Permission.TOOL,
+    Action.TOOL_GO_TO: Permission.TOOL,
+    Action.SKIP_TARGET: Permission.TOOL,
+    Action.STOCK_REFILLED: Permission.TOOL,
+    Action.NODE_START: Permission.MANAGE_NODES,
+    Action.NODE_STOP: Permission.MANAGE_NODES,
+    Action.NODE_RESTART: Permission.MANAGE_NODES,
 }
 """Which right each action asks for."""
 

@@ -6,6 +6,7 @@ than 2 s is refused, whatever it is: nothing executes late after any outage. Onl
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -13,18 +14,30 @@ from hmi.commands.gate import Gate
 from hmi.commands.lease_service import LeaseService
 from hmi.commands.ledger import CommandResult, OrderLedger, Ticket
 from hmi.commands.ports import StartRules
-from hmi.commands.refusal import ACTION_PERMISSION, NO_LEASE, WRONG_MISSION, OrderRefused
-from hmi.domain.command import LEASED_ACTIONS, Action, CommandOrder
+from hmi.commands.refusal import (
+    ACTION_PERMISSION,
+    FUNCTION_OFF,
+    INCOMPLETE,
+    NO_LEASE,
+    UNKNOWN_NODE,
+    WRONG_MISSION,
+    OrderRefused,
+)
+from hmi.domain.command import LEASED_ACTIONS, NODE_ACTIONS, PLACE_ACTIONS, Action, CommandOrder, Point3
+from hmi.domain.function_use import obstacle
 from hmi.domain.robot import Order, OrderStatus, Robot
 from hmi.security.session_info import SessionInfo
 
 TTL_MS = 2000  # the robot refuses the order when it is older by its own clock
-_MOVING = frozenset({Action.START, Action.RESUME, Action.RETURN_HOME, Action.DRIVE_OPEN})
+_MOVING = LEASED_ACTIONS - {Action.DRIVE_CLOSE}
 
 
 @dataclass(frozen=True, slots=True)
 class CommandRequest:
-    """What a screen asks for; ``tick_id`` is the newest tick the screen had when the person decided."""
+    """What a screen asks for; ``tick_id`` is the newest tick the screen had when the person decided.
+
+    ``node`` is for ``NODE_ACTIONS``, ``place`` (ENU metres of the robot's datum) for ``PLACE_ACTIONS``.
+    """
 
     robot_id: str
     action: Action
@@ -32,6 +45,8 @@ class CommandRequest:
     tick_id: str
     mission_id: str | None = None
     checklist_id: str | None = None
+    node: str | None = None
+    place: Point3 | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,8 +77,9 @@ class CommandService:
             robot_id=request.robot_id,
             what=action.value,
             actor=actor,
-            content=(request.mission_id or "",),
-            is_urgent=action not in LEASED_ACTIONS,
+            content=(request.mission_id or "", request.node or "", str(request.place or "")),
+            is_urgent=action not in LEASED_ACTIONS | NODE_ACTIONS,  # the room of pausing is for pausing alone
+            about=_about(request),
         )
         try:
             robot = self._gate.right(actor, ACTION_PERMISSION[action], request.robot_id)
@@ -94,6 +110,7 @@ class CommandService:
                 raise OrderRefused(NO_LEASE, "The queue has no control of the robot any more.")
             still()
             self._gate.may_move(robot)
+            _is_able(robot, Action.START)
             loaded = robot.state.order if robot.state is not None else None
             if loaded is None or (loaded.mission_id, loaded.sha256) != (request.mission_id, request.sha256):
                 raise OrderRefused(WRONG_MISSION, f"{robot.name} holds another mission than the queue sent.")
@@ -116,12 +133,15 @@ class CommandService:
 
     def _order(self, actor: SessionInfo, robot: Robot, request: CommandRequest) -> CommandOrder:
         self._gate.decided_now(request.tick_id)
+        _is_complete(robot, request)
         if request.action in _MOVING:
             self._gate.may_move(robot)
+        _is_able(robot, request.action)
         mission = _mission(robot, request)
         if mission is not None and self._rules is not None:
             self._rules.check(actor, robot, mission, request.checklist_id)
-        return self._build(actor, robot, request.action, request.command_id, mission=mission)
+        order = self._build(actor, robot, request.action, request.command_id, mission=mission)
+        return replace(order, node=request.node, place=request.place)
 
     def _build(
         self, actor: SessionInfo, robot: Robot, action: Action, command_id: str, *, mission: Order | None
@@ -144,6 +164,31 @@ class CommandService:
             mission_sha256=mission.sha256 if mission is not None else None,
             is_supervised=mission.is_supervised if mission is not None else True,
         )
+
+
+def _is_complete(robot: Robot, request: CommandRequest) -> None:
+    """Refuse an order that lacks what it is about, or names a node the robot does not have."""
+    if (request.node is not None) != (request.action in NODE_ACTIONS):
+        raise OrderRefused(INCOMPLETE, "Starting, stopping and restarting name a node; nothing else does.")
+    if (request.place is not None) != (request.action in PLACE_ACTIONS):
+        raise OrderRefused(INCOMPLETE, "Sending it somewhere names a place; nothing else does.")
+    if request.place is not None and not all(math.isfinite(one) for one in request.place):
+        raise OrderRefused(INCOMPLETE, "The place is not a number.")
+    declared = robot.factsheet.nodes if robot.factsheet is not None else ()
+    if request.node is not None and request.node not in robot.nodes and request.node not in {n.name for n in declared}:
+        raise OrderRefused(UNKNOWN_NODE, f"{robot.name} has no node {request.node}.")
+
+
+def _is_able(robot: Robot, action: Action) -> None:
+    """Refuse what uses a function of the robot that is off, with what turns it on."""
+    if reason := obstacle(robot, action):
+        raise OrderRefused(FUNCTION_OFF, reason)
+
+
+def _about(request: CommandRequest) -> str:
+    if request.place is not None:
+        return ", ".join(f"{one:.2f}" for one in request.place)
+    return request.node or ""
 
 
 def _mission(robot: Robot, request: CommandRequest) -> Order | None:

@@ -9,7 +9,6 @@ from typing import Any
 from hmi.demo.farm import POLDER, SITE, feature, features
 from hmi.demo.fleet import robot
 from hmi.domain.mission_plan import PlannedMission, PlanWish, Surroundings
-from hmi.planning.mission import plan_mission
 
 SOLID = ("obstacle", "building", "no-go", "water", "hedge")
 SITE_DATUM = (40.312546, -3.48086)
@@ -42,6 +41,8 @@ PAST = (DemoMission("site-wheat-2-05", "Wheat 2, 0.5 m", "site-wheat-2", "weeder
 
 def plan(mission: DemoMission) -> PlannedMission:
     """Plan one mission of the catalogue as the console would."""
+    from hmi.planning.mission import plan_mission  # a farm whose missions are stored starts without the planner
+
     field, machine = feature(mission.field_id), robot(mission.robot_id)
     home = feature(mission.home_id or machine.home_id).geometry["coordinates"]
     is_site = field.properties["site"] == SITE

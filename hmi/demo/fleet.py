@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from hmi.demo.farm import feature
-from hmi.domain.robot import Family
-from hmi.planning.projection import LocalFrame
+from hmi.domain.family import Family
 
 FILE = Path("run") / "demo-robots.json"
 
@@ -46,6 +45,8 @@ class DemoRobot:
 
     def pose(self) -> tuple[float, float, float]:
         """Return x, y (metres in the plane of its datum) and ENU yaw in its bay."""
+        from hmi.planning.projection import LocalFrame  # takes half a second to import, and a known place is kept
+
         x, y = LocalFrame(self.datum_lat_deg, self.datum_lon_deg).to_local([self.home])[0]
         bearing = math.radians(float(feature(self.home_id).properties["heading_deg"]))
         return float(x), float(y), math.pi / 2 - bearing
@@ -99,8 +100,11 @@ def write_demo_fleet(data: Path, base_url: str, size: FleetSize = "full") -> Pat
         size: which robots.
     """
     path = data / FILE
-    tokens = {row["id"]: row["token"] for row in read_demo_fleet(data)}
-    rows = [row_of(one, tokens.get(one.id) or secrets.token_urlsafe(24), base_url) for one in demo_robots(size)]
+    known = {row["id"]: row for row in read_demo_fleet(data)}
+    rows = []
+    for one in demo_robots(size):
+        before = known.get(one.id, {})
+        rows.append(row_of(one, before.get("token") or secrets.token_urlsafe(24), base_url, before))
     for row in rows:
         row["task"] = size == "full"  # a small fleet waits for whoever tries it
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -120,9 +124,11 @@ def read_demo_fleet(data: Path) -> list[dict[str, Any]]:
     return rows
 
 
-def row_of(one: DemoRobot, token: str, base_url: str) -> dict[str, Any]:
-    """Return a row of the fleet file."""
-    x, y, theta = one.pose()
+def row_of(one: DemoRobot, token: str, base_url: str, before: dict[str, Any] | None = None) -> dict[str, Any]:
+    """Return a row of the fleet file; ``before`` is the robot's row of the last start."""
+    home = [*one.home, one.datum_lat_deg, one.datum_lon_deg]
+    is_known = before is not None and before.get("home") == home
+    place = {key: before[key] for key in ("x_m", "y_m", "theta_rad")} if is_known and before else _place(one)
     return {
         "id": one.id,
         "name": one.name,
@@ -131,8 +137,16 @@ def row_of(one: DemoRobot, token: str, base_url: str) -> dict[str, Any]:
         "http_url": f"{base_url.rstrip('/')}/{one.id}",
         "datum_lat_deg": one.datum_lat_deg,
         "datum_lon_deg": one.datum_lon_deg,
+        "home": home,
+        **place,
+        "soc": one.soc,
+    }
+
+
+def _place(one: DemoRobot) -> dict[str, float]:
+    x, y, theta = one.pose()
+    return {
         "x_m": round(x, 3),
         "y_m": round(y, 3),
         "theta_rad": round(math.remainder(theta, 2 * math.pi), 4),
-        "soc": one.soc,
     }

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from dataclasses import dataclass
-from datetime import datetime, timedelta
+from datetime import datetime
 from typing import Any
 
 import msgspec
@@ -19,6 +18,7 @@ from backend_clients.edge.messages_down import Mission
 from backend_clients.edge.messages_up import Event
 from backend_clients.simulator.history import Sample, simulate_mission
 from hmi.clock import FakeClock
+from hmi.demo.past import RunOutcome
 from hmi.domain.robot import LinkHealth, Robot, Stamp
 from hmi.ingest import translate
 from hmi.store.database import Database
@@ -28,36 +28,6 @@ from hmi.store.tables import EventRow, SampleRow
 LINK_RTT_S = 0.06
 QUEUE = 60_000  # an hour of samples and events; nothing may be dropped here, for we can wait
 FLUSH_EVERY = 2_000
-
-
-@dataclass(frozen=True, slots=True)
-class PastRun:
-    """A mission of the catalogue that was driven ``ago`` before the first start."""
-
-    id: str
-    mission_id: str
-    ago: timedelta
-    seed: int
-
-
-PAST_RUNS = (
-    PastRun("trial-strip-run-1", "trial-strip", timedelta(days=1, hours=3), 9001),
-    PastRun("trial-strip-rows-run-1", "trial-strip-rows", timedelta(days=2, hours=5), 9002),
-    PastRun("site-wheat-2-run-1", "site-wheat-2-05", timedelta(days=3, hours=2), 9003),
-)
-
-
-@dataclass(frozen=True, slots=True)
-class RunOutcome:
-    """How a simulated run ended."""
-
-    status: str
-    started: datetime
-    ended: datetime
-    row: int
-    rows: int
-    area_done_m2: float
-    distance_m: float
 
 
 def record_run(database_url: str, farm_id: str, document: dict[str, Any], started: datetime, seed: int) -> RunOutcome:

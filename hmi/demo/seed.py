@@ -12,7 +12,7 @@ from hmi.clock import Clock
 from hmi.demo.catalogue import CATALOGUE, PAST, DemoMission, plan
 from hmi.demo.farm import features
 from hmi.demo.fleet import demo_robots, read_demo_fleet, robot
-from hmi.demo.history import PAST_RUNS, PastRun, RunOutcome, record_run
+from hmi.demo.past import PAST_RUNS, PastRun, RunOutcome
 from hmi.demo.work import planned_work, task_of
 from hmi.domain.mission import MissionStatus, Mover
 from hmi.domain.mission_document import renamed
@@ -158,6 +158,8 @@ class DemoSeed:
         document = renamed(template.document, mission_id=run.id)
         started = parts.clock.utc() - run.ago
         url = parts.database.url.render_as_string(hide_password=False)
+        from hmi.demo.history import record_run  # brings the simulator, which a farm with its past does not need
+
         outcome = await self._process.run(record_run, url, parts.farm_id, document, started, run.seed)
         planned = PlannedMission(document, template.sha256, dict(template.statistics))
         await parts.database.run(self._finished_mission, run, mission, planned, outcome)

@@ -15,9 +15,6 @@ from typing import Any
 import numpy as np
 import shapely
 
-from backend_clients.edge.messages_up import Factsheet as SaidFactsheet
-from backend_clients.simulator.config import RobotConfig
-from backend_clients.simulator.datasheet import factsheet_fields
 from hmi.demo.catalogue import row_angle, surroundings
 from hmi.demo.farm import POLDER, feature
 from hmi.demo.fleet import POLDER_DATUM, DemoRobot, robot
@@ -176,6 +173,11 @@ def _band(geometry: dict[str, Any], angle_rad: float, band: tuple[float, float])
 
 
 def _factsheet(machine: DemoRobot) -> Factsheet:
+    # only planning anew needs the simulator
+    from backend_clients.edge.messages_up import Factsheet as SaidFactsheet
+    from backend_clients.simulator.config import RobotConfig
+    from backend_clients.simulator.datasheet import factsheet_fields
+
     config = RobotConfig(machine.id, machine.name, "unused", *POLDER_DATUM, family=machine.family.value)  # type: ignore[arg-type]
     said = SaidFactsheet(robot=machine.id, boot="planning", seq=0, mono_ms=0, wall_ms=0, **factsheet_fields(config))
     return translate.factsheet(said)

@@ -5,11 +5,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Protocol
 
 from hmi.domain.robot import Stamp
+
+Point3 = tuple[float, float, float]
 
 
 class Action(StrEnum):
@@ -22,9 +25,21 @@ class Action(StrEnum):
     RETURN_HOME = "return_home"
     DRIVE_OPEN = "drive_open"
     DRIVE_CLOSE = "drive_close"
+    GO_TO = "go_to"
+    TOOL_RETRACT = "tool_retract"
+    TOOL_GO_TO = "tool_go_to"
+    SKIP_TARGET = "skip_target"
+    STOCK_REFILLED = "stock_refilled"
+    NODE_START = "node_start"
+    NODE_STOP = "node_stop"
+    NODE_RESTART = "node_restart"
 
 
-LEASED_ACTIONS = frozenset(Action) - {Action.PAUSE, Action.ABORT}
+NODE_ACTIONS = frozenset({Action.NODE_START, Action.NODE_STOP, Action.NODE_RESTART})
+"""These name a node of the robot's software; they move nothing by themselves."""
+PLACE_ACTIONS = frozenset({Action.GO_TO, Action.TOOL_GO_TO})
+"""These name a place: ENU metres of the robot's datum."""
+LEASED_ACTIONS = frozenset(Action) - {Action.PAUSE, Action.ABORT} - NODE_ACTIONS
 """Everything that can move a machine needs the lease; pausing and aborting never wait for one."""
 
 
@@ -53,6 +68,8 @@ class CommandOrder:
     mission_id: str | None = None
     mission_sha256: str | None = None
     is_supervised: bool = True
+    node: str | None = None
+    place: Point3 | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +111,17 @@ class DriveOrder:
 
 
 @dataclass(frozen=True, slots=True)
+class JogOrder:
+    """One hold-to-run setpoint of joints, rad/s or m/s by joint; joints that are not named rest."""
+
+    robot_id: str
+    lease_token: int
+    lease_seq: int
+    challenge: str
+    rates: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
 class OperatorPulse:
     """The lease holder's page is open; forwarded once a second, never invented."""
 
@@ -103,7 +131,7 @@ class OperatorPulse:
     challenge: str
 
 
-Order = CommandOrder | StopOrder | ResetOrder | DriveOrder | OperatorPulse
+Order = CommandOrder | StopOrder | ResetOrder | DriveOrder | JogOrder | OperatorPulse
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,20 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-from hmi.domain import stamp
+from hmi.domain import family, stamp
 from hmi.domain.machine import Body, FunctionInfo, GaugeInfo, JointInfo, NodeInfo, Worksite
 from hmi.domain.state_chart import ActiveState, Chart, LastTransition
 
+Family = family.Family
 Stamp = stamp.Stamp
-
-
-class Family(StrEnum):
-    """Kind of machine; decides words and tiles, never safety."""
-
-    WEEDER = "weeder"
-    PLANTER = "planter"
-    UAV = "uav"
-    OTHER = "other"
 
 
 class Mode(StrEnum):
@@ -187,7 +179,7 @@ class SafetyState:
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """Life cycle of one software node (U6)."""
+    """Life cycle of one software node (U6), reported at least each ``period_s``."""
 
     name: str
     state: str
@@ -199,6 +191,7 @@ class Node:
     host: str = ""
     since_s: float | None = None
     clock_offset_s: float | None = None
+    period_s: float = 5.0
 
 
 @dataclass(frozen=True, slots=True)

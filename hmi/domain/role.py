@@ -29,15 +29,20 @@ class Permission(StrEnum):
     RESUME = "resume"
     RETURN_HOME = "return_home"
     DRIVE = "drive"
+    GO_TO = "go_to"
+    TOOL = "tool"
     RESET = "reset"
     RESET_FOR_OTHERS = "reset_for_others"
     SEND_MISSION = "send_mission"
     EDIT_MISSION = "edit_mission"
     EDIT_MAP = "edit_map"
     DISPATCH = "dispatch"
+    REPLAY = "replay"
     MANAGE_WALLS = "manage_walls"
     ENROL_DEVICE = "enrol_device"
     MANAGE_ROBOTS = "manage_robots"
+    MANAGE_NODES = "manage_nodes"
+    READ_LOGS = "read_logs"
     MANAGE_USERS = "manage_users"
     READ_AUDIT = "read_audit"
     READ_DIAGNOSTICS = "read_diagnostics"
@@ -55,6 +60,9 @@ _OPERATE = _WATCH | {
     Permission.RESUME,
     Permission.RETURN_HOME,
     Permission.DRIVE,
+    Permission.GO_TO,
+    Permission.TOOL,
+    Permission.READ_LOGS,
     Permission.RESET,
     Permission.SEND_MISSION,
     Permission.ENROL_DEVICE,
@@ -69,6 +77,7 @@ _SUPERVISE = _OPERATE | {
     Permission.MANAGE_WALLS,
     Permission.READ_AUDIT,
     Permission.SHELVE_ALARM,
+    Permission.REPLAY,
 }
 
 PERMISSIONS: dict[Role, frozenset[Permission]] = {

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 import msgspec
+from msgspec import UNSET
 
 from backend_clients.edge import messages_down as down
 from backend_clients.edge.codec import encode, mission_hash
@@ -18,12 +19,14 @@ from hmi.domain.command import (
     Acknowledgement,
     CommandOrder,
     DriveOrder,
+    JogOrder,
     OperatorPulse,
     Order,
     OrderFailed,
     ResetOrder,
     StopOrder,
 )
+from hmi.domain.robot_log import LogFailed
 from hmi.ingest import translate
 
 log = logging.getLogger(__name__)
@@ -107,6 +110,23 @@ class EdgeSender:
             return _refusal(robot_id, mission.mission_id, "hash_mismatch", text, answer.sha256)
         return answer
 
+    async def tail_log(self, robot_id: str, lines: int) -> list[str]:
+        """Return the last lines of a robot's log; see ``hmi.domain.robot_log.LogSource``.
+
+        Raises:
+            LogFailed: it has no address, does not answer, or refuses.
+        """
+        client = self._client(robot_id)
+        if client is None:
+            raise LogFailed("no_address", "The robot has no address here. An admin can add it under Admin, Robots.")
+        try:
+            return (await client.logs(lines)).splitlines()[-lines:]
+        except Refused as refused:
+            raise LogFailed(refused.code, f"The robot does not give its log: {refused.text}") from refused
+        except ClientError as error:
+            log.info("log by http: %s", error)
+            raise LogFailed("no_answer", "The robot did not give its log: no answer. Try again.") from error
+
     def acknowledged(self, answer: Acknowledgement) -> None:
         """Hear every acknowledgement; give it to ``EdgeListeners.on_ack``."""
         waiting = self._waiting.get((answer.robot_id, answer.ref)) if answer.kind == "mission" else None
@@ -171,6 +191,8 @@ def _wire(order: Order) -> tuple[Down, down.Order, int]:
             return Down.STOP_RESET, _reset(order), 1
         case DriveOrder():
             return Down.DRIVE, _drive(order), 0
+        case JogOrder():
+            return Down.JOG, _jog(order), 0
         case OperatorPulse():
             return Down.OPERATOR, _pulse(order), 0
 
@@ -188,6 +210,8 @@ def _command(order: CommandOrder) -> down.Command:
         mission_id=order.mission_id,
         mission_sha256=order.mission_sha256,
         is_supervised=order.is_supervised,
+        node=UNSET if order.node is None else order.node,
+        place=UNSET if order.place is None else order.place,
     )
 
 
@@ -217,6 +241,16 @@ def _drive(order: DriveOrder) -> down.Drive:
         challenge=order.challenge,
         v_mps=order.v_mps,
         yaw_rate_radps=order.yaw_rate_radps,
+    )
+
+
+def _jog(order: JogOrder) -> down.Jog:
+    return down.Jog(
+        robot=order.robot_id,
+        lease_token=order.lease_token,
+        lease_seq=order.lease_seq,
+        challenge=order.challenge,
+        rates=dict(order.rates),
     )
 
 

@@ -141,6 +141,7 @@ def node(m: up.Node, stamp: domain.Stamp, to_console_s: ToConsole) -> domain.Nod
         host=m.host,
         since_s=None if m.since_ms is None else to_console_s(m.since_ms),
         clock_offset_s=None if m.clock_offset_ms is None else m.clock_offset_ms / 1000,
+        period_s=m.period_ms / 1000,
     )
 
 

@@ -8,12 +8,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 from hmi.keeper.broker import answers, demo_broker
-from hmi.keeper.certificates import made_certificates
 from hmi.keeper.data_folder import keep_secret, require_writable
 from hmi.keeper.errors import StartError
 from hmi.keeper.keeper import Keeper
 from hmi.keeper.part import PartSpec
 from hmi.keeper.ports import free_port, require_free
+from hmi.media.door import read_note
 from hmi.settings import Settings
 
 OnReady = Callable[[str], None]
@@ -53,7 +53,7 @@ def run_demo(on_ready: OnReady, *, is_tls: bool = False) -> None:
         dies_with_keeper=True,
     )  # fmt: skip
     groups = [[demo_broker(data, broker_port)], [_console(settings), _stop(settings), simulator]]
-    Keeper(groups, data).run(lambda: on_ready(_url(settings)))
+    Keeper(groups, data, [_media(settings)]).run(lambda: on_ready(_url(settings)))
 
 
 def run_serve(on_ready: OnReady, *, is_tls: bool = False) -> None:
@@ -75,11 +75,14 @@ def run_serve(on_ready: OnReady, *, is_tls: bool = False) -> None:
     require_free(settings.host, settings.stop_port, "HEADLAND_STOP_PORT")
     os.environ["HEADLAND_DATA"] = str(data)
     # STOP first: whatever else fails to start, it is there
-    Keeper([[_stop(settings)], [_console(settings)]], data).run(lambda: on_ready(_url(settings)))
+    groups = [[_stop(settings)], [_console(settings)]]
+    Keeper(groups, data, [_media(settings)]).run(lambda: on_ready(_url(settings)))
 
 
 def _use_certificate(data: Path) -> None:
     """Let every part speak HTTPS with what `headland cert` left in the data folder."""
+    from hmi.keeper.certificates import made_certificates
+
     made = made_certificates(data / "tls")
     os.environ |= {"HEADLAND_TLS_CERT": str(made.cert), "HEADLAND_TLS_KEY": str(made.key)}
 
@@ -97,11 +100,19 @@ def _stop(settings: Settings) -> PartSpec:
 def _console(settings: Settings) -> PartSpec:
     return PartSpec(
         "console",
-        (sys.executable, "-m", "hmi", "console"),
+        (sys.executable, "-m", "hmi.app"),
         is_ready=lambda: answers(_near(settings.host), settings.port),
         url=_url(settings),
         dies_with_keeper=settings.demo,
     )
+
+
+def _media(settings: Settings) -> PartSpec:
+    def is_ready() -> bool:
+        note = read_note(settings.data)
+        return note is not None and answers("127.0.0.1", note.control_port)
+
+    return PartSpec("media", (sys.executable, "-m", "hmi.media"), is_ready=is_ready, dies_with_keeper=settings.demo)
 
 
 def _url(settings: Settings) -> str:

@@ -28,12 +28,14 @@ class Keeper:
 
     Args:
         groups: parts in start order; parts of one group start together once the group before is ready.
+        later: parts nobody waits for; they start once everything else serves.
     """
 
-    def __init__(self, groups: Sequence[Sequence[PartSpec]], data: Path) -> None:
+    def __init__(self, groups: Sequence[Sequence[PartSpec]], data: Path, later: Sequence[PartSpec] = ()) -> None:
         self._data = data
         self._groups = [[Part(spec, data / "logs") for spec in group] for group in groups]
-        self._parts = [part for group in self._groups for part in group]
+        self._later = [Part(spec, data / "logs") for spec in later]
+        self._parts = [*(part for group in self._groups for part in group), *self._later]
         self._end = threading.Event()
 
     def run(self, on_ready: Callable[[], None]) -> None:
@@ -50,6 +52,8 @@ class Keeper:
                 self._start(group)
             if not self._end.is_set():
                 on_ready()
+                for part in self._later:
+                    part.start()
             while not self._end.wait(WATCH_S):
                 self._watch()
         finally:
@@ -73,6 +77,7 @@ class Keeper:
             self._end.wait(0.03)
 
     def _watch(self) -> None:
+        # a part that was not started yet is "stopped" and is not missed
         changed = [part.watch() for part in self._parts if part.state != "stopped"]  # every part, no short cut
         if any(changed):
             self._write()

@@ -12,13 +12,16 @@ from hmi.domain.ids import ID_PATTERN, is_id
 MAX_CLIENT_BYTES = 8192  # an honest frame has under 300 bytes, a subscription of 50 topics under 4 KB
 MAX_TOPICS = 64
 MAX_HERE = 100  # robots one frame keeps control of
+MAX_JOINTS = 16
 FLEET = "fleet"
 POSES = "poses"
 ALARMS = "alarms"
 ROBOT = "robot/"
+INSIDE = "inside/"
 
 RobotId = Annotated[str, msgspec.Meta(pattern=ID_PATTERN + r"(?!\n)")]
 TickId = Annotated[str, msgspec.Meta(min_length=1, max_length=80)]
+JointName = Annotated[str, msgspec.Meta(min_length=1, max_length=80)]
 Speed = Annotated[float, msgspec.Meta(ge=-2, le=2)]
 
 
@@ -56,7 +59,15 @@ class Drive(msgspec.Struct, frozen=True, tag_field="k", tag="drive", forbid_unkn
     tick: TickId
 
 
-ClientFrame = Sub | Ping | Here | Drive
+class Jog(msgspec.Struct, frozen=True, tag_field="k", tag="jog", forbid_unknown_fields=True):
+    """One hold-to-run setpoint of joints by name: rad/s or m/s."""
+
+    robot: RobotId
+    rates: Annotated[dict[JointName, Speed], msgspec.Meta(min_length=1, max_length=MAX_JOINTS)]
+    tick: TickId
+
+
+ClientFrame = Sub | Ping | Here | Drive | Jog
 _decoder: msgspec.json.Decoder[ClientFrame] = msgspec.json.Decoder(ClientFrame)
 _encoder = msgspec.json.Encoder()
 
@@ -77,7 +88,10 @@ def decode_client(text: str | bytes) -> ClientFrame:
 
 def is_topic(topic: str) -> bool:
     """Say whether a browser may ask for this topic."""
-    return topic in (FLEET, POSES, ALARMS) or (topic.startswith(ROBOT) and is_id(topic.removeprefix(ROBOT)))
+    if topic in (FLEET, POSES, ALARMS):
+        return True
+    kind, slash, robot_id = topic.partition("/")
+    return kind + slash in (ROBOT, INSIDE) and is_id(robot_id)
 
 
 def encode(frame: Mapping[str, Any]) -> str:

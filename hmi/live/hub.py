@@ -14,6 +14,7 @@ from hmi.clock import Clock
 from hmi.domain.freshness import TickRing
 from hmi.domain.robot import Robot
 from hmi.live import frames
+from hmi.live.inside import InsideTopic
 from hmi.live.outbox import Outbox
 from hmi.live.topics import AlarmsTopic, FleetTopic, PosesTopic, RobotNumbers, RobotTopic
 from hmi.presenters.operate import Context, MissionTitle
@@ -93,6 +94,7 @@ class LiveHub:
         self._facts_of = facts_of
         self._lanes: set[Outbox] = set()
         self._robots: dict[str, RobotTopic] = {}
+        self._insides: dict[str, InsideTopic] = {}
         self._extras: dict[str, dict[str, Any]] = {}
         self._numbers = RobotNumbers()
         self._fleet, self._poses = FleetTopic(self._numbers), PosesTopic(self._numbers)
@@ -193,6 +195,8 @@ class LiveHub:
         """Send what changed since the last time, as far as anybody listens."""
         changes = self._store.since(self._seen)
         self._seen = changes.revision
+        for robot_id, inside in self._insides.items():
+            inside.note(ALL_PARTS if robot_id in changes.removed else changes.robots.get(robot_id, _NO_PARTS))
         for robot_id, topic in self._robots.items():
             parts = ALL_PARTS if robot_id in changes.removed else changes.robots.get(robot_id, _NO_PARTS)
             if parts:
@@ -202,6 +206,8 @@ class LiveHub:
     def _send_lists(self) -> None:
         # With the tick and not with each change: a lane wakes once for both.
         now_s = self._clock.mono_s()
+        for robot_id, inside in self._insides.items():
+            self._send(inside.name, inside.update(self._store.robot(robot_id), now_s))
         if frames.FLEET in self._listeners and now_s >= self._fleet_due_s:
             self._fleet_due_s = now_s + FLEET_S - TICK_S / 2  # a beat that comes a little early still counts
             self._send(frames.FLEET, self._update_fleet(now_s))
@@ -292,6 +298,7 @@ class LiveHub:
             if not self._listeners[name]:
                 del self._listeners[name]
                 self._robots.pop(name.removeprefix(frames.ROBOT), None)
+                self._insides.pop(name.removeprefix(frames.INSIDE), None)
 
     def _open(self, name: str) -> None:
         """Bring a topic up to date that nobody listened to until now."""
@@ -300,6 +307,10 @@ class LiveHub:
         elif name == frames.ALARMS:
             self._alarms, self._alarms_seen = AlarmsTopic(), 0
             self._update_alarms()
+        elif name.startswith(frames.INSIDE):
+            inside = InsideTopic(name.removeprefix(frames.INSIDE))
+            self._insides[inside.robot_id] = inside
+            inside.update(self._store.robot(inside.robot_id), self._clock.mono_s())
         elif name.startswith(frames.ROBOT):
             robot_id = name.removeprefix(frames.ROBOT)
             topic = self._robots[robot_id] = RobotTopic(robot_id)
@@ -313,6 +324,8 @@ class LiveHub:
             return self._alarms.whole()
         if name == frames.POSES:
             return self._poses.whole((one.robot_id for one in self._store.beats()), self._store.places())
+        if name.startswith(frames.INSIDE):
+            return self._insides[name.removeprefix(frames.INSIDE)].whole()
         return self._robots[name.removeprefix(frames.ROBOT)].whole()
 
     async def _tick_forever(self) -> None:

@@ -47,7 +47,7 @@ class OriginRule(Protocol):
         ...
 
 
-OnClientFrame = Callable[[SessionInfo, str, frames.Here | frames.Drive], None]
+OnClientFrame = Callable[[SessionInfo, str, frames.Here | frames.Drive | frames.Jog], None]
 OnLaneEnd = Callable[[str], None]
 
 
@@ -74,7 +74,7 @@ def lane_route(
     """Return the route of the live lane.
 
     Args:
-        on_client_frame: called on the loop for each ``here`` and ``drive`` with the session and the id of the lane it
+        on_client_frame: called on the loop for each ``here``, ``drive`` and ``jog`` with session and id of the lane it
             came by; it judges tick, lease and rights, and must not block. What it raises is logged.
         on_lane_end: called with the id of a lane when it ended, however it ended.
     """
@@ -186,7 +186,7 @@ class _Lane:
                 if frame.m is not None:
                     self._box.seen(frame.m)
                 self._box.event(frames.encode({"k": "pong", "n": frame.n, "m": round(self._clock.mono_s() * 1000, 1)}))
-            case frames.Here() | frames.Drive():
+            case frames.Here() | frames.Drive() | frames.Jog():
                 try:
                     self._on_client_frame(self._session, self.id, frame)
                 except Exception:  # a fault in a handler must not cut the operator's live picture

@@ -25,20 +25,12 @@ GROUPS_OF: dict[Part, tuple[str, ...]] = {
 }
 
 
-class RobotTopic:
-    """Topic ``robot/{id}``: groups, each kept as the JSON that was sent last."""
+class Groups:
+    """Named groups of a topic, each kept as the JSON that was sent last."""
 
-    def __init__(self, robot_id: str) -> None:
-        self.robot_id = robot_id
-        self.name = ROBOT + robot_id
+    def __init__(self) -> None:
         self._groups: dict[str, str] = {}
         self._whole: str | None = None
-
-    def update(self, robot: Robot | None, context: operate.Context, parts: Iterable[Part]) -> str | None:
-        """Take over what changed; return the changed groups as JSON, ``None`` if nothing did."""
-        names = {name for part in parts for name in GROUPS_OF[part]}
-        values = operate.present(robot, context, names) if robot is not None else dict.fromkeys(names)
-        return self.put(values)
 
     def put(self, values: dict[str, Any]) -> str | None:
         """Replace groups; return those that differ as JSON, ``None`` if none does."""
@@ -58,6 +50,21 @@ class RobotTopic:
         if self._whole is None:
             self._whole = "{" + ",".join(f'"{name}":{text}' for name, text in self._groups.items()) + "}"
         return self._whole
+
+
+class RobotTopic(Groups):
+    """Topic ``robot/{id}``."""
+
+    def __init__(self, robot_id: str) -> None:
+        super().__init__()
+        self.robot_id = robot_id
+        self.name = ROBOT + robot_id
+
+    def update(self, robot: Robot | None, context: operate.Context, parts: Iterable[Part]) -> str | None:
+        """Take over what changed; return the changed groups as JSON, ``None`` if nothing did."""
+        names = {name for part in parts for name in GROUPS_OF[part]}
+        values = operate.present(robot, context, names) if robot is not None else dict.fromkeys(names)
+        return self.put(values)
 
 
 class RobotNumbers:

@@ -19,7 +19,8 @@ def build(services: PageServices, _session: SessionInfo) -> None:
         classes="h-screen f-screen",
         data_screen="fleet",
         data_title="Fleet",
-        data_code=demo_button.code(services, bundle.script_url("fleet")),
+        data_code=bundle.script_url("fleet"),
+        data_late=demo_button.code(services),
         data_fleet_style=style,
     ):
         with ui.element("section").classes("f-map").props('aria-label="Map"'):

@@ -16,16 +16,8 @@ from hmi.domain.ids import is_id
 from hmi.domain.role import Permission
 from hmi.pages import bundle, demo_button, notice
 from hmi.pages.services import PageServices
+from hmi.presenters.tiles import layout
 from hmi.security.session_info import SessionInfo
-
-TILES = (
-    ("speed", "Speed"),
-    ("battery", "Battery"),
-    ("gnss", "RTK"),
-    ("delay", "Link delay"),
-    ("tool", "Tool"),
-    ("cross-track", "Off line"),
-)
 
 
 def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
@@ -44,7 +36,7 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
         data_screen="operate",
         data_robot=robot_id,
         data_title=robot.name,
-        data_code=demo_button.code(services, bundle.script_url("run")),
+        data_late=demo_button.code(services, bundle.script_url("run")),
         data_draw=bundle.script_url("draw"),
     ):
         with ui.element("section").classes("h-map").props('aria-label="Map"'):
@@ -54,7 +46,7 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
             HoldToDrive()
             LiveElement("hl-connecting", classes="h-connecting", data_name=robot.name)
         with ui.element("aside").classes("h-side").props('aria-label="Values"'):
-            _panel()
+            _panel(layout(robot))
             ActionDock()
 
 
@@ -69,12 +61,12 @@ def _overlay(services: PageServices, robot_id: str) -> None:
         LiveElement("hl-why", classes="h-card h-why", hook="robot-why", hidden="")
 
 
-def _panel() -> None:
+def _panel(tiles: list[tuple[str, str]]) -> None:
     LiveElement("hl-stop-card", hook="stop-card", hidden="")
     MissionCard()
     StatePath()
     with ui.element("div").classes("h-tiles"):
-        for key, label in TILES:
+        for key, label in tiles:
             TelemetryTile(key, label)
 
 

@@ -26,8 +26,10 @@ DESTINATIONS = (
     Destination("operate", "Operate", "gamepad", "/operate", Permission.WATCH),
     Destination("fleet", "Fleet", "lists", "/fleet", Permission.WATCH),
     Destination("maps", "Maps", "polyline", "/maps", Permission.WATCH),
+    Destination("twin", "Twin", "deployed_code", "/twin", Permission.WATCH),
     Destination("missions", "Missions", "route", "/missions", Permission.WATCH),
     Destination("alarms", "Alarms", "notifications", "/alarms", Permission.WATCH),
+    Destination("supervisor", "Supervisor", "account_tree", "/supervisor", Permission.WATCH),
     Destination("admin", "Admin", "tune", "/admin", Permission.MANAGE_USERS),
 )
 

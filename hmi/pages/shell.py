@@ -13,7 +13,21 @@ from nicegui import ui
 from components import stop_slab
 from components.live_element import LiveElement
 from hmi.domain.role import PERMISSIONS
-from hmi.pages import admin, alarms, bundle, fleet, login, maps, missions, operate, rail, top_bar, wall
+from hmi.pages import (
+    admin,
+    alarms,
+    bundle,
+    fleet,
+    login,
+    maps,
+    missions,
+    operate,
+    rail,
+    supervisor,
+    top_bar,
+    twin,
+    wall,
+)
 from hmi.pages.services import PageServices
 from hmi.security.session_info import SessionInfo
 
@@ -56,6 +70,10 @@ def _screens(services: PageServices, session: SessionInfo | None) -> None:
             "/maps": lambda: _maps(services, session),
             "/missions": lambda: _missions(services, session),
             "/alarms": lambda: alarms.build(services, session),
+            "/supervisor": lambda: supervisor.pick(services, session),
+            "/supervisor/{robot}": lambda robot: supervisor.build(services, session, robot),
+            "/twin": lambda: twin.pick(services, session),
+            "/twin/{robot}": lambda robot: twin.build(services, session, robot),
             "/admin": lambda: admin.build(services, session),
             "/login": lambda: operate.pick(services, session),
         }

@@ -7,13 +7,28 @@ from __future__ import annotations
 
 from typing import Any
 
+from hmi.domain.command import Action
+from hmi.domain.function_use import jog_obstacle, obstacle
 from hmi.domain.robot import Mode, OrderStatus, Robot
 from hmi.presenters.units import milliseconds
 from hmi.presenters.words import HARDWARE_STOP, NO_LINK, NOT_REGISTERED, RESET_FIRST, has_mission, mode_of
 
 Verdict = dict[str, Any]
-ACTIONS = ("start", "pause", "resume", "later", "fresh", "change", "abort", "return_home", "drive", "reset")
-"""The robot's commands, and three that send a mission: resume later, start fresh, change the rest."""
+ACTIONS = (
+    "start", "pause", "resume", "later", "fresh", "change", "abort", "return_home", "drive", "reset",
+    "go_to", "tool_retract", "tool_go_to", "skip_target", "stock_refilled", "jog",
+)  # fmt: skip
+"""The robot's commands, three that send a mission (resume later, start fresh, change the rest), and moving joints."""
+_USES = {
+    "start": Action.START,
+    "resume": Action.RESUME,
+    "return_home": Action.RETURN_HOME,
+    "drive": Action.DRIVE_OPEN,
+    "go_to": Action.GO_TO,
+    "tool_retract": Action.TOOL_RETRACT,
+    "tool_go_to": Action.TOOL_GO_TO,
+}
+"""What is off while a function that it uses is off."""
 _ACTIVE = (OrderStatus.RUNNING, OrderStatus.PAUSED)
 _STARTABLE = (OrderStatus.LOADED, OrderStatus.DONE, OrderStatus.ABORTED, OrderStatus.FAILED)
 _MOVED = ("moved_while_paused", "return_home")
@@ -33,9 +48,16 @@ def actions(robot: Robot) -> dict[str, Verdict]:
         "return_home": _return_home(robot),
         "drive": _drive(robot),
         "reset": _reset(robot),
+        "go_to": _return_home(robot),
+        "tool_retract": _held(robot),
+        "tool_go_to": _tool_go_to(robot),
+        "skip_target": _skip_target(robot),
+        "stock_refilled": _held(robot),
+        "jog": _held(robot),
     }
     blocked = _blocked(robot)
-    return {a: {"ok": not (blocked or reasons[a]), "reason": blocked or reasons[a]} for a in ACTIONS}
+    found = {name: blocked or reasons[name] or _lacking(robot, name) for name in ACTIONS}
+    return {name: {"ok": not reason, "reason": reason} for name, reason in found.items()}
 
 
 def why(robot: Robot) -> dict[str, Any] | None:
@@ -51,6 +73,13 @@ def _blocked(robot: Robot) -> str:
     if not robot.is_registered:
         return NOT_REGISTERED
     return "" if robot.link.is_online and robot.state is not None else NO_LINK
+
+
+def _lacking(robot: Robot, name: str) -> str:
+    """Return which function that it uses is off, and what turns it on."""
+    if name == "jog":
+        return jog_obstacle(robot)
+    return obstacle(robot, _USES[name]) if name in _USES else ""
 
 
 def _held(robot: Robot) -> str:
@@ -148,6 +177,18 @@ def _return_home(robot: Robot) -> str:
     if mode is Mode.MANUAL:
         return "End driving by hand first"
     return "Clear the fault first" if mode is Mode.FAULT else ""
+
+
+def _tool_go_to(robot: Robot) -> str:
+    if held := _held(robot):
+        return held
+    return "Pause it first" if mode_of(robot) is Mode.AUTO else ""
+
+
+def _skip_target(robot: Robot) -> str:
+    if held := _held(robot):
+        return held
+    return "" if has_mission(robot, *_ACTIVE) else "No mission under way"
 
 
 def _drive(robot: Robot) -> str:

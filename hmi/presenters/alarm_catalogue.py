@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 from hmi.domain.alarm.catalogue import AlarmType, catalogue
 from hmi.domain.alarm.priority import Priority
-from hmi.presenters.diagnosis import CHECKS, Scene
+from hmi.presenters.diagnosis import CHECKS
+from hmi.presenters.scene import Scene
 
 HEAD = """# Alarm types
 

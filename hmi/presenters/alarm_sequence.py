@@ -63,10 +63,15 @@ def sequence(
     """Return what happened, oldest first; ``first`` is the id of the first-out alarm."""
     entries = [
         *(_Entry(one.at, f"alarm_{one.what}", _said(one), True, one.alarm_id) for one in lines),
-        *(_Entry(one.at_utc, one.kind, one.text or one.name) for one in events if one.kind in _EVENT_KINDS),
+        *(_Entry(one.at_utc, one.kind, one.text or one.name) for one in events if _is_told(one)),
         *(_Entry(one.at, one.kind, _done(one)) for one in deeds if one.kind != "alarm"),
     ]
     return [_shown(one, first) for one in sorted(entries, key=lambda one: one.at)][:MOST]
+
+
+def _is_told(event: RobotEvent) -> bool:
+    # what holds the innermost state is entered with it: told once
+    return event.kind in _EVENT_KINDS and event.data.get("is_leaf") is not False
 
 
 def _said(line: Line) -> str:

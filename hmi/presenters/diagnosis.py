@@ -5,53 +5,18 @@ A check that cannot tell says so; it never guesses.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any
 
 from hmi.domain.freshness import STALE_S
-from hmi.domain.robot import Mode, Robot, Telemetry
+from hmi.domain.robot import Mode
+from hmi.presenters import node_checks
+from hmi.presenters.scene import Look, Scene, unknown
 from hmi.presenters.units import age_text, number, percent
 
 SLOW_LINK_S = 0.3  # driving by hand ends above it
 OLD_CORRECTIONS_S = 10.0
 FEW_SATELLITES = 8
-
-
-@dataclass(frozen=True, slots=True)
-class Scene:
-    """What the checks may look at.
-
-    Args:
-        robot: the robot the alarm is of, ``None`` for the console.
-        others: every other registered robot.
-        parts: states of the console's processes, empty where no keeper runs.
-        disk: bytes free and their share, ``None`` unknown.
-        writers: what is wrong with keeping records, by name.
-    """
-
-    now_s: float
-    robot: Robot | None
-    others: Sequence[Robot] = ()
-    is_broker_up: bool = True
-    parts: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-    disk: tuple[int, float] | None = None
-    is_database_up: bool = True
-    writers: Mapping[str, str] = field(default_factory=dict)
-
-    @property
-    def telemetry(self) -> Telemetry | None:
-        """Fast values of the robot."""
-        return None if self.robot is None else self.robot.telemetry
-
-
-class Look(NamedTuple):
-    """One check: what was asked, what was found, whether that is good (``None`` cannot tell), what a bad one means."""
-
-    text: str
-    found: str
-    is_ok: bool | None
-    means: str = ""
 
 
 def diagnose(names: Sequence[str], scene: Scene) -> dict[str, Any]:
@@ -69,10 +34,6 @@ def diagnose(names: Sequence[str], scene: Scene) -> dict[str, Any]:
         "steps": [{"text": one.text, "found": one.found, "ok": one.is_ok} for one in looks],
         "conclusion": conclusion,
     }
-
-
-def _unknown(text: str) -> Look:
-    return Look(text, "Not known.", None)
 
 
 def _broker(scene: Scene) -> Look:
@@ -95,7 +56,7 @@ def _others(scene: Scene) -> Look:
 def _heard(scene: Scene) -> Look:
     text = "Is the robot heard?"
     if scene.robot is None:
-        return _unknown(text)
+        return unknown(text)
     link = scene.robot.link
     if link.heard_s is None:
         return Look(text, "Not since Headland was started.", False, _SILENT)
@@ -106,7 +67,7 @@ def _heard(scene: Scene) -> Look:
 def _goodbye(scene: Scene) -> Look:
     text = "How did it fall silent?"
     if scene.robot is None or scene.robot.link.heard_s is None:
-        return _unknown(text)
+        return unknown(text)
     if scene.robot.link.is_online:
         return Look(text, "It is heard now.", True)
     state = scene.robot.state
@@ -119,7 +80,7 @@ def _gateway(scene: Scene) -> Look:
     text = "Does the STOP service run?"
     part = scene.parts.get("stop")
     if part is None:
-        return _unknown(text)
+        return unknown(text)
     is_ok = part.get("state") == "ok"
     means = "The STOP service is down. Keep somebody at the red buttons."
     return Look(text, _yes(is_ok, "Yes.", f"It is {part.get('state')}."), is_ok, means)
@@ -129,7 +90,7 @@ def _battery(scene: Scene) -> Look:
     text = "How full was the battery?"
     battery = scene.telemetry.battery if scene.telemetry is not None else None
     if battery is None:
-        return _unknown(text)
+        return unknown(text)
     is_ok = battery.soc >= 0.1
     means = "The battery is nearly empty: that alone may be why. Bring a charger."
     return Look(text, f"{percent(battery.soc)} %.", is_ok, means)
@@ -139,7 +100,7 @@ def _charging(scene: Scene) -> Look:
     text = "Does it charge?"
     battery = scene.telemetry.battery if scene.telemetry is not None else None
     if battery is None:
-        return _unknown(text)
+        return unknown(text)
     means = "It does not charge. Send it to the charger."
     return Look(text, _yes(battery.is_charging, "Yes.", "No."), battery.is_charging, means)
 
@@ -147,7 +108,7 @@ def _charging(scene: Scene) -> Look:
 def _delay(scene: Scene) -> Look:
     text = "How long is the way to it and back?"
     if scene.robot is None or scene.robot.link.rtt_s is None:
-        return _unknown(text)
+        return unknown(text)
     worst = scene.robot.link.rtt_max_s or scene.robot.link.rtt_s
     means = "The link was slow before: weak radio or mobile signal at that place."
     return Look(text, f"{worst * 1000:.0f} ms at worst in the last minute heard.", worst <= SLOW_LINK_S, means)
@@ -156,36 +117,16 @@ def _delay(scene: Scene) -> Look:
 def _position_age(scene: Scene) -> Look:
     text = "How old is its position?"
     if scene.telemetry is None:
-        return _unknown(text)
+        return unknown(text)
     age_s = scene.now_s - scene.telemetry.pose.stamp.source_s
     return Look(text, f"{age_text(age_s)}.", age_s < STALE_S, "Its computer is busy or its localisation stands still.")
-
-
-def _nodes(scene: Scene) -> Look:
-    text = "Do all parts of its software run?"
-    nodes = scene.robot.nodes if scene.robot is not None else {}
-    if not nodes:
-        return _unknown(text)
-    failed = sorted(one.name for one in nodes.values() if one.state == "failure")
-    found = f"Failed: {', '.join(failed)}." if failed else f"All {len(nodes)} run."
-    return Look(text, found, not failed, "A part of its software failed. Restart it, or the robot's computer.")
-
-
-def _functions(scene: Scene) -> Look:
-    text = "What is off because of it?"
-    robot = scene.robot
-    if robot is None or robot.factsheet is None or not robot.nodes:
-        return _unknown(text)
-    failed = {one.name for one in robot.nodes.values() if one.state == "failure"}
-    off = [one.label for one in robot.factsheet.functions if failed & set(one.depends_on)]
-    return Look(text, f"{', '.join(off)}." if off else "Nothing that it names.", not off)
 
 
 def _latched(scene: Scene) -> Look:
     text = "Does it say that it is stopped?"
     safety = scene.robot.safety if scene.robot is not None else None
     if safety is None:
-        return _unknown(text)
+        return unknown(text)
     return Look(text, _yes(safety.latched, "Yes, latched.", "No."), None)
 
 
@@ -193,7 +134,7 @@ def _button(scene: Scene) -> Look:
     text = "Is the red button pressed?"
     safety = scene.robot.safety if scene.robot is not None else None
     if safety is None:
-        return _unknown(text)
+        return unknown(text)
     means = "Somebody pressed it. Ask why, then release it at the machine."
     return Look(text, _yes(safety.hardware_stop, "Yes.", "No."), not safety.hardware_stop, means)
 
@@ -202,7 +143,7 @@ def _standing(scene: Scene) -> Look:
     text = "Does it measure that it stands, with its tool off?"
     safety = scene.robot.safety if scene.robot is not None else None
     if safety is None:
-        return _unknown(text)
+        return unknown(text)
     is_fresh = scene.now_s - safety.stamp.source_s < STALE_S
     is_ok = safety.standstill and safety.tool_off
     found = _yes(is_ok, "Yes", "No") + ("." if is_fresh else f", {age_text(scene.now_s - safety.stamp.source_s)} ago.")
@@ -214,7 +155,7 @@ def _presses(scene: Scene) -> Look:
     text = "Who pressed STOP?"
     safety = scene.robot.safety if scene.robot is not None else None
     if safety is None:
-        return _unknown(text)
+        return unknown(text)
     names = sorted({one.by for one in safety.presses if not one.is_reset})
     return Look(text, f"{', '.join(names)}." if names else "The robot knows of no press.", None)
 
@@ -222,7 +163,7 @@ def _presses(scene: Scene) -> Look:
 def _speed(scene: Scene) -> Look:
     text = "How fast is it?"
     if scene.telemetry is None:
-        return _unknown(text)
+        return unknown(text)
     return Look(text, f"{number(scene.telemetry.pose.speed_mps, 2)} m/s.", None)
 
 
@@ -230,7 +171,7 @@ def _fix(scene: Scene) -> Look:
     text = "How good is its fix?"
     gnss = scene.telemetry.gnss if scene.telemetry is not None else None
     if gnss is None:
-        return _unknown(text)
+        return unknown(text)
     means = "Its position is not exact: wait for RTK, or look at corrections and sky."
     return Look(text, f"{gnss.fix}, {number(gnss.accuracy_m * 100, 1)} cm.", gnss.fix == "fixed", means)
 
@@ -239,7 +180,7 @@ def _corrections(scene: Scene) -> Look:
     text = "Do corrections arrive?"
     gnss = scene.telemetry.gnss if scene.telemetry is not None else None
     if gnss is None or gnss.correction_age_s is None:
-        return _unknown(text)
+        return unknown(text)
     is_ok = gnss.correction_age_s <= OLD_CORRECTIONS_S
     means = "Corrections are missing: look at the base station and its radio."
     return Look(text, f"The newest is {age_text(gnss.correction_age_s)} old.", is_ok, means)
@@ -249,7 +190,7 @@ def _satellites(scene: Scene) -> Look:
     text = "How many satellites does it see?"
     gnss = scene.telemetry.gnss if scene.telemetry is not None else None
     if gnss is None:
-        return _unknown(text)
+        return unknown(text)
     means = "Few satellites: trees, roofs or a bad antenna."
     return Look(text, f"{gnss.satellites}.", gnss.satellites >= FEW_SATELLITES, means)
 
@@ -259,7 +200,7 @@ def _others_fix(scene: Scene) -> Look:
     fixes = [one.telemetry.gnss.fix for one in scene.others
              if one.link.is_online and one.telemetry is not None and one.telemetry.gnss is not None]  # fmt: skip
     if not fixes:
-        return _unknown(text)
+        return unknown(text)
     good = sum(1 for fix in fixes if fix == "fixed")
     means = "No robot has an exact position: it is the base station."
     return Look(text, f"{good} of {len(fixes)}.", good > 0, means)
@@ -268,14 +209,14 @@ def _others_fix(scene: Scene) -> Look:
 def _cross_track(scene: Scene) -> Look:
     text = "How far is it from its line?"
     error = scene.telemetry.cross_track_m if scene.telemetry is not None else None
-    return _unknown(text) if error is None else Look(text, f"{number(abs(error), 2)} m.", None)
+    return unknown(text) if error is None else Look(text, f"{number(abs(error), 2)} m.", None)
 
 
 def _waits(scene: Scene) -> Look:
     text = "What does it wait for?"
     state = scene.robot.state if scene.robot is not None else None
     if state is None:
-        return _unknown(text)
+        return unknown(text)
     if state.hold is None:
         return Look(text, "It names nothing.", None)
     return Look(text, state.hold.text, False, f"{state.hold.text} {state.hold.clears}".strip())
@@ -285,7 +226,7 @@ def _mode(scene: Scene) -> Look:
     text = "What does it say it does?"
     state = scene.robot.state if scene.robot is not None else None
     if state is None:
-        return _unknown(text)
+        return unknown(text)
     path = f": {' > '.join(state.path)}" if state.path else ""
     is_bad = state.mode is Mode.FAULT
     means = "It reports a fault. Read its other alarms."
@@ -296,7 +237,7 @@ def _mission(scene: Scene) -> Look:
     text = "How far is its mission?"
     order = scene.robot.state.order if scene.robot is not None and scene.robot.state is not None else None
     if order is None or order.area_m2 <= 0:
-        return _unknown(text)
+        return unknown(text)
     done = percent(min(1.0, order.area_done_m2 / order.area_m2))
     return Look(text, f"{done} % of the area, {order.status.value}.", None)
 
@@ -304,7 +245,7 @@ def _mission(scene: Scene) -> Look:
 def _obstacle(scene: Scene) -> Look:
     text = "Is something in front of it?"
     if scene.telemetry is None:
-        return _unknown(text)
+        return unknown(text)
     distance = scene.telemetry.obstacle_m
     if distance is None:
         return Look(text, "It sees nothing.", True)
@@ -316,7 +257,7 @@ def _cover(scene: Scene) -> Look:
     text = "Are the covers of its tool closed?"
     tool = scene.telemetry.tool if scene.telemetry is not None else None
     if tool is None:
-        return _unknown(text)
+        return unknown(text)
     means = "A cover is open. Close it at the machine."
     return Look(text, _yes(tool.is_interlock_ok, f"Yes; the tool is {tool.state}.", "No."), tool.is_interlock_ok, means)
 
@@ -325,14 +266,14 @@ def _clock(scene: Scene) -> Look:
     text = "By how much do the clocks differ?"
     offset = scene.robot.link.wall_offset_s if scene.robot is not None else None
     if offset is None:
-        return _unknown(text)
+        return unknown(text)
     return Look(text, f"{number(offset, 1)} s.", abs(offset) < 1, "Set up the time service on the robot's computer.")
 
 
 def _disk(scene: Scene) -> Look:
     text = "How much room is left?"
     if scene.disk is None:
-        return _unknown(text)
+        return unknown(text)
     free, share = scene.disk
     return Look(text, f"{free / 1e9:.1f} GB, {percent(share)} %.", share >= 0.05, "The disk is full: free some room.")
 
@@ -364,8 +305,14 @@ CHECKS: dict[str, Callable[[Scene], Look]] = {
     "charging": _charging,
     "delay": _delay,
     "position-age": _position_age,
-    "nodes": _nodes,
-    "functions": _functions,
+    "nodes": node_checks.alive,
+    "nodes-heard": node_checks.heard,
+    "nodes-rate": node_checks.rate,
+    "nodes-load": node_checks.load,
+    "nodes-clock": node_checks.clocks,
+    "nodes-order": node_checks.order,
+    "node-restarts": node_checks.restarts,
+    "functions": node_checks.functions,
     "latched": _latched,
     "button": _button,
     "standing": _standing,

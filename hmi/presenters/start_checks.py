@@ -9,6 +9,9 @@ import math
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
+from hmi.domain.command import Action
+from hmi.domain.function_use import obstacle
+from hmi.domain.functions import Ability, evaluate
 from hmi.domain.robot import OrderStatus, Robot
 from hmi.presenters.units import number, percent
 from hmi.presenters.words import has_mission
@@ -58,6 +61,7 @@ def start_checks(robot: Robot, facts: MissionFacts | None) -> list[Check]:
         _position(robot),
         _tool(robot),
         _people(robot),
+        *_functions(robot),
     ]
 
 
@@ -158,6 +162,21 @@ def _people(robot: Robot) -> Check:
     free_m = robot.telemetry.obstacle_m
     seen = "Its sensors see nobody ahead." if free_m is None else f"{number(free_m)} m free ahead."
     return _check("people", True, seen)
+
+
+def _functions(robot: Robot) -> list[Check]:
+    """Return nothing for a robot that does not tell what it can do."""
+    if robot.factsheet is None or not robot.factsheet.functions or robot.link.heard_s is None:
+        return []
+    if reason := obstacle(robot, Action.START):
+        what, _, cure = reason.partition(". ")
+        return [_check("functions", False, f"{what}.", cure)]
+    states = evaluate(robot, robot.link.heard_s).values()
+    less = [one for one in states if one.ability is Ability.LIMITED]
+    if less:
+        text = f"{less[0].info.label} is limited: {less[0].why}."
+        return [_check("functions", False, text, f"{less[0].turns_on} on Supervisor.", blocks=False)]
+    return [_check("functions", True, "Everything the work needs runs.")]
 
 
 def _metres(a: Place, b: Place) -> float:

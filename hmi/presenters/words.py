@@ -11,6 +11,7 @@ KINDS = {
     Family.OTHER: "Robot",
 }
 TOOLS = {Family.WEEDER: "Laser", Family.PLANTER: "Crane", Family.UAV: "Payload", Family.OTHER: "Tool"}
+TOOL_STATES = {"on": "On", "armed": "Armed", "off": "Off", "fault": "Fault"}
 FAULT_LEVELS = {"critical": 1, "high": 2, "medium": 3, "low": 4}
 
 RESET_FIRST = "Reset the stop first"

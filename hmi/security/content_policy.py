@@ -51,6 +51,28 @@ def page_policy(nonce: str, host: str, stop_url: str | None, tiles_origin: str |
     ))  # fmt: skip
 
 
+VIEWER_PATH = "/viser/"
+"""Below this the page of the 3D twin lives, which has a policy of its own."""
+
+
+def viewer_policy(nonce: str, host: str) -> str:
+    """Return the policy of the twin's page: its worker is made of a blob, nothing comes from or goes elsewhere."""
+    return "; ".join((
+        "default-src 'none'",
+        f"script-src 'self' 'nonce-{nonce}' 'unsafe-eval'",
+        "script-src-attr 'none'",
+        "style-src 'self' 'unsafe-inline'",
+        "img-src 'self' data: blob:",
+        "font-src 'self' data:",
+        f"connect-src 'self' ws://{host} wss://{host} data: blob:",
+        "worker-src blob:",
+        "object-src 'none'",
+        "base-uri 'none'",
+        "form-action 'none'",
+        "frame-ancestors 'self'",
+    ))  # fmt: skip
+
+
 DOCUMENT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; sandbox; frame-ancestors 'none'"
 """For what is no page but can be opened like one (SVG, XML): nothing runs in it."""
 

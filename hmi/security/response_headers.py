@@ -11,7 +11,14 @@ from collections.abc import Callable
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from hmi.security.content_policy import DOCUMENT_POLICY, new_nonce, page_policy, with_nonce
+from hmi.security.content_policy import (
+    DOCUMENT_POLICY,
+    VIEWER_PATH,
+    new_nonce,
+    page_policy,
+    viewer_policy,
+    with_nonce,
+)
 from hmi.security.origins import is_loopback
 
 logger = logging.getLogger(__name__)
@@ -105,7 +112,8 @@ class _Answer:
 
     def _page_headers(self, headers: Headers, nonce: str, length: int) -> Headers:
         host = _value(self._scope["headers"], b"host").decode("latin-1")
-        policy = self._policy(nonce, host)
+        is_viewer = self._scope["path"].startswith(VIEWER_PATH)
+        policy = viewer_policy(nonce, host) if is_viewer else self._policy(nonce, host)
         replaced = {b"content-length", b"content-security-policy", b"cache-control", b"etag"}
         is_body_known = self._scope["method"] != "HEAD"
         kept = [header for header in headers if header[0].lower() not in replaced]

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import sys
 
-from hmi.settings import Settings
-from hmi.stop_gateway.errors import GatewayError
-from hmi.stop_gateway.process import run_gateway
+from hmi.lean_start import lean_start
+
+with lean_start("httpx"):
+    from hmi.settings import Settings
+    from hmi.stop_gateway.errors import GatewayError
+    from hmi.stop_gateway.process import run_gateway
 
 if __name__ == "__main__":
     try:

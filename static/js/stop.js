@@ -237,6 +237,15 @@
     };
   }
 
+  const readyOnce = (() => {
+    let done = null;
+    const first = new Promise((resolve) => (done = resolve));
+    const after = (ms) => new Promise((resolve) => setTimeout(resolve, Math.max(ms, 0)));
+    // 150 ms more let the first values of the robot be drawn before the next download begins
+    const wait = (limitMs) => Promise.race([first, after(limitMs - performance.now())]);
+    return { done: () => setTimeout(done, 150), wait };
+  })();
+
   // ---- paint ------------------------------------------------------------------------------------------
   let slab = null;
   let sound = null;
@@ -251,6 +260,7 @@
     const isSame = before && before.scope === summary.scope;
     sound?.follow(loudest, now, isSame && (!isLoss || before.state === "ready" || sound.state === loudest));
     const next = JSON.stringify([summary.state, summary.scope, summary.total, summary.all.state, summary.all.standing, changes, presses.revision]);
+    if (summary.state === "ready") readyOnce.done();
     if (next !== signature) {
       signature = next;
       window.dispatchEvent(new CustomEvent("headland:stop", { detail: publicState(now) }));
@@ -306,6 +316,8 @@
       mounted.set(element, { ...options });
       paint();
     },
+    // resolves when STOP has been ready once, at the latest so long after the page began: what can wait, waits for it
+    whenReady: (limitMs = 1500) => readyOnce.wait(limitMs),
     silence: (forMs = 120000) => sound?.silence(performance.now(), forMs),
     sounding: () => sound?.sounding(performance.now()) ?? null,
   };

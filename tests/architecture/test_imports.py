@@ -28,8 +28,12 @@ ALLOWED: dict[str, set[str]] = {
                      "hmi.clock", "hmi.base_maps", "hmi.notifications"},
     "hmi.notifications": {"hmi.notifications", "hmi.domain", "hmi.store", "hmi.clock"},
     "hmi.live": {"hmi.live", "hmi.domain", "hmi.store", "hmi.presenters", "hmi.security", "hmi.clock"},
-    "hmi.stop_gateway": {"hmi.stop_gateway", "hmi.domain", "hmi.clock", "hmi.settings", "backend_clients.edge",
-                         "backend_clients.errors"},
+    "hmi.lean_start": set(),
+    "hmi.stop_gateway": {"hmi.stop_gateway", "hmi.lean_start", "hmi.domain", "hmi.clock", "hmi.settings",
+                         "backend_clients.edge", "backend_clients.errors"},
+    "hmi.twin": {"hmi.twin", "backend_clients.edge", "hmi.domain", "hmi.clock"},
+    "hmi.media": {"hmi.media", "hmi.twin", "backend_clients.edge", "backend_clients.errors", "hmi.domain", "hmi.clock",
+                  "hmi.settings", "hmi.planning.side_process"},
     "hmi.api": {"hmi.api", "hmi.domain", "hmi.store", "hmi.presenters", "hmi.commands", "hmi.security", "hmi.planning",
                 "hmi.mapping", "hmi.map_files", "hmi.base_maps", "hmi.reports", "hmi.clock", "hmi.settings",
                 "hmi.notifications"},
@@ -89,6 +93,7 @@ def test_module_imports_only_what_its_room_may(path: Path) -> None:
     assert not stray
 
 
+@pytest.mark.slow
 def test_the_simulator_is_reached_from_the_demo_and_the_command_line_only() -> None:
     users = {
         name_of(path)

@@ -183,6 +183,15 @@ def test_without_the_gateway_the_browser_itself_says_no_path_and_not_confirmed(p
     assert farm.weeder.speed_mps == 0
 
 
+def test_what_waits_for_stop_does_not_wait_for_ever_without_a_gateway(page: Page, farm: Farm) -> None:
+    farm.gateway.kill()
+    slab = come(page, farm)
+    sees(slab, "no-path")
+    assert page.evaluate("headlandStop.whenReady(300).then(() => headlandStop.state().state)") == "no-path"
+    farm.gateway.start()
+    sees(slab, "ready")
+
+
 def test_a_gateway_that_dies_after_the_press_leaves_not_confirmed_by_the_browsers_own_clock(
     page: Page, farm: Farm
 ) -> None:

@@ -15,6 +15,15 @@ from tests.e2e.person import Person, wait_for
 pytestmark = pytest.mark.browser
 Come = Callable[..., Person]
 SCREENS = ("/operate/weeder-01", "/fleet", "/missions", "/admin")
+WHEN_READY = """new MutationObserver((_, watch) => {
+  if (document.querySelector('[data-testid=stop]')?.dataset.state !== 'ready') return;
+  window.readyAt = performance.now();
+  watch.disconnect();
+}).observe(document, { subtree: true, childList: true, attributes: true })"""
+EARLY = """() => performance.getEntriesByType('resource')
+  .filter((one) => one.startTime < window.readyAt).map((one) => one.name)"""
+MAP_IS_HERE = "() => performance.getEntriesByType('resource').some((one) => /resources.*live_map.js/.test(one.name))"
+LATE = ("/live_map.js", "maplibre", "/bundle/demo", "/bundle/run", "/bundle/bell")
 
 
 def test_one_press_leads_to_confirmed_standstill_with_the_time_of_each_step(person: Come, calm: Installation) -> None:
@@ -53,13 +62,23 @@ def test_stop_survives_every_change_of_screen_with_one_socket(person: Come) -> N
     assert len([url for url in opened if url.endswith("/ws")]) == before
 
 
+def test_map_and_demo_are_fetched_only_after_stop_is_ready(person: Come) -> None:
+    martha = person("operator")
+    martha.page.add_init_script(WHEN_READY)
+    martha.operate("weeder-01")
+    martha.page.wait_for_function(MAP_IS_HERE)
+    early = [name for name in martha.page.evaluate(EARLY) if "/components/" not in name]
+    assert early
+    assert not [name for name in early for late in LATE if late in name]
+
+
 def test_a_silent_robot_is_never_shown_as_stopped(person: Come, calm: Installation) -> None:
     martha = person("operator")
     martha.operate("weeder-01")
     calm.fault("weeder-01", "silence", http=True, deaf=True)
     martha.press_stop()
     martha.sees("stop", "not-confirmed", within_s=4)
-    expect(martha.page.get_by_text("Use the red button on the machine", exact=True)).to_be_visible()
+    expect(martha.hook("link-banner").get_by_text("Use the red button on the machine")).to_be_visible()
     assert not calm.world("weeder-01")["latched"]
     calm.mend("weeder-01")
     martha.sees("stop", "standstill", within_s=15)

@@ -93,6 +93,7 @@ async def storm(site: Site, calm: Calm) -> None:
         await browsers.wait()
 
 
+@pytest.mark.slow
 async def test_three_hundred_browsers_come_back_at_once_and_those_who_work_go_on_working() -> None:
     async with running(ROBOTS) as site, calm_browser(site) as calm:
         move_all(site, 0.4)

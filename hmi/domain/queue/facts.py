@@ -37,6 +37,7 @@ class RobotFacts:
         trouble: a fault of high level, in its words.
         hold: why it does not go on by itself, in its words.
         value_age_s: age of battery and fix.
+        cannot: which function that its work needs is off, and what turns it on; empty if none is.
     """
 
     name: str
@@ -54,6 +55,7 @@ class RobotFacts:
     value_age_s: float | None = None
     soc: float | None = None
     fix: str | None = None
+    cannot: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -161,6 +161,8 @@ def _may_not_start(entry: Entry, facts: Facts, robot: RobotFacts, mission: Missi
         return Waiting("not_armed", text, "Slide to arm the queue.", Who.OPERATOR)
     if entry.started_at is not None:
         return Waiting("was_started", "It was started already. Start it yourself.", "Slide to start.", Who.OPERATOR)
+    if robot.cannot:
+        return Waiting("function_off", f"{robot.name}: {robot.cannot}", "Turn it on under Supervisor.", Who.ADMIN)
     window = blocked_until(facts.blackouts, entry.robot_id, facts.now, facts.zone)
     if window is not None:
         name, free = window[0].name, window[1]

@@ -29,7 +29,7 @@ def rules_of(types: Mapping[str, AlarmType], ground_of: GroundOf) -> Sequence[Ru
         Track(lambda: types["off-track"]),
         Progress(lambda: types["stalled"]),
         Battery(),
-        Nodes(),
+        Nodes(lambda: types["node-slow"], lambda: types["node-clock"]),
         Computer(lambda: types["clock-wrong"]),
         Fence(ground_of),
     )

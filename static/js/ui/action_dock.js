@@ -15,7 +15,7 @@
     if (HL.linkState() === "server-lost" || HL.linkState() === "robot-lost" || !groups.mode) return OFFLINE;
     const verdict = groups.actions?.[action];
     if (verdict && !verdict.ok) return verdict.reason;
-    const gate = action === "start" || (action === "resume" && groups.why?.code === "continued") ? HL.startChecks?.reason(robot) ?? "" : "";
+    const gate = action === "start" || (action === "resume" && groups.why?.code === "continued") ? HL.startChecks ? HL.startChecks.reason(robot) : "The checks are being loaded" : "";
     if (gate) return gate;
     return NEEDS_CONTROL.has(action) ? HL.lease.obstacle(robot) : "";
   }

@@ -52,14 +52,10 @@
   }
 
   // sound, spoken words and the strip on Operate: after STOP is ready, so that nothing of it delays STOP
-  function lateScripts() {
-    const bornAt = performance.now();
-    const timer = setInterval(() => {
-      if (window.headlandStop?.state().state !== "ready" && performance.now() - bornAt < LATE_MS) return;
-      clearInterval(timer);
-      const code = document.querySelector("hl-alarms")?.dataset.code;
-      if (code) HL.load(code);
-    }, 500);
+  async function lateScripts() {
+    await HL.afterStop(LATE_MS);
+    const code = document.querySelector("hl-alarms")?.dataset.code;
+    if (code) HL.load(code);
   }
 
   define("hl-alarms", AlarmCounts);

@@ -49,7 +49,7 @@
       const rows = Object.entries(HL.port.fleet()).sort((a, b) => a[1].name.localeCompare(b[1].name));
       this.panel.replaceChildren(
         ...rows.map(([id, robot]) =>
-          el("a", { class: "item", href: `/operate/${id}`, "data-testid": `robot-option-${id}`, "aria-current": id === HL.view.robot ? "true" : null, onclick: () => this.close() },
+          el("a", { class: "item", href: HL.view.path(id), "data-testid": `robot-option-${id}`, "aria-current": id === HL.view.robot ? "true" : null, onclick: () => this.close() },
             robotGlyph(robot.family),
             el("span", {}, robot.name, el("span", { class: "sub" }, [robot.is_registered === false ? "New, not accepted yet" : robot.text, robot.is_online === false ? "not heard" : ""].filter(Boolean).join(" · "))),
           ),
@@ -58,7 +58,7 @@
       );
     }
     paint() {
-      attr(this, "hidden", HL.view.screen !== "operate");
+      attr(this, "hidden", !HL.view.robot && HL.view.screen !== "operate");
       const known = HL.view.robot ? HL.port.robot(HL.view.robot).id : null;
       text(this.name, HL.view.robot ? HL.view.name() : "Choose a robot");
       text(this.kind, HL.view.robot ? `${known?.kind_label ?? "Robot"} · switch robot` : "");

@@ -4,6 +4,7 @@
   const { el, icon, text, attr, LiveElement, define } = HL;
   const { list, when, empty } = HL.records;
   const LATE_MS = 5000; // a list that is not there by then is an error
+  const WORKED = ["running", "paused", "resuming", "done", "aborted", "failed"];
   const TABS = [["list", "List"], ["plan", "Plan"], ["queue", "Queue"]];
   const RELOAD_MS = 1200; // moves of a mission come close together, and are stored a moment after the robot tells
 
@@ -173,7 +174,7 @@
         el("div", { class: "h-mpicture" }, shape ? HL.fieldPicture(shape, `${mission.name}, ${mission.field_name}`) : el("div", { class: "h-notice" }, "The picture did not load.")),
         Object.keys(mission.statistics ?? {}).length ? HL.plan.cards(mission.statistics) : "",
         ...(mission.statistics?.notes ?? []).map((note) => el("div", { class: "h-row h-t14 h-b" }, icon("warning", "m"), note)),
-        el("h3", { class: "h-t16 h-b" }, "What happened"),
+        el("div", { class: "h-row" }, el("h3", { class: "h-t16 h-b h-sp" }, "What happened"), WORKED.includes(mission.status) && mission.robot_id ? el("a", { class: "h-btn", href: `/supervisor/${mission.robot_id}?mission=${encodeURIComponent(mission.id)}`, "data-testid": "mission-state-times" }, icon("account_tree", "m"), "State times") : ""),
         HL.records.table(["Time", "State", "By", "Why"], (mission.log ?? []).toReversed().map((one) => ({ cells: [when(one.utc), HL.plan.status(one.status), one.by, outcome(one)] }))),
       ];
     }

@@ -7,11 +7,13 @@
   const HERE_MS = 1000;
   const MOST_TOPICS = 40; // control of more robots than this is followed by lease events alone
   const bornAt = performance.now();
+  const INSIDE = ["supervisor", "twin"]; // screens that look into the machine
   const EMPTY = Object.freeze({});
   let topics = "";
 
   const ms = (seconds) => (seconds === null || seconds === undefined ? Infinity : seconds * 1000);
   const robot = (id) => (id && lane.state(`robot/${id}`)) || EMPTY;
+  const inside = (id) => (id && lane.state(`inside/${id}`)) || EMPTY;
   const fleet = () => lane.state("fleet")?.robots || EMPTY;
   const ids = new Set(); // of the fleet: asking an object of a thousand entries for its keys is dear
   const age = (t) => ms(lane.age(t));
@@ -58,7 +60,7 @@
 
   function watch() {
     if (!config.user) return;
-    const wanted = ["fleet", "alarms", ...new Set([HL.view?.robot, followed, ...held].filter(Boolean).map((id) => `robot/${id}`))].slice(0, MOST_TOPICS);
+    const wanted = ["fleet", "alarms", ...new Set([HL.view?.robot, followed, ...held].filter(Boolean).map((id) => `robot/${id}`)), ...(INSIDE.includes(HL.view?.screen) && HL.view.robot ? [`inside/${HL.view.robot}`] : [])].slice(0, MOST_TOPICS);
     if (wanted.join() === topics) return;
     topics = wanted.join();
     lane.sub(wanted);
@@ -149,5 +151,5 @@
   window.addEventListener("headland:dropped", () => HL.toast("Not sent: no connection. Try again when it is back.", "cloud_off"));
   setInterval(here, HERE_MS);
 
-  HL.port = { robot, fleet, ids, age, server, delayMs, watch, follow, command, lease, reset, seen, sendMission, drive, api, tickInfo: () => lane.state("tick") };
+  HL.port = { robot, inside, fleet, ids, age, server, delayMs, watch, follow, command, lease, reset, seen, sendMission, drive, api, tickInfo: () => lane.state("tick") };
 })();

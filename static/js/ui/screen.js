@@ -8,7 +8,10 @@
     Object.assign(HL.view, { screen: screen.dataset.screen, robot: screen.dataset.robot || null, title: screen.dataset.title || "" });
     document.querySelector(".h-app")?.setAttribute("data-screen", HL.view.screen);
     document.title = `${HL.view.title} · Headland`;
-    for (const link of document.querySelectorAll("[data-nav]")) attr(link, "aria-current", link.dataset.nav === HL.view.screen ? "page" : null);
+    for (const link of document.querySelectorAll("[data-nav]")) {
+      attr(link, "aria-current", link.dataset.nav === HL.view.screen ? "page" : null);
+      if (link.hasAttribute("aria-current")) link.scrollIntoView({ block: "nearest", inline: "nearest" });
+    }
     document.querySelector(".h-app")?.toggleAttribute("data-one-robot", Boolean(HL.view.robot));
     if (HL.view.robot) HL.keep.write(LAST_KEY, HL.view.robot);
     HL.port.watch();
@@ -16,7 +19,7 @@
     HL.repaint();
   }
 
-  // scripts that only this screen needs; its elements come to life when they have arrived
+  // scripts that only this screen needs, those of data-late after STOP is ready; its elements come to life when they have arrived
   const loaded = new Set();
   function load(src) {
     if (loaded.has(src)) return;
@@ -30,7 +33,9 @@
   class Screen extends HTMLElement {
     connectedCallback() {
       show(this);
-      for (const src of (this.dataset.code || "").split(" ").filter(Boolean)) load(src);
+      const sources = (list) => (list || "").split(" ").filter(Boolean);
+      for (const src of sources(this.dataset.code)) load(src);
+      if (this.dataset.late) HL.afterStop().then(() => sources(this.dataset.late).forEach(load));
     }
   }
 
@@ -42,7 +47,7 @@
       const known = (this.dataset.known || "").split(" ").filter(Boolean);
       const last = HL.keep.read(LAST_KEY, "");
       const target = known.includes(last) ? last : known.length === 1 ? known[0] : "";
-      if (target) setTimeout(() => this.isConnected && go(`/operate/${target}`, true), 0);
+      if (target) setTimeout(() => this.isConnected && go(HL.view.path(target), true), 0);
     }
     paint() {
       const robots = Object.entries(HL.port.fleet()).sort((a, b) => a[1].name.localeCompare(b[1].name));
@@ -50,7 +55,7 @@
       if (key === this.drawn) return;
       this.drawn = key;
       this.list.replaceChildren(
-        ...robots.map(([id, robot]) => el("a", { class: "h-card", href: `/operate/${id}`, "data-testid": `robot-option-${id}` }, robotGlyph(robot.family, 40), el("span", {}, el("b", { class: "h-t18 h-b" }, robot.name), el("br"), el("span", { class: "h-2 h-t14" }, robot.is_registered ? robot.text : "New, not accepted yet")))),
+        ...robots.map(([id, robot]) => el("a", { class: "h-card", href: HL.view.path(id), "data-testid": `robot-option-${id}` }, robotGlyph(robot.family, 40), el("span", {}, el("b", { class: "h-t18 h-b" }, robot.name), el("br"), el("span", { class: "h-2 h-t14" }, robot.is_registered ? robot.text : "New, not accepted yet")))),
         robots.length ? "" : el("div", { class: "h-notice h-card" }, icon("smart_toy", "l"), el("b", { class: "h-t22 h-b" }, HL.port.server().isKnown ? "No robot yet" : "Loading robots"), el("span", { class: "h-2 h-t16" }, HL.port.server().isKnown ? "Robots that are heard appear here by themselves." : "The list comes with the first answer of the server.")),
       );
     }
@@ -92,6 +97,7 @@
 
   HL.view = {
     screen: "", robot: null, title: "",
+    path: (id) => `/${HL.view.screen || "operate"}/${id}`, // another robot on this screen
     name: () => HL.port.robot(HL.view.robot).id?.name || HL.port.fleet()[HL.view.robot]?.name || HL.view.title || HL.view.robot || "",
   };
   define("hl-pick-robot", PickRobot);

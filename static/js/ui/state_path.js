@@ -10,7 +10,10 @@
       this.since.style.color = "var(--hl-ink)";
       this.age = el("span");
       this.path = el("div", { class: "h-path" });
-      this.append(el("div", { class: "h-h" }, el("span", {}, "Supervisor state"), this.since, el("span", { class: "h-age h-end" }, icon("schedule", "s"), this.age)), this.path);
+      this.addEventListener("click", () => HL.view.robot && HL.go(`/supervisor/${HL.view.robot}`));
+      this.addEventListener("keydown", (event) => event.key === "Enter" && this.click());
+      for (const [name, value] of [["role", "link"], ["tabindex", "0"], ["title", "Open the supervisor"]]) attr(this, name, value);
+      this.append(el("div", { class: "h-h" }, el("span", {}, "Supervisor state"), this.since, el("span", { class: "h-age h-end" }, icon("schedule", "s"), this.age), icon("chevron_right", "s")), this.path);
     }
     paint() {
       const { supervisor } = HL.port.robot(HL.view.robot);

@@ -313,6 +313,7 @@ def test_the_whole_mission_with_a_higher_revision_starts_fresh() -> None:
 
 @settings(max_examples=12, deadline=None)
 @given(row=st.integers(1, ROWS), into_m=st.floats(1.0, 10.0), x=st.floats(-8, 14), y=st.floats(-8, 20))
+@pytest.mark.slow
 def test_wherever_it_is_interrupted_and_taken_up_every_row_is_treated_once(
     row: int, into_m: float, x: float, y: float
 ) -> None:

@@ -126,16 +126,18 @@ def planting() -> Rig:
     return rig
 
 
-def test_a_planter_stands_still_for_twenty_seconds_a_tree_and_drives_two_metres_on() -> None:
+def test_a_planter_works_a_whole_site_before_it_drives_four_metres_on() -> None:
     rig = planting()
-    first = rig.boot.brain.place
-    assert rig.speed == 0
-    assert not rig.safety.standstill  # the crane works
-    took_s = until(rig, lambda: not rig.robot.machine.tool_on, 30.0)
-    assert took_s == pytest.approx(20.0, abs=1.0)
-    until(rig, lambda: rig.robot.machine.tool_on, 30.0)
-    assert math.dist(first, rig.boot.brain.place) == pytest.approx(2.0, abs=0.15)
-    assert rig.robot.machine.seedlings == 66
+    body = rig.robot.machine.rig
+    assert body is not None
+    until(rig, lambda: body.site is not None, 5.0)
+    first, base = body.site, rig.boot.brain.place
+    assert first is not None
+    assert (rig.speed, rig.safety.standstill) == (0, False)  # the crane works
+    until(rig, lambda: body.site is not first, 600.0)
+    assert not first.is_left
+    assert math.dist(base, rig.boot.brain.place) == pytest.approx(4.0, abs=0.15)
+    assert rig.robot.machine.seedlings == 67 - first.planted - body.in_head - body.in_arm
 
 
 def test_stop_in_the_middle_of_a_planting_stops_the_crane_at_once() -> None:
@@ -148,14 +150,14 @@ def test_stop_in_the_middle_of_a_planting_stops_the_crane_at_once() -> None:
 def test_a_planter_without_seedlings_waits_for_a_tray_and_goes_on_with_a_full_one() -> None:
     rig = planting()
     rig.robot.set_fault(TrayEmpty(left=1))
-    until(rig, lambda: rig.state.hold is not None, 60.0)
+    until(rig, lambda: rig.state.hold is not None, 240.0)
     hold = rig.state.hold
     assert hold is not None
     assert (hold.code, hold.who) == ("tray_empty", "person at the machine")
     assert [fault.code for fault in rig.state.faults] == ["tray-empty"]
     rig.robot.clear_fault("tray-empty")
     until(rig, lambda: rig.robot.machine.tool_on, 30.0)
-    assert rig.robot.machine.seedlings == 67
+    until(rig, lambda: rig.robot.machine.seedlings == 66, 60.0)
 
 
 def test_a_crane_outside_its_limit_waits_until_somebody_drives_it_by_hand() -> None:
@@ -174,12 +176,15 @@ def test_a_crane_outside_its_limit_waits_until_somebody_drives_it_by_hand() -> N
     assert "crane-limit" not in [fault.code for fault in rig.state.faults]
 
 
-def test_a_planter_reports_the_trees_of_a_row() -> None:
+def test_a_planter_reports_each_tree_and_the_trees_of_a_row() -> None:
     rig = Rig(family="planter")
-    rig.start(small_mission(rows=2, length_m=6.0))
-    until(rig, lambda: any(e.kind == "treatment" for e in rig.events), 200.0)
-    treated = next(e for e in rig.events if e.kind == "treatment")
-    assert (treated.name, treated.data["trees"]) == ("Row 1 planted", 3)
+    rig.start(small_mission(rows=2, length_m=6.0, width_m=4.0))
+    until(rig, lambda: any(e.name == "Row 1 planted" for e in rig.events), 900.0)
+    treated = [e for e in rig.events if e.kind == "treatment"]
+    planted = [e for e in treated if e.data.get("outcome") == "done"]
+    assert treated[-1].data["trees"] == len(planted) > 0
+    assert {"target", "code", "x_m", "y_m", "stop", "duration_s", "mission_id"} <= set(planted[0].data)
+    assert planted[0].name == f"Tree {planted[0].data['target'].removeprefix('tree-')} planted"
 
 
 def test_a_uav_flies_home_by_itself_at_its_reserve_and_charges_there() -> None:

@@ -128,6 +128,7 @@ def test_the_opening_is_played_once_the_robots_work_and_situations_end_by_themse
     assert not opening.items() & farm.director.now().items()
 
 
+@pytest.mark.slow
 def test_situations_come_and_go_but_never_trouble_everybody() -> None:
     farm = Farm(workers=8)
     farm.run(1200.0)

@@ -72,6 +72,7 @@ def test_a_tight_arc_is_driven_slowly_enough() -> None:
     lengths=st.lists(st.floats(1.0, 15.0), min_size=7, max_size=7),
     speed=st.floats(0.3, 1.66),
 )
+@pytest.mark.slow
 def test_any_polyline_is_driven_to_its_end_close_to_the_line(
     bends: list[float], lengths: list[float], speed: float
 ) -> None:

@@ -35,6 +35,7 @@ def start(folder: Path, port: int = 0) -> subprocess.Popen[str]:
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+@pytest.mark.slow
 def test_it_ends_at_once_even_without_a_broker_and_with_a_request_held(tmp_path: Path, number: signal.Signals) -> None:
     process = start(tmp_path)
     assert process.stdout is not None
@@ -55,6 +56,7 @@ def test_it_ends_at_once_even_without_a_broker_and_with_a_request_held(tmp_path:
     assert (tmp_path / "weeder-01" / "progress.json").exists()
 
 
+@pytest.mark.slow
 def test_a_busy_port_is_an_error(tmp_path: Path) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))

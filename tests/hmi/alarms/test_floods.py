@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import random
 
+import pytest
+
 from backend_clients.edge import messages_up as up
 from hmi.domain.alarm.alarm import CONSOLE, AlarmKey
 from hmi.domain.alarm.conditions import MAX_AT_SOURCE, Change, Turn
@@ -16,6 +18,7 @@ FLEET = tuple(f"weeder-{number:04d}" for number in range(1000))
 BROKER = (Finding("broker-lost", "Not connected."),)
 
 
+@pytest.mark.slow
 async def test_a_lost_broker_is_one_alarm_and_not_a_thousand_lost_links() -> None:
     async with AlarmRig(*FLEET) as rig:
         rig.run(2, *FLEET)
@@ -51,6 +54,7 @@ async def test_a_link_lost_before_the_broker_is_kept_silent_and_speaks_again_aft
         assert rig.states()["link-lost.weeder-01"] == "unacknowledged"
 
 
+@pytest.mark.slow
 async def test_robots_that_all_fall_silent_at_once_are_one_alarm_about_the_network() -> None:
     async with AlarmRig(*FLEET[:200]) as rig:
         rig.run(3, *FLEET[:200])
@@ -67,6 +71,7 @@ async def test_two_of_many_robots_that_fall_silent_are_two_alarms() -> None:
         assert set(rig.states()) == {f"link-lost.{one}" for one in FLEET[8:10]}
 
 
+@pytest.mark.slow
 async def test_a_storm_of_reconnects_raises_nothing_new_and_chatters_instead_of_repeating() -> None:
     async with AlarmRig(*FLEET[:50]) as rig:
         rig.run(3, *FLEET[:50])
@@ -132,6 +137,7 @@ async def test_a_robot_that_invents_codes_without_end_fills_neither_list_nor_mem
         assert len(rig.alarms.all()) <= MAX_AT_SOURCE
 
 
+@pytest.mark.slow
 async def test_the_list_ends_somewhere_and_counts_what_found_no_room() -> None:
     async with AlarmRig() as rig:
         for number in range(MAX_ALARMS + 5):

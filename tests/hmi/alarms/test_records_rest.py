@@ -27,7 +27,7 @@ from hmi.notifications.errors import NotDelivered
 from hmi.notifications.message import Message
 from hmi.notifications.post import PostOffice
 from hmi.notifications.secret_box import SecretBox
-from hmi.presenters.diagnosis import Scene
+from hmi.presenters.scene import Scene
 from hmi.store.alarm_journal import AlarmJournal
 from hmi.store.alarm_records import AlarmRecords
 from hmi.store.alarm_settings import AlarmSettings

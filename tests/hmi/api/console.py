@@ -16,11 +16,14 @@ from starlette.types import ASGIApp
 from hmi.api.access import Access
 from hmi.api.health import HealthRoutes, KeeperReport
 from hmi.api.metrics import ConsoleMetrics, Gauge
+from hmi.api.nodes import NodeRoutes, node_routes
 from hmi.api.records import RecordRoutes
 from hmi.api.robots import RobotRoutes
 from hmi.api.router import PREFIX, ApiServices, build_api
 from hmi.api.sessions import SessionRoutes
+from hmi.api.state_chart import StateRoutes, state_chart_routes
 from hmi.domain.robot import Family, Robot
+from hmi.domain.robot_log import LogFailed
 from hmi.domain.role import Role
 from hmi.domain.stop_token import StopToken
 from hmi.security.accounts import Accounts
@@ -39,6 +42,7 @@ from hmi.store.database import Database
 from hmi.store.devices import Devices
 from hmi.store.history import History
 from hmi.store.robots import RegisteredRobot, Robots
+from hmi.store.state_times import StateRecords
 from hmi.store.stop_list import StopList
 from hmi.store.users import Users
 from tests.hmi.commands.field import FARM, Field
@@ -67,6 +71,22 @@ class FakeStop:
             if stop_id in (None, s)
             for robot in ([robots] if isinstance(robots, str) else robots)
         ]
+
+
+class FakeLogs:
+    """The logs of all robots; ``trouble`` is what reading them raises."""
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+        self.trouble: LogFailed | None = None
+        self.asked: list[int] = []
+
+    async def tail_log(self, robot_id: str, lines: int) -> list[str]:
+        """Return the newest lines."""
+        self.asked.append(lines)
+        if self.trouble is not None:
+            raise self.trouble
+        return self.lines[-lines:]
 
 
 class FieldView:
@@ -120,6 +140,7 @@ class Console:
         self.broker_state = "up"
         self.is_database_up = True
         self.fleet = FieldView(self.field, self.registry)
+        self.logs = FakeLogs()
         self.api = build_api(self._services())
         self._clients: list[httpx.AsyncClient] = []
 
@@ -145,6 +166,14 @@ class Console:
             desk=self.field.desk,
             stop=self.stop,
             diagnostics={"ingest": lambda: {"messages": 7}},
+            further=[
+                state_chart_routes(
+                    StateRoutes(
+                        self.fleet.robot, StateRecords(self.database, FARM), self.database, clock, self.authorize
+                    )
+                ),
+                node_routes(NodeRoutes(self.fleet.robot, self.field.desk.commands, self.logs, clock)),
+            ],
         )
 
     def register(self) -> None:

@@ -15,6 +15,8 @@ NEW_ROBOT = {"id": "weeder-09", "name": "Weeder 09", "family": "weeder"}
 NEW_USER = {"name": "Piet Bos", "role": "viewer", "password": "a long enough one"}
 RESET = {"reset_id": "reset-00000001", "stop_ids": ["stop-00000001"], "reason": "Test", "tick": "x"}
 
+NODE_ORDER = {"command_id": "command-node", "tick": "x"}
+
 
 def command(action: str) -> dict[str, Any]:
     """Return the body of a command."""
@@ -35,6 +37,10 @@ ROUTES: list[tuple[str, str, dict[str, Any] | None, Permission | None]] = [
     ("GET", "/robots/new", None, P.WATCH),
     ("GET", "/robots/weeder-01", None, P.WATCH),
     ("POST", "/robots", NEW_ROBOT, P.MANAGE_ROBOTS),
+    ("GET", "/robots/weeder-01/chart", None, P.WATCH),
+    ("GET", "/robots/weeder-01/state-times", None, P.WATCH),
+    ("GET", "/robots/weeder-01/state-times.csv", None, P.WATCH),
+    ("GET", "/robots/weeder-01/transitions", None, P.WATCH),
     ("PATCH", "/robots/weeder-01", {"name": "Weeder One"}, P.MANAGE_ROBOTS),
     ("POST", "/robots/weeder-01/commands", command("start"), P.START),
     ("POST", "/robots/weeder-01/commands", command("resume"), P.RESUME),
@@ -43,6 +49,18 @@ ROUTES: list[tuple[str, str, dict[str, Any] | None, Permission | None]] = [
     ("POST", "/robots/weeder-01/commands", command("return_home"), P.RETURN_HOME),
     ("POST", "/robots/weeder-01/commands", command("drive_open"), P.DRIVE),
     ("POST", "/robots/weeder-01/commands", command("drive_close"), P.DRIVE),
+    ("POST", "/robots/weeder-01/commands", {**command("go_to"), "place": [1.0, 2.0, 0.0]}, P.GO_TO),
+    ("POST", "/robots/weeder-01/commands", command("tool_retract"), P.TOOL),
+    ("POST", "/robots/weeder-01/commands", {**command("tool_go_to"), "place": [1.0, 2.0, 0.0]}, P.TOOL),
+    ("POST", "/robots/weeder-01/commands", command("skip_target"), P.TOOL),
+    ("POST", "/robots/weeder-01/commands", command("stock_refilled"), P.TOOL),
+    ("POST", "/robots/weeder-01/commands", {**command("node_stop"), "node": "gnss"}, P.MANAGE_NODES),
+    ("GET", "/robots/weeder-01/nodes", None, P.WATCH),
+    ("GET", "/robots/weeder-01/functions", None, P.WATCH),
+    ("POST", "/robots/weeder-01/nodes/gnss/start", NODE_ORDER, P.MANAGE_NODES),
+    ("POST", "/robots/weeder-01/nodes/gnss/stop", NODE_ORDER, P.MANAGE_NODES),
+    ("POST", "/robots/weeder-01/nodes/gnss/restart", NODE_ORDER, P.MANAGE_NODES),
+    ("GET", "/robots/weeder-01/logs", None, P.READ_LOGS),
     ("POST", "/robots/weeder-01/lease", lease("request"), P.LEASE),
     ("POST", "/robots/weeder-01/lease", lease("release"), P.LEASE),
     ("POST", "/robots/weeder-01/lease", lease("grant"), P.LEASE),
@@ -120,6 +138,8 @@ async def test_every_route_is_in_the_table(console: Console) -> None:
     named = {"weeder-01": "{robot_id}", "tablet-9": "{device_id}", "viewer": "{user_id}", "stop-00000001": "{stop_id}"}
 
     def pattern(path: str) -> str:
+        if "/nodes/gnss/" in path:
+            return "/robots/{robot_id}/nodes/{name}/{act}"
         return "/".join(named.get(part, part) for part in path.split("/"))
 
     assert known == {(method, pattern(path)) for method, path, _, _ in ROUTES} | OPEN

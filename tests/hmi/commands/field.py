@@ -16,6 +16,7 @@ from hmi.domain.command import (
     Action,
     CommandOrder,
     DriveOrder,
+    JogOrder,
     OperatorPulse,
     Order,
     OrderFailed,
@@ -28,6 +29,7 @@ from hmi.domain.robot import (
     Family,
     LinkHealth,
     Mode,
+    Node,
     OrderStatus,
     Press,
     Robot,
@@ -95,6 +97,8 @@ class FakeRobot:
     orders: list[Order] = field(default_factory=list)
     done: list[str] = field(default_factory=list)
     v_mps: float = 0.0
+    rates: dict[str, float] = field(default_factory=dict)
+    nodes: dict[str, Node] = field(default_factory=dict)
     stored_sha256: str | None = SHA
     _issued: dict[str, float] = field(default_factory=dict)
     _answers: dict[str, Acknowledgement] = field(default_factory=dict)
@@ -120,6 +124,7 @@ class FakeRobot:
         self.presses.append(Press(stop_id, by, device, self.clock.mono_s(), False))
         self._revoked = max(self._revoked, self._token)
         self.v_mps = self.speed_mps = 0.0
+        self.rates = {}
         self.mode = Mode.STOPPED
 
     @property
@@ -141,6 +146,9 @@ class FakeRobot:
             case DriveOrder():
                 if self._judge(order.challenge, order.lease_token, order.lease_seq, "order") == "ok":
                     self.v_mps = 0.0 if self.is_latched else order.v_mps
+            case JogOrder():
+                if self._judge(order.challenge, order.lease_token, order.lease_seq, "order") == "ok":
+                    self.rates = {} if self.is_latched else {n: rate for n, rate in order.rates.items() if rate}
             case OperatorPulse():
                 pass
         return None
@@ -178,6 +186,7 @@ class FakeRobot:
                 stopping_distance_m=None,
                 stamp=stamp,
             ),
+            nodes=self.nodes,
         )
 
     def _once(self, ref: str, act: Any) -> Acknowledgement:

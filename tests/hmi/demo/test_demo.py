@@ -131,6 +131,7 @@ async def test_the_first_start_has_map_robots_and_short_missions_at_once(tmp_pat
     demo.database.close()
 
 
+@pytest.mark.slow
 async def test_a_full_fleet_has_its_work_from_the_first_moment(tmp_path: Path) -> None:
     demo = Installation(tmp_path, size="full")
     await demo.seed.at_once()
@@ -220,6 +221,7 @@ async def test_a_smaller_demo_takes_out_the_robots_it_does_not_run_and_no_others
     again.database.close()
 
 
+@pytest.mark.slow
 def test_a_recorded_run_leaves_samples_and_events_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("os.nice", lambda _step: 0)  # the test's own process is not to be slowed for good
     demo = Installation(tmp_path)

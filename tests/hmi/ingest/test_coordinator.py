@@ -368,6 +368,7 @@ def nearly_honest() -> st.SearchStrategy[bytes]:
         max_size=20,
     )
 )
+@pytest.mark.slow
 async def test_any_bytes_on_any_topic_are_survived(frames: list[tuple[str, bytes, bool]]) -> None:
     async with Rig(ID) as rig:
         for topic, payload, is_retained in frames:

@@ -19,12 +19,14 @@ from hmi.domain.command import (
     Action,
     CommandOrder,
     DriveOrder,
+    JogOrder,
     OperatorPulse,
     Order,
     OrderFailed,
     ResetOrder,
     StopOrder,
 )
+from hmi.domain.robot_log import LogFailed
 from hmi.ingest.sender import EdgeSender
 from hmi.store.fleet import RobotAddress
 
@@ -33,6 +35,9 @@ STOP = StopOrder(ID, "stop-0001", "Martha Keller", "Tablet 3", "Person")
 COMMAND = CommandOrder(ID, "command-1", Action.START, "Martha Keller", 7, 3, 2000, "challenge", "m-1", "a" * 64, True)
 RESET = ResetOrder(ID, "reset-001", ("stop-0001",), "Martha Keller", "Test", 7, 4, 2000, "challenge")
 DRIVE = DriveOrder(ID, 7, 5, "challenge", 0.2, -0.1)
+JOG = JogOrder(ID, 7, 5, "challenge", {"slew": 0.1, "extension": -0.2})
+RESTART = CommandOrder(ID, "command-2", Action.NODE_RESTART, "Ada Adams", 0, 0, 2000, "challenge", node="gnss")
+RETRACT = CommandOrder(ID, "command-3", Action.TOOL_GO_TO, "Ada Adams", 7, 3, 2000, "challenge", place=(1.0, 2.0, 0.0))
 PULSE = OperatorPulse(ID, 7, 6, "challenge")
 DOCUMENT: dict[str, Any] = {
     "v": 1,
@@ -105,7 +110,16 @@ def sender(broker: Broker, net: Net | None = None, address: RobotAddress | None 
 
 @pytest.mark.parametrize(
     ("order", "kind", "qos"),
-    [(COMMAND, "command", 1), (STOP, "stop", 1), (RESET, "stop-reset", 1), (DRIVE, "drive", 0), (PULSE, "operator", 0)],
+    [
+        (COMMAND, "command", 1),
+        (RESTART, "command", 1),
+        (RETRACT, "command", 1),
+        (STOP, "stop", 1),
+        (RESET, "stop-reset", 1),
+        (DRIVE, "drive", 0),
+        (JOG, "jog", 0),
+        (PULSE, "operator", 0),
+    ],
 )
 def test_every_order_is_one_the_robot_can_read(order: Order, kind: str, qos: int) -> None:
     broker = Broker()
@@ -115,7 +129,8 @@ def test_every_order_is_one_the_robot_can_read(order: Order, kind: str, qos: int
     _, message = decode(topic, payload)
     for name in order.__dataclass_fields__:
         value, wire = getattr(order, name), getattr(message, {"robot_id": "robot"}.get(name, name))
-        assert (list(value) if isinstance(value, tuple) else value) == wire
+        wire = None if wire is msgspec.UNSET else wire
+        assert value == (tuple(wire) if isinstance(wire, list) else wire)
 
 
 def test_an_order_made_while_the_broker_is_away_is_refused_not_queued() -> None:
@@ -231,3 +246,34 @@ async def test_a_changed_address_is_used_from_the_next_order_on() -> None:
     assert [r.url.host for r in net.requests] == ["10.0.0.7", "10.0.0.8"]
     assert net.requests[1].headers["authorization"] == "Bearer token-2"
     await one.close()
+
+
+async def test_the_log_comes_from_the_address_of_the_registry_as_lines() -> None:
+    net = Net(httpx.Response(200, content=b"1.0 up\n2.0 \xff odd\n3.0 down"))
+    one = sender(Broker(), net)
+    assert await one.tail_log(ID, 2) == ["2.0 \ufffd odd", "3.0 down"]
+    assert str(net.requests[0].url) == "http://10.0.0.7:9000/weeder-01/logs?lines=2"
+    await one.close()
+
+
+@pytest.mark.parametrize(
+    ("answer", "code"),
+    [
+        (httpx.Response(404, json={"code": "not_found", "text": "It keeps no log."}), "not_found"),
+        (httpx.Response(500, content=b"oops"), "http_500"),
+        (httpx.ConnectError("refused"), "no_answer"),
+        (httpx.ReadTimeout("slow"), "no_answer"),
+        (httpx.Response(200, content=b"x" * 1_000_001), "no_answer"),
+    ],
+)
+async def test_a_log_that_cannot_be_read_is_told_apart(answer: httpx.Response | Exception, code: str) -> None:
+    one = sender(Broker(), Net(answer))
+    with pytest.raises(LogFailed) as failed:
+        await one.tail_log(ID, 10)
+    assert failed.value.code == code
+    await one.close()
+
+
+async def test_a_robot_without_an_address_has_no_log_here() -> None:
+    with pytest.raises(LogFailed, match="no_address"):
+        await sender(Broker(), Net(httpx.Response(200)), None).tail_log(ID, 10)

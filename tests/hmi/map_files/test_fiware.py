@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import pytest
 from hypothesis import given, settings
 from jsonschema import Draft202012Validator, FormatChecker
 from referencing import Registry, Resource
@@ -25,6 +26,7 @@ REGISTRY: Registry[Any] = Registry().with_resources([(s["$id"], Resource.from_co
 
 @given(written=maps)
 @settings(max_examples=40, deadline=None)
+@pytest.mark.slow
 def test_every_entity_fits_its_schema(written: list[MapFeature]) -> None:
     file = write_map(written, "fiware", "hof", "Hof Älmhult")
     entities = json.loads(file.data)

@@ -69,6 +69,7 @@ def test_good_files_with_bytes_changed(name: str, data: st.DataObject) -> None:
 
 @given(suffix=st.sampled_from(sorted(LAYER)), data=st.data())
 @QUIET
+@pytest.mark.slow
 def test_shapefiles_with_bytes_changed_within_a_whole_zip(suffix: str, data: st.DataObject) -> None:
     changed = bytearray(LAYER[suffix])
     for _ in range(data.draw(st.integers(1, 6))):

@@ -30,6 +30,7 @@ def as_features(imported: Imported) -> dict[str | None, MapFeature]:
 @pytest.mark.parametrize("format_", LOSSLESS)
 @given(written=maps)
 @settings(max_examples=25, deadline=None)
+@pytest.mark.slow
 def test_a_map_comes_back_whole(format_: str, written: list[MapFeature]) -> None:
     imported = again(written, format_)
     assert imported.format == format_
@@ -39,6 +40,7 @@ def test_a_map_comes_back_whole(format_: str, written: list[MapFeature]) -> None
 
 @given(written=maps)
 @settings(max_examples=25, deadline=None)
+@pytest.mark.slow
 def test_fiware_brings_back_what_it_does_not_list_as_left_out(written: list[MapFeature]) -> None:
     file = write_map(written, "fiware", "hof", "Hof")
     found = as_features(read_map(file.data, file.file_name)) if len(file.left_out) < len(written) else {}

@@ -51,6 +51,7 @@ async def test_a_file_that_takes_too_long_is_given_up() -> None:
     await reader.close()
 
 
+@pytest.mark.slow
 async def test_a_file_that_needs_too_much_memory_is_given_up() -> None:
     reader = MapReader(memory_bytes=1_000_000_000)
     nested = b"[" + b"[[],[],[],[],[],[],[],[],[],[]]," * 1_000_000 + b"[]]"
@@ -78,6 +79,7 @@ async def test_too_large_a_file_starts_no_process(reader: MapReader) -> None:
     assert caught.value.code == "too_large"
 
 
+@pytest.mark.slow
 async def test_too_many_files_at_once_are_refused(reader: MapReader) -> None:
     work = [asyncio.create_task(reader.read(KML, "farm.kml")) for _ in range(5)]
     await asyncio.sleep(0)
@@ -111,6 +113,7 @@ async def test_giving_up_the_wait_ends_the_process_at_work_and_leaves_nothing(re
     assert (await reader.read(KML, "farm.kml")).items
 
 
+@pytest.mark.slow
 async def test_a_large_file_comes_whole_in_its_parts_and_counts_its_shapes(reader: MapReader) -> None:
     told: list[Progress] = []
     imported = await reader.read(MANY, "a.json", told.append)

@@ -295,6 +295,7 @@ def test_what_does_not_block_is_sound(north: MapFeature) -> None:
 
 @calm
 @given(scribbles())
+@pytest.mark.slow
 def test_following_the_fixes_ends_in_a_map_that_may_be_published(north: MapFeature) -> None:
     features = draft(north)
     for _ in range(8):
@@ -312,6 +313,7 @@ def test_following_the_fixes_ends_in_a_map_that_may_be_published(north: MapFeatu
 
 @calm
 @given(fields(), fields(), st.floats(0, 60), st.floats(0, math.tau))
+@pytest.mark.slow
 def test_overlaps_are_found_exactly_where_there_are_some(
     a: MapFeature, b: MapFeature, way: float, towards: float
 ) -> None:

@@ -257,6 +257,7 @@ junk = st.recursive(
 @given(
     st.sampled_from(sorted(KINDS)), st.sampled_from(sorted(SHAPES)), junk, st.dictionaries(st.text(max_size=12), junk)
 )
+@pytest.mark.slow
 def test_junk_is_refused_and_never_breaks_anything(kind: str, shape: str, junk: Any, more: dict[str, Any]) -> None:
     feature = raw("one", kind, {"type": shape, "coordinates": junk})
     feature["properties"] = {**more, **feature["properties"]}

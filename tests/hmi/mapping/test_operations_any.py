@@ -59,6 +59,7 @@ def everything(offset: float, angle: float) -> list[tuple[str, list[str], dict[s
 
 @calm
 @given(fields(), offsets, angles)
+@pytest.mark.slow
 def test_every_operation_on_a_field_is_valid_and_undone_exactly(north: MapFeature, offset: float, angle: float) -> None:
     farm = draft(north, NEIGHBOUR)
     for op, ids, args in everything(offset, angle):

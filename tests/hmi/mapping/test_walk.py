@@ -153,6 +153,7 @@ def test_what_encloses_nothing_is_refused_in_a_sentence(points: list[WalkPoint],
 
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(st.integers(0, 10_000), st.floats(0.01, 0.3), st.floats(30, 200), st.floats(30, 200), st.floats(0.3, 2))
+@pytest.mark.slow
 def test_any_rectangle_walked_is_about_that_rectangle(
     seed: int, noise: float, width: float, height: float, tolerance: float
 ) -> None:

@@ -32,6 +32,7 @@ async def compared(rig: Rig, **changes: Any) -> list[dict[str, Any]]:
     return [json.loads(line) for line in answer.text.splitlines()]
 
 
+@pytest.mark.slow
 async def test_every_row_order_comes_with_numbers_and_a_drawing_the_wished_one_first(rig: Rig) -> None:
     first, *found, last = await compared(rig, pattern="spiral")
     assert set(first["patterns"]) == {pattern.value for pattern in Pattern}
@@ -48,11 +49,13 @@ async def test_every_row_order_comes_with_numbers_and_a_drawing_the_wished_one_f
         assert sum(leg["row"] > 0 for leg in legs) == one["statistics"]["rows"]
 
 
+@pytest.mark.slow
 async def test_nothing_is_stored_by_comparing(rig: Rig) -> None:
     await compared(rig)
     assert rig.book.list(rig.person(Role.PLANNER)) == []
 
 
+@pytest.mark.slow
 async def test_the_ground_of_the_drawing_adds_up_to_the_field(rig: Rig) -> None:
     drawing = next(one for one in await compared(rig) if one.get("state") == "planned")["drawing"]
 
@@ -206,6 +209,7 @@ async def test_an_area_drawn_for_one_plan_is_no_part_of_the_map_and_goes_with_th
     assert [(one["properties"]["dose"], one["geometry"]) for one in doses] == [(0.0, area["geometry"])]
 
 
+@pytest.mark.slow
 async def test_a_place_of_the_drawing_is_known_on_earth_to_a_centimetre(rig: Rig) -> None:
     drawing = next(one for one in await compared(rig) if one.get("state") == "planned")["drawing"]
     frame = drawing["frame"]

@@ -71,6 +71,7 @@ def wish(**changes: Any) -> PlanWish:
 
 
 @given(missions)
+@pytest.mark.slow
 def test_the_hash_of_a_document_is_the_one_a_robot_computes(mission: down.Mission) -> None:
     assert mission_sha256(msgspec.to_builtins(mission)) == mission_hash(mission)
 

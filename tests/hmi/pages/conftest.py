@@ -41,9 +41,17 @@ class Theatre:
         """Set the farm map; ``anew=True`` begins with the published one."""
         self._post("/stage-map", wish)
 
+    def machine(self, **wish: Any) -> None:
+        """Show the planter's inside with changes, see ``MachineStage``; ``off=True`` takes it away."""
+        self._post("/stage-machine", wish)
+
     def alarms(self, **wish: Any) -> None:
         """Set alarms: ``put={id: changes}``, ``drop=[ids]``, ``tell=[events]``; see ``AlarmStage``."""
         self._post("/stage-alarms", wish)
+
+    def planter(self, **wish: Any) -> None:
+        """Set what the planter does: ``anew``, ``active=[[state, age_s]]``, ``last``, ``has_chart``, ``is_silent``."""
+        self._post("/stage-super", wish)
 
     def heard_map(self) -> dict[str, Any]:
         """Return what reached the farm map, and what it is now."""

@@ -20,6 +20,7 @@ from fastapi.responses import JSONResponse
 from nicegui import ui
 from starlette.staticfiles import StaticFiles
 
+from hmi.api.access import Access
 from hmi.clock import SystemClock
 from hmi.domain import robot as domain
 from hmi.domain.freshness import TickRing
@@ -36,7 +37,7 @@ from hmi.settings import Settings
 from hmi.store.fleet import FleetStore
 from tests.components import map_field
 from tests.hmi.live.crowd import Crowd
-from tests.hmi.pages import alarm_stage, fleet_stage, maps_stage, maps_stage_routes
+from tests.hmi.pages import alarm_stage, fleet_stage, machine_stage, maps_stage, maps_stage_routes, super_stage
 
 SHA = "ab" * 32
 NAMES = {Role.OPERATOR: "Martha Keller", Role.SUPERVISOR: "Anna Ostermeier", Role.ADMIN: "Jonas Weber"}
@@ -148,9 +149,16 @@ class Stage:
         self.place = map_field.row_point(37, 0.42)
         self.farm, self.mission = map_field.farm(), map_field.mission()
         self.fleet.set_broker(is_up=True)
-        names = {"weeder-07": "Weeder 07", "weeder-01": "Weeder 01", "planter-02": "Planter 02"}
-        self.fleet.set_registry([Entry(i, n) for i, n in names.items()])
+        self.machine = machine_stage.MachineStage(self.fleet, self.clock.mono_s, self.register)
+        self.register(False)
         self.fleet.put_factsheet("weeder-07", factsheet("Weeder 07"))
+        self.planter = super_stage.SuperStage(self.clock, is_silent=True)
+
+    def register(self, has_machine: bool) -> None:
+        """Let the robots be known, with or without the planter whose inside tests look at."""
+        names = {"weeder-07": "Weeder 07", "weeder-01": "Weeder 01", "planter-02": "Planter 02"}
+        more = {machine_stage.ID: machine_stage.NAME} if has_machine else {}
+        self.fleet.set_registry([Entry(i, n) for i, n in {**names, **more}.items()])
 
     def play(self, name: str) -> None:
         """Show another scene."""
@@ -184,6 +192,9 @@ class Stage:
         while True:
             if not self.scene.is_silent:
                 self.speak()
+            self.planter.speak(self.fleet, factsheet)
+            self.machine.speak()
+            self.fleet.announce()
             self.fleet.refresh_links()
             await asyncio.sleep(0.1)
 
@@ -283,7 +294,11 @@ def build(stage: Stage) -> FastAPI:
 
     app.include_router(alarm_stage.router(stage.alarms, stage.orders.append))
     app.include_router(fleet_stage.router(fleet_stage.FleetStage()))
+    app.include_router(stage.machine.router(stage.orders))
     app.include_router(maps_stage_routes.router(maps_stage.MapStage(), stage.sessions))
+
+    app.state.access = Access(stage.sessions, None, authorize)  # type: ignore[arg-type]
+    app.include_router(super_stage.router(stage.planter, stage.fleet, authorize))
 
     @app.post("/stage/{scene}")
     async def play(scene: str) -> dict[str, Any]:
@@ -300,7 +315,8 @@ def build(stage: Stage) -> FastAPI:
     async def heard() -> dict[str, Any]:
         drives = [{"v": f.v, "w": f.w} for f in stage.frames if type(f).__name__ == "Drive"]
         heres = sum(type(f).__name__ == "Here" for f in stage.frames)
-        return {"orders": stage.orders, "drives": drives, "heres": heres}
+        jogs = [f.rates for f in stage.frames if type(f).__name__ == "Jog"]
+        return {"orders": stage.orders, "drives": drives, "jogs": jogs, "heres": heres}
 
     @app.api_route("/api/v1/{rest:path}", methods=["GET", "POST", "PATCH", "DELETE"])
     async def rest(rest: str, request: Request) -> JSONResponse:

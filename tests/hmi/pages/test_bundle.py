@@ -15,8 +15,9 @@ UI = bundle.STATIC / "js" / "ui"
 def test_every_script_and_style_is_in_exactly_one_file() -> None:
     listed = [name for parts in bundle.SCRIPTS.values() for name in parts]
     assert sorted(listed) == sorted(path.stem for path in UI.glob("*.js"))
-    styles = {path.stem for path in (bundle.STATIC / "css").glob("*.css")} - {"stop"}  # STOP brings its own
-    assert sorted([*bundle.STYLES, *bundle.SCREEN_STYLES]) == sorted(styles)
+    styles = {path.stem for path in (bundle.STATIC / "css").glob("*.css")} - {"stop", "viser_frame"}  # STOP and the twin's frame bring their own
+    of_screens = [part for name in bundle.SCREEN_STYLES for part in bundle.STYLE_PARTS.get(name, (name,))]
+    assert sorted([*bundle.STYLES, *of_screens]) == sorted(styles)
 
 
 def test_no_string_of_a_script_spans_lines() -> None:

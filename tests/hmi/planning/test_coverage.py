@@ -49,6 +49,7 @@ def test_a_convex_field_is_covered_without_leaving_it(field: Polygon, width: flo
 
 @calm
 @given(crooked_fields(), st.sampled_from([1.5, 3.0]), st.sampled_from([WEEDER, NIMBLE, WHEELED]))
+@pytest.mark.slow
 def test_a_crooked_field_with_a_hole_is_never_left(field: Polygon, width: float, machine: RobotProfile) -> None:
     job = Job(field, width, machine)
     plan = plan_or_fair_refusal(job)
@@ -96,6 +97,7 @@ def test_two_centimetres_too_many_make_no_row_more() -> None:
     assert plan_coverage(Job(square(60.04), 3.0, RobotProfile(turning_radius_m=1.5))).figures.rows == 16
 
 
+@pytest.mark.slow
 def test_every_one_of_hundreds_of_narrow_rows_is_counted_as_worked() -> None:
     figures = plan_coverage(Job(given_field("nl-parcel"), 0.5, WEEDER)).figures
     assert figures.rows > 700
@@ -122,6 +124,7 @@ def test_the_best_angle_of_the_parcel_is_the_one_its_source_quotes() -> None:
     assert figures.area_m2 == pytest.approx(172_581, rel=0.001)
 
 
+@pytest.mark.slow
 def test_a_hundred_hectares_with_ten_holes_are_covered_without_touching_one() -> None:
     job = Job(given_field("field100"), 12.0, WEEDER)
     plan = plan_coverage(job)

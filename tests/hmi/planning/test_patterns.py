@@ -54,6 +54,7 @@ def test_a_land_is_worked_from_its_edges_to_its_middle(count: int, span: int) ->
     st.sampled_from(CHOSEN),
     st.none() | st.sampled_from(list(Corner)),
 )
+@pytest.mark.slow
 def test_a_chosen_order_stays_inside_can_be_steered_and_drives_each_row_once(
     field: Polygon, width: float, machine: RobotProfile, pattern: Pattern, corner: Corner | None
 ) -> None:

@@ -94,6 +94,7 @@ def sharpest_excess_rad(points: np.ndarray, radius_m: float) -> float:
 
 @settings(max_examples=30, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(jobs)
+@pytest.mark.slow
 def test_a_plan_stays_inside_can_be_steered_drives_each_row_once_and_adds_up(job: Job) -> None:
     plan = planned(job)
     if plan is None:

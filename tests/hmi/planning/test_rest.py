@@ -116,6 +116,7 @@ def test_a_cut_path_is_the_same_path(place: tuple[int, float]) -> None:
 
 @settings(max_examples=40, deadline=None)
 @given(place=places, x=st.floats(4.0, 36.0), y=st.floats(4.0, 36.0))
+@pytest.mark.slow
 def test_taken_up_from_anywhere_in_the_field_all_work_is_there_once(
     place: tuple[int, float], x: float, y: float
 ) -> None:
@@ -135,6 +136,7 @@ def test_taken_up_from_anywhere_in_the_field_all_work_is_there_once(
 @given(
     place=places, chosen=st.sets(st.integers(0, 40), max_size=6), is_running=st.booleans(), is_reversed=st.booleans()
 )
+@pytest.mark.slow
 def test_a_changed_rest_keeps_what_is_done_and_leaves_out_only_what_was_said(
     place: tuple[int, float], chosen: set[int], is_running: bool, is_reversed: bool
 ) -> None:

@@ -58,6 +58,7 @@ def test_no_cells_make_no_tour() -> None:
 
 
 @given(st.lists(blocks, min_size=1, max_size=8))
+@pytest.mark.slow
 def test_every_row_is_driven_once_and_neighbours_in_opposite_directions(cells: Cells) -> None:
     order = tour(cells, inner_of(cells), None)
     driven = sorted(tuple(sorted((row.a, row.b))) for cell in order for row in cell)

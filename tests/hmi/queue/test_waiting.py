@@ -56,6 +56,13 @@ def test_everything_good_is_started() -> None:
     assert why_waiting(ENTRY, GOOD).step is Step.START
 
 
+def test_nothing_starts_while_a_function_that_the_work_needs_is_off() -> None:
+    off = "Weed is off: guidance failed. Restart guidance on Supervisor."
+    verdict = why_waiting(ENTRY, replace(GOOD, robot=replace(ROBOT, cannot=off)))
+    assert (verdict.step, verdict.waiting.code) == (Step.WAIT, "function_off")
+    assert verdict.waiting.text == f"Weeder 03: {off}"
+
+
 def test_the_sentence_says_what_is_missing_and_what_clears_it() -> None:
     night = datetime(2026, 6, 15, 1, 0, tzinfo=UTC)
     weather = GOOD.weather

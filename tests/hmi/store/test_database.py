@@ -11,6 +11,7 @@ import pytest
 from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
 from sqlalchemy import text
 
 from hmi.clock import FakeClock
@@ -18,7 +19,7 @@ from hmi.store.counters import Counters
 from hmi.store.database import Database
 from hmi.store.errors import AlreadyExists, DatabaseTooNew, DatabaseUnavailable
 from hmi.store.farms import Farms
-from hmi.store.migrations.upgrade import alembic_config
+from hmi.store.migrations.upgrade import alembic_config, newest_version
 from hmi.store.tables import Base, FarmRow
 from tests.hmi.store.conftest import FARM
 
@@ -49,6 +50,12 @@ def test_migrations_can_be_taken_back_and_applied_again(tmp_path: Path) -> None:
     assert set(names) <= {"alembic_version", "sqlite_sequence"}
     assert database.is_reachable()
     database.close()
+
+
+def test_the_newest_version_is_that_of_the_last_step(database: Database) -> None:
+    with database.connect_writing() as connection:
+        head = ScriptDirectory.from_config(alembic_config(connection)).get_current_head()
+    assert newest_version() == head
 
 
 def test_two_processes_may_migrate_at_the_same_time(tmp_path: Path) -> None:

@@ -7,7 +7,8 @@ from pathlib import Path
 from hmi.domain.alarm.catalogue import catalogue
 from hmi.domain.alarm.priority import Priority
 from hmi.presenters.alarm_catalogue import markdown
-from hmi.presenters.diagnosis import CHECKS, Scene, diagnose
+from hmi.presenters.diagnosis import CHECKS, diagnose
+from hmi.presenters.scene import Scene
 
 PAGE = Path(__file__).parents[4] / "docs/alarm_catalogue.md"
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from datetime import UTC, datetime, timedelta
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -52,6 +53,7 @@ def test_a_chain_ends_under_the_first_also_when_it_was_noticed_in_the_wrong_orde
     ),
     st.dictionaries(st.sampled_from(sorted(catalogue())), st.frozensets(st.sampled_from(sorted(catalogue())))),
 )
+@pytest.mark.slow
 def test_every_alarm_stands_in_exactly_one_group_whatever_the_catalogue_says(
     story: list[tuple[str, float, str]], odd: dict[str, frozenset[str]]
 ) -> None:

@@ -1,0 +1,111 @@
+"""What the media process cannot know by itself: the farm's robots, their missions and parcels. Told when it changed."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Iterable
+from typing import Any
+
+from hmi.app.media_link import MediaLink
+from hmi.commands.ports import FleetReader
+from hmi.domain.event import RobotEvent
+from hmi.domain.robot import Robot
+from hmi.planning.projection import LocalFrame
+from hmi.store.database import Database
+from hmi.store.errors import NotFound, StoreError
+from hmi.store.features import Features
+from hmi.store.history import History
+from hmi.store.missions import Missions
+from hmi.store.robots import Robots
+from hmi.twin.farm import Farm, FarmRobot, Plan, Swath, Treated
+
+log = logging.getLogger(__name__)
+MOST_TREATED = 5000
+OUTCOMES = frozenset({"done", "failed_tool", "failed_ground", "failed_machine"})
+
+
+class TwinNews:
+    """Reads what stands in the database once for each mission and map, and passes it on."""
+
+    def __init__(
+        self,
+        link: MediaLink,
+        fleet: FleetReader,
+        robots: Robots,
+        missions: Missions,
+        features: Features,
+        history: History,
+        database: Database,
+        farm_id: str,
+    ) -> None:
+        self._link, self._fleet, self._robots = link, fleet, robots
+        self._missions, self._features, self._history = missions, features, history
+        self._database, self._farm_id = database, farm_id
+        self._told_farm: tuple[Farm, int] | None = None
+        self._told: dict[str, tuple[Any, ...]] = {}
+
+    def forget(self, robot_id: str) -> None:
+        """Tell everything of a robot again the next time."""
+        self._told.pop(robot_id, None)
+        self._told_farm = None
+
+    async def tell(self, watched: Iterable[str]) -> None:
+        """Bring the media process up to date; raises ``MediaDown``."""
+        run = (await self._link.ask("GET", "/status")).json()["pid"]  # one that restarted knows nothing
+        farm = Farm([FarmRobot(one.id, one.name, one.keep_out_m) for one in self._robots.all()])
+        if self._told_farm != (farm, run):
+            await self._link.ask("PUT", "/farm", farm)
+            self._told_farm = (farm, run)
+        for robot_id in watched:
+            robot = self._fleet.robot(robot_id)
+            key = (run, *self._key(robot))
+            if robot is not None and self._told.get(robot_id) != key:
+                await self._link.ask("PUT", f"/plans/{robot_id}", await self._plan(robot))
+                self._told[robot_id] = key
+
+    def _key(self, robot: Robot | None) -> tuple[Any, ...]:
+        order = None if robot is None or robot.state is None else robot.state.order
+        return (None, 0) if order is None else (order.mission_id, order.revision)
+
+    async def _plan(self, robot: Robot) -> Plan:
+        order = None if robot.state is None else robot.state.order
+        rings: list[list[tuple[float, float]]] = []
+        try:
+            parcels = await self._database.run(self._features.all, self._farm_id, ("parcel",))
+            rings = [ring for one in parcels if (ring := _ring(one.geometry))]
+            if order is None:
+                return Plan(parcels=rings)
+            treated = await self._database.run(self._treated, robot.id, order.mission_id)
+            document = await self._database.run(self._missions.document, self._farm_id, order.mission_id)
+            return Plan(order.mission_id, await asyncio.to_thread(_path, document), rings, treated)
+        except (NotFound, StoreError) as error:
+            log.info("nothing is known of the work of %s: %s", robot.id, error)
+            return Plan(parcels=rings)
+
+    def _treated(self, robot_id: str, mission_id: str) -> list[Treated]:
+        events = self._history.events(robot_id, kinds=["treatment"], limit=MOST_TREATED)
+        return [one for event in events if event.mission_id == mission_id and (one := _one(event)) is not None]
+
+
+def _one(event: RobotEvent) -> Treated | None:
+    said = event.data
+    name, outcome, x, y = (said.get(key) for key in ("target", "outcome", "x_m", "y_m"))
+    is_place = isinstance(name, str) and isinstance(x, int | float) and isinstance(y, int | float)
+    if not is_place or outcome not in OUTCOMES:
+        return None
+    return Treated(str(name), float(x), float(y), str(outcome))  # type: ignore[arg-type]  # looked at above
+
+
+def _path(document: dict[str, Any]) -> list[Swath]:
+    frame = LocalFrame(document["datum"]["lat_deg"], document["datum"]["lon_deg"])
+    swaths = []
+    for segment in document["segments"]:
+        places = frame.to_lon_lat([point[:2] for point in segment["points"]])
+        swaths.append(Swath([(float(lon), float(lat)) for lon, lat in places], int(segment.get("row") or 0)))
+    return swaths
+
+
+def _ring(geometry: dict[str, Any]) -> list[tuple[float, float]]:
+    rings = geometry["coordinates"] if geometry["type"] == "Polygon" else geometry["coordinates"][0]
+    return [(float(point[0]), float(point[1])) for point in rings[0]]

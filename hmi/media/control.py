@@ -1,0 +1,140 @@
+"""The control port of the media process: loopback, secret in every request, spoken to by the console only."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import os
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+import msgspec
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from hmi.media.door import RIGHTS_HEADER, SECRET_HEADER, VIEWER_HEADER, is_secret
+from hmi.media.models import ModelShelf
+from hmi.media.orders import BadOrder, decode_order
+from hmi.media.studio import Studio
+from hmi.twin.errors import ModelError, UnsafeModel
+from hmi.twin.farm import Farm, Plan
+
+REPLAY_RIGHT = "replay"
+BAD_ORDER = 4400
+MAX_PLAN_BYTES = 16 * 1024 * 1024
+
+
+def control_app(studio: Studio, shelf: ModelShelf, secret: str) -> ASGIApp:
+    """Return the application; without the secret it answers nothing but 403."""
+    routes = [
+        WebSocketRoute("/viewer", lambda socket: _serve_viewer(studio, socket)),
+        Route("/status", _status(studio)),
+        Route("/farm", _put_farm(studio), methods=["PUT"]),
+        Route("/plans/{robot}", _put_plan(studio), methods=["PUT"]),
+        Route("/models/{robot}", _model(shelf), methods=["GET", "PUT", "DELETE"]),
+    ]
+    return _Door(Starlette(routes=routes), secret)
+
+
+class _Door:
+    """Lets nobody in without the secret."""
+
+    def __init__(self, app: ASGIApp, secret: str) -> None:
+        self._app, self._secret = app, secret
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "lifespan":
+            await self._app(scope, receive, send)
+            return
+        given = dict(scope["headers"]).get(SECRET_HEADER.encode(), b"").decode("latin-1")
+        if is_secret(given, self._secret):
+            await self._app(scope, receive, send)
+        elif scope["type"] == "websocket":
+            await send({"type": "websocket.close", "code": 1008})
+        else:
+            await Response(status_code=403)(scope, receive, send)
+
+
+async def _serve_viewer(studio: Studio, socket: WebSocket) -> None:
+    key, robot_id = socket.headers.get(VIEWER_HEADER, ""), socket.query_params.get("robot", "")
+    rights = socket.headers.get(RIGHTS_HEADER, "").split()
+    await socket.accept()
+    box = studio.enter(key, robot_id, may_replay=REPLAY_RIGHT in rights)
+    tasks = [
+        asyncio.create_task(_tell(socket, box), name="viewer-tell"),
+        asyncio.create_task(_hear(studio, key, socket), name="viewer-hear"),
+    ]
+    try:
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        studio.leave(key, box)
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+
+async def _tell(socket: WebSocket, box: asyncio.Queue[dict[str, Any]]) -> None:
+    while True:
+        await socket.send_text(msgspec.json.encode(await box.get()).decode())
+
+
+async def _hear(studio: Studio, key: str, socket: WebSocket) -> None:
+    with contextlib.suppress(WebSocketDisconnect):
+        while True:
+            try:
+                studio.obey(key, decode_order(await socket.receive_text()))
+            except BadOrder:
+                await socket.close(BAD_ORDER)
+                return
+
+
+Handler = Callable[[Request], Awaitable[Response]]
+
+
+def _status(studio: Studio) -> Handler:
+    async def status(_request: Request) -> Response:
+        return JSONResponse({
+            "pid": os.getpid(),
+            "viewers": len(studio.viewers),
+            "pictures": sum(1 for viewer in studio.viewers.values() if viewer.client is not None),
+            "robots": len(studio.world.robots()),
+            "messages": studio.intake.messages,
+        })  # fmt: skip
+
+    return status
+
+
+def _put_farm(studio: Studio) -> Handler:
+    async def put(request: Request) -> Response:
+        studio.set_farm(msgspec.json.decode(await request.body(), type=Farm))
+        return Response(status_code=204)
+
+    return put
+
+
+def _put_plan(studio: Studio) -> Handler:
+    async def put(request: Request) -> Response:
+        studio.set_plan(request.path_params["robot"], msgspec.json.decode(await request.body(), type=Plan))
+        return Response(status_code=204)
+
+    return put
+
+
+def _model(shelf: ModelShelf) -> Handler:
+    async def model(request: Request) -> Response:
+        robot_id = request.path_params["robot"]
+        try:
+            if request.method == "PUT":
+                return JSONResponse(await shelf.take(robot_id, request.stream()))
+            if request.method == "DELETE":
+                return JSONResponse({"removed": await shelf.remove(robot_id)})
+            return JSONResponse(await shelf.describe(robot_id))
+        except ModelError as error:
+            code = "unsafe_model" if isinstance(error, UnsafeModel) else "bad_model"
+            return JSONResponse({"code": code, "text": str(error)}, status_code=422)
+
+    return model

@@ -1,0 +1,79 @@
+"""What a page may ask of its own picture, by the control socket; anything else is refused."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import msgspec
+from msgspec import Meta, Struct, field
+
+from hmi.twin.groups import Group
+from hmi.twin.viewer import View
+
+MAX_ORDER_BYTES = 16 * 1024
+Degrees = Annotated[float, Meta(ge=-180, le=180)]
+
+
+class SetView(Struct, frozen=True, tag_field="k", tag="view"):
+    """Stand the camera."""
+
+    view: View
+
+
+class SetLayer(Struct, frozen=True, tag_field="k", tag="layer"):
+    """Show or hide one layer."""
+
+    name: Group
+    on: bool
+
+
+class Hold(Struct, frozen=True, tag_field="k", tag="hold"):
+    """A person touches the picture, or lets go."""
+
+    on: bool
+
+
+class Zoom(Struct, frozen=True, tag_field="k", tag="zoom"):
+    """Come nearer (below 1) or go back."""
+
+    by: Annotated[float, Meta(ge=0.2, le=5)]
+
+
+class Replay(Struct, frozen=True, tag_field="k", tag="replay"):
+    """Show the robot where it was; needs the right to replay."""
+
+    lat_deg: Annotated[float, Meta(ge=-90, le=90)]
+    lon_deg: Degrees
+    theta_rad: Annotated[float, Meta(ge=-100, le=100)]
+    joints: Annotated[dict[str, Annotated[float, Meta(ge=-1e4, le=1e4)]], Meta(max_length=64)] = field(
+        default_factory=dict
+    )
+
+
+class Live(Struct, frozen=True, tag_field="k", tag="live"):
+    """Back to now."""
+
+
+class Theme(Struct, frozen=True, tag_field="k", tag="theme"):
+    """Dark ground at night."""
+
+    dark: bool
+
+
+Order = SetView | SetLayer | Hold | Zoom | Replay | Live | Theme
+_decoder: msgspec.json.Decoder[Order] = msgspec.json.Decoder(Order)
+
+
+class BadOrder(Exception):
+    """It is none of the orders."""
+
+
+def decode_order(payload: str | bytes) -> Order:
+    """Return an order; raises ``BadOrder``."""
+    if len(payload) > MAX_ORDER_BYTES:
+        raise BadOrder("too long")
+    try:
+        order: Order = _decoder.decode(payload)
+        return order
+    except (msgspec.DecodeError, RecursionError, UnicodeError) as error:
+        raise BadOrder(str(error)) from error

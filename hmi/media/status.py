@@ -1,0 +1,56 @@
+"""What a page is told twice a second of the picture it shows: ages, counts, model."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from backend_clients.edge import machine
+from backend_clients.edge import messages_up as up
+from backend_clients.edge.topics import Up
+
+if TYPE_CHECKING:
+    from hmi.media.studio import Studio
+    from hmi.twin.viewer import Viewer
+
+
+def status_of(studio: Studio, viewer: Viewer, now_s: float) -> dict[str, Any]:
+    """Return ages in seconds (``None``: never heard) and counts of the layers."""
+    robot_id = viewer.robot_id
+    intake = studio.intake
+    factsheet = intake.newest(robot_id, Up.FACTSHEET, up.Factsheet)
+    pose = intake.newest(robot_id, Up.TELEMETRY, up.Telemetry)
+    body = intake.newest(robot_id, Up.BODY, machine.Body)
+    scan = intake.newest(robot_id, Up.SCAN, machine.Scan)
+    site = studio.site(robot_id)
+    planned = body if body is not None and body[0].planned else None
+    return {
+        "k": "status",
+        "robot": robot_id,
+        "is_drawn": studio.world.form_of(robot_id) is not None,
+        "model": "" if factsheet is None else studio.library.kind_of(factsheet[0]),
+        "pose_age_s": _age(pose, now_s),
+        "ages_s": {
+            "machine": _age(body or pose, now_s),
+            "planned": _age(planned, now_s),
+            "scan": _age(scan, now_s),
+        },
+        "joints": [] if factsheet is None else [joint.name for joint in factsheet[0].joints],
+        "has_scan": scan is not None,
+        "trees": None if site is None else _trees(site.surface),
+        "trail": 0 if site is None else site.trail.points,
+        "keep_out_m": None if factsheet is None else studio.keep_out_m(robot_id, factsheet[0]),
+        "view": viewer.view.value,
+        "is_connected": viewer.client is not None,
+    }
+
+
+def _trees(surface: Any) -> dict[str, int] | None:
+    if surface.site is None and not surface.done and not surface.failed:
+        return None
+    targets = [] if surface.site is None else surface.site.targets
+    waiting = sum(1 for target in targets if target.status in ("planned", "current"))
+    return {"done": surface.done, "failed": surface.failed, "here": waiting}
+
+
+def _age(heard: tuple[Any, float] | None, now_s: float) -> float | None:
+    return None if heard is None else round(max(0.0, now_s - heard[1]), 2)

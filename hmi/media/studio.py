@@ -1,0 +1,306 @@
+"""The twin at work: robots from the broker into the world, viewers' wishes into their pictures.
+
+Everything runs on one event loop; viser's own threads only hand over.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import viser
+
+from backend_clients.edge import machine
+from backend_clients.edge import messages_up as up
+from backend_clients.edge.topics import Up
+from hmi.clock import Clock
+from hmi.media import orders
+from hmi.media.door import SECRET_HEADER, VIEWER_HEADER, is_secret
+from hmi.media.intake import Intake
+from hmi.media.status import status_of
+from hmi.twin.farm import Farm, FarmRobot, Plan
+from hmi.twin.ground_frame import SiteFrame
+from hmi.twin.groups import Group
+from hmi.twin.guarded_viser import guarded_viser, headers_of
+from hmi.twin.kinematics import Place
+from hmi.twin.library import Library
+from hmi.twin.posture import Posture
+from hmi.twin.rotation import yaw
+from hmi.twin.site import SiteView
+from hmi.twin.viewer import View, Viewer
+from hmi.twin.world import World
+
+log = logging.getLogger(__name__)
+TICK_S = 0.1
+DETAILS_EVERY = 2  # ticks: what hangs around a robot is read by people
+STATUS_EVERY = 5
+HEIGHT_GAUGES = ("height", "altitude")
+
+
+class Studio:
+    """Intake, world and viewers. ``start`` and ``stop`` it on the event loop."""
+
+    def __init__(self, intake: Intake, uploads: Path, secret: str, clock: Clock) -> None:
+        self.intake, self._clock = intake, clock
+        self.library = Library(uploads)
+        self.server = guarded_viser(lambda headers: is_secret(headers.get(SECRET_HEADER), secret))
+        self.world = World(self.server)
+        self.frame = SiteFrame()
+        self.viewers: dict[str, Viewer] = {}
+        self.farm: dict[str, FarmRobot] = {}
+        self._plans: dict[str, Plan] = {}
+        self._sites: dict[str, SiteView] = {}
+        self._boxes: dict[str, asyncio.Queue[dict[str, Any]]] = {}
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._task: asyncio.Task[None] | None = None
+        self._round = 0
+
+    @property
+    def viser_port(self) -> int:
+        """Where viser listens on loopback."""
+        return self.server.get_port()
+
+    def start(self) -> None:
+        """Begin to draw."""
+        self._loop = asyncio.get_running_loop()
+        self.server.on_client_connect(self._connected)
+        self.server.on_client_disconnect(self._disconnected)
+        self._task = self._loop.create_task(self._run(), name="twin")
+
+    async def stop(self) -> None:
+        """End viser and the drawing."""
+        if self._task is not None:
+            self._task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._task
+        await asyncio.to_thread(self.server.stop)
+
+    def set_farm(self, farm: Farm) -> None:
+        """Take note of who belongs to the farm."""
+        self.farm = {robot.id: robot for robot in farm.robots}
+        for robot_id in [one for one in self.world.robots() if one not in self.farm]:
+            self.world.remove(robot_id)
+
+    def set_plan(self, robot_id: str, plan: Plan) -> None:
+        """Take note of what a robot works on."""
+        self._plans[robot_id] = plan
+        if robot_id in self._sites:
+            self._sites[robot_id].set_plan(plan, self.frame)
+
+    def enter(self, key: str, robot_id: str, *, may_replay: bool) -> asyncio.Queue[dict[str, Any]]:
+        """Let a page in; what it is told comes by the queue that is returned."""
+        before = self.viewers.get(key)
+        viewer = Viewer(key, robot_id, may_replay)
+        if before is not None and before.client is not None:
+            viewer.join(before.client)
+        self.viewers[key] = viewer
+        box: asyncio.Queue[dict[str, Any]] = asyncio.Queue(maxsize=64)
+        self._boxes[key] = box
+        self._join_waiting(viewer)
+        return box
+
+    def leave(self, key: str, box: asyncio.Queue[dict[str, Any]]) -> None:
+        """A page went; a newer one with the same key stays."""
+        if self._boxes.get(key) is not box:
+            return
+        viewer = self.viewers.pop(key)
+        viewer.show_replay(None)
+        del self._boxes[key]
+        for robot_id in [one for one in self._sites if one not in self._watched()]:
+            self._sites.pop(robot_id).remove()
+
+    def obey(self, key: str, order: orders.Order) -> None:
+        """Do what a page asks of its own picture."""
+        viewer = self.viewers.get(key)
+        if viewer is None:
+            return
+        match order:
+            case orders.SetView():
+                self._aim(viewer, order.view)
+            case orders.SetLayer():
+                viewer.set_layer(order.name, is_on=order.on)
+            case orders.Hold():
+                viewer.hold(is_held=order.on, now_s=self._clock.mono_s())
+            case orders.Zoom():
+                viewer.zoom(order.by)
+            case orders.Replay() if viewer.may_replay:
+                self._replay(viewer, order)
+            case orders.Live():
+                viewer.show_replay(None)
+            case orders.Theme():
+                viewer.set_dark(is_dark=order.dark)
+            case _:
+                pass
+
+    async def _run(self) -> None:
+        while True:
+            began_s = self._clock.mono_s()
+            try:
+                if any(viewer.client is not None for viewer in self.viewers.values()):
+                    self.tick()
+            except Exception:  # one bad picture must not end all others
+                log.exception("drawing failed")
+            await asyncio.sleep(max(0.01, TICK_S - (self._clock.mono_s() - began_s)))
+
+    def tick(self) -> None:
+        """Draw once."""
+        self._round += 1
+        watched = self._watched()
+        for robot_id in self.farm:
+            self._draw(robot_id, is_watched=robot_id in watched)
+        if self._round % DETAILS_EVERY == 0:
+            for robot_id in watched:
+                self._details(robot_id)
+        now_s = self._clock.mono_s()
+        for viewer in self.viewers.values():
+            place = self._base(viewer.robot_id)
+            if place is not None:
+                viewer.follow(place.xyz, now_s)
+        if self._round % STATUS_EVERY == 0:
+            self._tell_all(now_s)
+            self.world.beat()
+
+    def posture(self, robot_id: str) -> Posture | None:
+        """Return where a robot is in the site's plane, ``None`` before it said so."""
+        factsheet = self.intake.newest(robot_id, Up.FACTSHEET, up.Factsheet)
+        telemetry = self.intake.newest(robot_id, Up.TELEMETRY, up.Telemetry)
+        if factsheet is None or telemetry is None:
+            return None
+        datum, said = factsheet[0].datum, telemetry[0]
+        east, north = self.frame.shift(datum.lat_deg, datum.lon_deg)
+        heard = self.intake.newest(robot_id, Up.BODY, machine.Body)
+        body = None if heard is None else heard[0]
+        gauges = {} if body is None else body.gauges
+        height = next((gauges[key] for key in HEIGHT_GAUGES if key in gauges), 0.0)
+        place = Place((said.x_m + east, said.y_m + north, height), yaw(said.theta_rad))
+        return Posture(place, {} if body is None else body.joints, {} if body is None else body.planned)
+
+    def _draw(self, robot_id: str, *, is_watched: bool) -> None:
+        posture = self.posture(robot_id)
+        factsheet = self.intake.newest(robot_id, Up.FACTSHEET, up.Factsheet)
+        if posture is None or factsheet is None:
+            return
+        self.world.show(robot_id, self.library.form(factsheet[0]), posture, has_ghost=is_watched)
+
+    def _details(self, robot_id: str) -> None:
+        form, posture = self.world.form_of(robot_id), self.posture(robot_id)
+        factsheet = self.intake.newest(robot_id, Up.FACTSHEET, up.Factsheet)
+        if form is None or posture is None or factsheet is None:
+            return
+        site = self._sites.get(robot_id)
+        if site is None:
+            site = self._sites[robot_id] = SiteView(self.server.scene, self.world.mover, robot_id)
+            site.set_plan(self._plans.get(robot_id, Plan()), self.frame)
+        datum = factsheet[0].datum
+        site.show(
+            shift=self.frame.shift(datum.lat_deg, datum.lon_deg),
+            posture=posture,
+            form=form,
+            factsheet=factsheet[0],
+            keep_out_m=self.keep_out_m(robot_id, factsheet[0]),
+            body=_message(self.intake.newest(robot_id, Up.BODY, machine.Body)),
+            worksite=_message(self.intake.newest(robot_id, Up.WORKSITE, machine.Worksite)),
+            scan=_message(self.intake.newest(robot_id, Up.SCAN, machine.Scan)),
+            order=_order(self.intake.newest(robot_id, Up.STATE, up.State)),
+        )
+
+    def keep_out_m(self, robot_id: str, factsheet: up.Factsheet) -> float:
+        """Return how far people must stay away: as registered, else as the robot says."""
+        known = self.farm.get(robot_id)
+        return (known.keep_out_m if known is not None else None) or factsheet.behaviour.keep_out_m
+
+    def site(self, robot_id: str) -> SiteView | None:
+        """Return what is drawn around a watched robot."""
+        return self._sites.get(robot_id)
+
+    def _base(self, robot_id: str) -> Place | None:
+        solid = self.world.solid(robot_id)
+        return None if solid is None else self.world.mover.place(solid.name)
+
+    def _aim(self, viewer: Viewer, view: View) -> None:
+        base, form = self._base(viewer.robot_id), self.world.form_of(viewer.robot_id)
+        posture = self.posture(viewer.robot_id)
+        if base is None or form is None or posture is None:
+            viewer.view = view
+            return
+        viewer.aim(view, base, form.size_m, form.head(base, posture.joints))
+
+    def _replay(self, viewer: Viewer, order: orders.Replay) -> None:
+        solid = self.world.solid(viewer.robot_id)
+        if solid is None:
+            return
+        east, north = self.frame.local(order.lat_deg, order.lon_deg)
+        viewer.show_replay(solid.frames(Place((east, north, 0.0), yaw(order.theta_rad)), order.joints))
+
+    def _tell_all(self, now_s: float) -> None:
+        for key, viewer in self.viewers.items():
+            self._tell(key, status_of(self, viewer, now_s))
+
+    def _tell(self, key: str, message: dict[str, Any]) -> None:
+        box = self._boxes.get(key)
+        if box is not None and not box.full():  # a page that takes nothing misses what is old by then
+            box.put_nowait(message)
+
+    def _watched(self) -> set[str]:
+        return {viewer.robot_id for viewer in self.viewers.values()}
+
+    def _connected(self, client: viser.ClientHandle) -> None:
+        if self._loop is not None:
+            self._loop.call_soon_threadsafe(self._joined, client)
+
+    def _disconnected(self, client: viser.ClientHandle) -> None:
+        if self._loop is not None and not self._loop.is_closed():
+            self._loop.call_soon_threadsafe(self._left, client.client_id)
+
+    def _joined(self, client: viser.ClientHandle) -> None:
+        headers = headers_of(self.server, client.client_id)
+        key = "" if headers is None else headers.get(VIEWER_HEADER, "")
+        viewer = self.viewers.get(key)
+        if viewer is None:
+            return
+        viewer.join(client)
+        self.tick()
+        self._aim(viewer, viewer.view)
+        client.scene.on_click()(lambda event: self._clicked(key, event))
+
+    def _join_waiting(self, viewer: Viewer) -> None:
+        """The picture may be there before the page's wishes."""
+        if viewer.client is not None:
+            return
+        for client_id, client in self.server.get_clients().items():
+            headers = headers_of(self.server, client_id)
+            if headers is not None and headers.get(VIEWER_HEADER) == viewer.key:
+                self._joined(client)
+
+    def _left(self, client_id: int) -> None:
+        for viewer in self.viewers.values():
+            viewer.leave(client_id)
+
+    def _clicked(self, key: str, event: Any) -> None:
+        if self._loop is not None:
+            self._loop.call_soon_threadsafe(self._tapped, key, event.ray_origin, event.ray_direction)
+
+    def _tapped(self, key: str, origin: tuple[float, float, float], direction: tuple[float, float, float]) -> None:
+        from hmi.media.tap import tapped
+
+        viewer = self.viewers.get(key)
+        if viewer is not None and all(map(math.isfinite, (*origin, *direction))):
+            self._tell(key, tapped(self, viewer, origin, direction))
+
+
+def _message(heard: tuple[Any, float] | None) -> Any:
+    return None if heard is None else heard[0]
+
+
+def _order(heard: tuple[up.State, float] | None) -> up.OrderState | None:
+    return None if heard is None else heard[0].order
+
+
+def layers_by_name() -> Mapping[str, Group]:
+    """Return the layers by the names pages use."""
+    return {group.value: group for group in Group}

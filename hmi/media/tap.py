@@ -1,0 +1,109 @@
+"""What a person touched in the picture, and where the ground is under the finger."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from backend_clients.edge import messages_up as up
+from backend_clients.edge.topics import Up
+from hmi.twin.model import Vector
+
+if TYPE_CHECKING:
+    from hmi.media.studio import Studio
+    from hmi.twin.viewer import Viewer
+
+FAR_M = 500.0  # a finger near the horizon means no place
+NEAR_M = 0.45  # of a tree or an obstacle's edge
+OUTCOMES = {
+    "done": "Planted",
+    "failed_tool": "Failed: tool",
+    "failed_ground": "Failed: ground",
+    "failed_machine": "Failed: machine",
+    "planned": "Planned",
+    "current": "Being worked at",
+    "skipped": "Skipped",
+}
+
+
+def tapped(studio: Studio, viewer: Viewer, origin: Vector, direction: Vector) -> dict[str, Any]:
+    """Return what is under a ray: robot, place, obstacle or bare ground, and the ground's place for the robot."""
+    ground = _ground(origin, direction)
+    found = _robot(studio, origin, direction, ground)
+    if found is None and ground is not None:
+        found = _place(studio, viewer, ground) or {"what": "ground", "name": "Ground", "lines": []}
+    return {"k": "tap", **(found or {"what": "nothing", "name": "", "lines": []}), **_at(studio, viewer, ground)}
+
+
+def _ground(origin: Vector, direction: Vector) -> tuple[float, float] | None:
+    if direction[2] > -1e-4:
+        return None
+    share = -origin[2] / direction[2]
+    x, y = origin[0] + share * direction[0], origin[1] + share * direction[1]
+    return (x, y) if share > 0 and math.dist((x, y), origin[:2]) < FAR_M else None
+
+
+def _robot(
+    studio: Studio, origin: Vector, direction: Vector, ground: tuple[float, float] | None
+) -> dict[str, Any] | None:
+    """The robot whose hull the ray enters first; the hull is a ball, flattened to its height."""
+    start, unit = np.asarray(origin), np.asarray(direction) / max(float(np.linalg.norm(direction)), 1e-9)
+    best: tuple[float, str] | None = None
+    for robot_id in studio.world.robots():
+        solid = studio.world.solid(robot_id)
+        if solid is None:
+            continue
+        place = studio.world.mover.place(solid.name).xyz
+        radius = 0.42 * solid.form.size_m
+        middle = np.add(place, (0, 0, 0.5 * radius))
+        along = float((middle - start) @ unit)
+        aside = float(np.linalg.norm(start + along * unit - middle))
+        if along > 0 and aside < radius and (best is None or along < best[0]):
+            best = (along, robot_id)
+    if best is None:
+        return None
+    return {"what": "robot", "id": best[1], "name": studio.farm[best[1]].name, "lines": _robot_lines(studio, best[1])}
+
+
+def _robot_lines(studio: Studio, robot_id: str) -> list[str]:
+    telemetry = studio.intake.newest(robot_id, Up.TELEMETRY, up.Telemetry)
+    factsheet = studio.intake.newest(robot_id, Up.FACTSHEET, up.Factsheet)
+    lines = [] if factsheet is None else [factsheet[0].model]
+    return lines if telemetry is None else [*lines, f"{abs(telemetry[0].speed_mps):.2f} m/s"]
+
+
+def _place(studio: Studio, viewer: Viewer, ground: tuple[float, float]) -> dict[str, Any] | None:
+    site, shift = studio.site(viewer.robot_id), _shift(studio, viewer)
+    if site is None or shift is None:
+        return None
+    x, y = ground[0] - shift[0], ground[1] - shift[1]
+    now = site.surface.site
+    for one in [] if now is None else now.obstacles:
+        if math.dist((one.x_m, one.y_m), (x, y)) < one.radius_m + NEAR_M:
+            size = f"{2 * one.radius_m:.1f} m across, {one.height_m:.1f} m high"
+            return {"what": "obstacle", "id": one.id, "name": one.kind.capitalize(), "lines": [size]}
+    for target in [] if now is None else now.targets:
+        if math.dist((target.x_m, target.y_m), (x, y)) < NEAR_M:
+            lines = [OUTCOMES[target.status], *([target.text] if target.text else [])]
+            return {"what": "place", "id": target.id, "name": f"Place {target.id}", "lines": lines}
+    for name, at_x, at_y, outcome in site.surface.ended():
+        if math.dist((at_x, at_y), (x, y)) < NEAR_M:
+            return {"what": "place", "id": name, "name": f"Place {name}", "lines": [OUTCOMES.get(outcome, outcome)]}
+    return None
+
+
+def _at(studio: Studio, viewer: Viewer, ground: tuple[float, float] | None) -> dict[str, Any]:
+    shift = _shift(studio, viewer)
+    if ground is None or shift is None:
+        return {"x_m": None, "y_m": None, "distance_m": None}
+    solid = studio.world.solid(viewer.robot_id)
+    base = None if solid is None else studio.world.mover.place(solid.name).xyz
+    away = None if base is None else round(math.dist(base[:2], ground), 2)
+    return {"x_m": round(ground[0] - shift[0], 3), "y_m": round(ground[1] - shift[1], 3), "distance_m": away}
+
+
+def _shift(studio: Studio, viewer: Viewer) -> tuple[float, float] | None:
+    factsheet = studio.intake.newest(viewer.robot_id, Up.FACTSHEET, up.Factsheet)
+    return None if factsheet is None else studio.frame.shift(factsheet[0].datum.lat_deg, factsheet[0].datum.lon_deg)

@@ -1,0 +1,1 @@
+"""The 3D twin: robot models, their motion, and the scene that browsers see."""

@@ -1,0 +1,46 @@
+"""What the console tells the media process: which robots belong to the farm, and what they work on."""
+
+from __future__ import annotations
+
+from msgspec import Struct, field
+
+MAX_POINTS = 40_000
+
+
+class FarmRobot(Struct, frozen=True):
+    """A registered robot."""
+
+    id: str
+    name: str
+    keep_out_m: float | None = None
+
+
+class Farm(Struct, frozen=True):
+    """The registered robots; others are not drawn, whatever they say."""
+
+    robots: list[FarmRobot] = field(default_factory=list)
+
+
+class Swath(Struct, frozen=True):
+    """One piece of a mission's path: longitude, latitude pairs; ``row`` counts from 1, 0 is a way between rows."""
+
+    points: list[tuple[float, float]]
+    row: int = 0
+
+
+class Treated(Struct, frozen=True):
+    """A place that was worked at before the media process listened."""
+
+    id: str
+    x_m: float
+    y_m: float
+    outcome: str
+
+
+class Plan(Struct, frozen=True):
+    """What a robot works on: mission with its path, and the parcels around. Geometry is longitude, latitude."""
+
+    mission_id: str = ""
+    path: list[Swath] = field(default_factory=list)
+    parcels: list[list[tuple[float, float]]] = field(default_factory=list)
+    treated: list[Treated] = field(default_factory=list)

@@ -1,0 +1,77 @@
+"""Coloured triangles as binary glTF 2.0 (Khronos, section 4.4): one mesh, one matt material, nothing outside."""
+
+from __future__ import annotations
+
+import json
+import struct
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hmi.twin.solids import Floats
+
+_FLOAT, _BYTE, _INDEX = 5126, 5121, 5125
+GHOST_ALPHA = 0.34
+
+
+def glb_of(corners: Floats, colours: NDArray[np.uint8], *, alpha: float = 1.0) -> bytes:
+    """Return a GLB. Without normals it is drawn flat (section 3.7.2.1), and corners of one colour are shared.
+
+    Args:
+        corners: (3N, 3) metres, three to a triangle.
+        colours: (3N, 3) sRGB.
+        alpha: below 1 it is see-through.
+    """
+    points, tints, order = _shared(corners, colours)
+    rgba = np.concatenate([_linear(tints), np.full((len(tints), 1), 255, np.uint8)], axis=1)
+    parts = [points.tobytes(), rgba.tobytes(), order.tobytes()]
+    body = b"".join(parts)
+    material: dict[str, object] = {
+        "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, alpha], "metallicFactor": 0.0, "roughnessFactor": 0.85},
+        "doubleSided": True,
+    }
+    if alpha < 1:
+        material["alphaMode"] = "BLEND"
+    primitive = {"attributes": {"POSITION": 0, "COLOR_0": 1}, "indices": 2, "material": 0}
+    head = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [primitive]}],
+        "materials": [material],
+        "accessors": [
+            {"bufferView": 0, "componentType": _FLOAT, "count": len(points), "type": "VEC3",
+             "min": points.min(axis=0).tolist(), "max": points.max(axis=0).tolist()},
+            {"bufferView": 1, "componentType": _BYTE, "normalized": True, "count": len(points), "type": "VEC4"},
+            {"bufferView": 2, "componentType": _INDEX, "count": len(order), "type": "SCALAR"},
+        ],
+        "bufferViews": _views([len(part) for part in parts]),
+        "buffers": [{"byteLength": len(body)}],
+    }  # fmt: skip
+    return _file(json.dumps(head, separators=(",", ":")).encode(), body)
+
+
+def _shared(corners: Floats, colours: NDArray[np.uint8]) -> tuple[Floats, NDArray[np.uint8], NDArray[np.uint32]]:
+    rows = np.column_stack([np.round(corners, 5), colours])
+    unique, order = np.unique(rows, axis=0, return_inverse=True)
+    return unique[:, :3].astype(np.float32), unique[:, 3:].astype(np.uint8), order.reshape(-1).astype(np.uint32)
+
+
+def _views(sizes: list[int]) -> list[dict[str, int]]:
+    starts = np.cumsum([0, *sizes[:-1]]).tolist()
+    return [{"buffer": 0, "byteOffset": start, "byteLength": size} for start, size in zip(starts, sizes, strict=True)]
+
+
+def _file(head: bytes, body: bytes) -> bytes:
+    head += b" " * (-len(head) % 4)
+    body += b"\0" * (-len(body) % 4)
+    chunks = struct.pack("<I4s", len(head), b"JSON") + head + struct.pack("<I4s", len(body), b"BIN\0") + body
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
+def _linear(colours: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Vertex colours of glTF are linear light."""
+    share = colours.astype(np.float64) / 255
+    light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    return np.asarray(np.round(light * 255), dtype=np.uint8)

@@ -1,0 +1,17 @@
+"""Where a robot is and how it stands."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from hmi.twin.kinematics import Place
+
+
+@dataclass(frozen=True, slots=True)
+class Posture:
+    """Body in the site's plane and joints as measured; ``planned`` holds the joints it is on its way to."""
+
+    body: Place
+    joints: Mapping[str, float] = field(default_factory=dict)
+    planned: Mapping[str, float] = field(default_factory=dict)

@@ -1,0 +1,165 @@
+"""One browser that looks: its view, its hidden layers, its replay. Nothing of it touches anybody else.
+
+viser shows a viewer its own variant of a frame in place of everybody's: so layers are hidden and replays shown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+import numpy as np
+import viser
+
+from hmi.twin.ground import DARK, GROUND, draw_ground
+from hmi.twin.groups import HIDDEN_AT_FIRST, Group
+from hmi.twin.kinematics import Place
+from hmi.twin.model import Vector
+from hmi.twin.mover import Mover
+
+HOLD_S = 0.6  # after a touch of the wheel or a key the camera is left alone this long
+FOLLOW_M = 0.004  # smaller steps are not worth a message
+
+
+class View(StrEnum):
+    """Where the camera stands."""
+
+    FOLLOW = "follow"
+    TOP = "top"
+    SIDE = "side"
+    HEAD = "head"
+    FREE = "free"
+
+
+@dataclass(slots=True)
+class Viewer:
+    """What one page asked for. ``client`` is there while its picture is connected."""
+
+    key: str
+    robot_id: str
+    may_replay: bool
+    client: viser.ClientHandle | None = None
+    view: View = View.FOLLOW
+    hidden: set[Group] = field(default_factory=lambda: set(HIDDEN_AT_FIRST))
+    replay: list[tuple[str, Place]] | None = None
+    is_held: bool = False
+    held_until_s: float = 0.0
+    is_dark: bool = False
+    _mover: Mover | None = None
+    _base: Vector | None = None
+    _overridden: set[str] = field(default_factory=set)
+
+    def join(self, client: viser.ClientHandle) -> None:
+        """Take the picture that connected; it starts blank, so everything of this viewer is told again."""
+        self.client, self._base = client, None
+        self._mover = Mover(client.scene)
+        self._overridden = set()
+        for group in Group:
+            self._tell(group)
+        if self.is_dark:
+            self.set_dark(is_dark=True)
+
+    def leave(self, client_id: int) -> None:
+        """Forget a picture that went, unless a newer one came already."""
+        if self.client is not None and self.client.client_id == client_id:
+            self.client = self._mover = self._base = None
+
+    def set_layer(self, group: Group, *, is_on: bool) -> None:
+        """Show or hide a layer for this viewer."""
+        self.hidden.discard(group) if is_on else self.hidden.add(group)
+        self._tell(group)
+
+    def hold(self, *, is_held: bool, now_s: float) -> None:
+        """A person turns the picture: the camera is theirs until they let go."""
+        self.is_held = is_held
+        self.held_until_s = now_s + (0.15 if not is_held else HOLD_S)
+        self._base = None
+
+    def show_replay(self, frames: Iterable[tuple[str, Place]] | None) -> None:
+        """Show a robot where it was, to this viewer alone; ``None`` goes back to now."""
+        mover = self._mover
+        if mover is None:
+            return
+        if frames is None:
+            for name in self._overridden:
+                mover.remove(name)
+            self._overridden = set()
+            return
+        for name, place in frames:
+            if mover.has(name):
+                mover.move(name, place)
+            else:
+                mover.add(name, place)
+                self._overridden.add(name)
+
+    def aim(self, view: View, base: Place, size_m: float, head: Vector | None) -> None:
+        """Stand the camera for a view of a machine of that size."""
+        self.view, self._base = view, base.xyz
+        if self.client is None:
+            return
+        look, stand = _stand(view, base, size_m, head)
+        with self.client.atomic():
+            self.client.camera.up_direction = (0.0, 0.0, 1.0)
+            self.client.camera.position = stand
+            self.client.camera.look_at = look
+
+    def follow(self, base: Vector, now_s: float) -> None:
+        """Carry the camera along with the robot, unless the person turns it at this moment."""
+        if self.client is None or self.view is View.FREE or self.is_held or now_s < self.held_until_s:
+            self._base = None
+            return
+        if self._base is None:
+            self._base = base
+            return
+        step = np.subtract(base, self._base)
+        if float(np.abs(step).max()) < FOLLOW_M:
+            return
+        self._base = base
+        self.client.camera.position = np.add(self.client.camera.position, step)  # carries the target along
+
+    def zoom(self, factor: float) -> None:
+        """Bring the camera nearer or further from what it looks at."""
+        if self.client is None:
+            return
+        camera = self.client.camera
+        look = np.array(camera.look_at)
+        camera.position = look + (np.array(camera.position) - look) * factor
+        camera.look_at = look
+
+    def set_dark(self, *, is_dark: bool) -> None:
+        """Darken the ground for this viewer."""
+        self.is_dark = is_dark
+        if self.client is not None:
+            draw_ground(self.client.scene, DARK if is_dark else GROUND)
+
+    def _tell(self, group: Group) -> None:
+        if self.client is None:
+            return
+        is_default = (group in self.hidden) == (group in HIDDEN_AT_FIRST)
+        scene = self.client.scene
+        if is_default:
+            if scene.get_handle_by_name(group.frame) is not None:
+                scene.remove_by_name(group.frame)
+        else:
+            scene.add_frame(group.frame, show_axes=False, visible=group not in self.hidden)
+
+
+def _stand(view: View, base: Place, size_m: float, head: Vector | None) -> tuple[Vector, Vector]:
+    """Return what is looked at and where from."""
+    x, y, z = base.xyz
+    w, _, _, qz = base.wxyz
+    yaw = 2 * float(np.arctan2(qz, w))
+    forward, left = np.array([np.cos(yaw), np.sin(yaw)]), np.array([-np.sin(yaw), np.cos(yaw)])
+    away = max(size_m, 1.5)
+    middle = (x, y, z + 0.25 * size_m)
+    if view is View.TOP:
+        return (x, y, z), (x - 0.01 * float(forward[0]), y - 0.01 * float(forward[1]), z + 3.2 * away)
+    if view is View.SIDE:
+        stand = np.array([x, y]) - left * 2.2 * away
+        return middle, (float(stand[0]), float(stand[1]), z + 0.45 * away)
+    if view is View.HEAD and head is not None:
+        stand = np.array(head[:2]) + forward * 0.7 * away + left * 0.5 * away
+        return head, (float(stand[0]), float(stand[1]), head[2] + 0.5 * away)
+    stand = np.array([x, y]) + forward * 1.5 * away - left * 1.1 * away
+    return middle, (float(stand[0]), float(stand[1]), z + 1.1 * away)

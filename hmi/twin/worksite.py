@@ -1,0 +1,115 @@
+"""Where a robot works: the surface of this stop, obstacles, and every place by what became of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+import viser
+
+from backend_clients.edge.machine import Obstacle, Target, Worksite
+from hmi.twin.farm import Treated
+from hmi.twin.marks import CROSS, RING, TREE, Mark, marks_of
+from hmi.twin.model import Cylinder
+from hmi.twin.solids import triangles_of
+
+FAILED = frozenset({"failed_tool", "failed_ground", "failed_machine"})
+STUMP = (112, 92, 72)
+EDGE = (96, 104, 108)
+Point = tuple[float, float]
+
+
+class WorkSurface:
+    """Draws one robot's worksite. What was done at earlier stops stays, what was planned there goes."""
+
+    def __init__(self, scene: viser.SceneApi, trees: str, obstacles: str) -> None:
+        self._scene, self._trees, self._obstacles = scene, trees, obstacles
+        self._ended: dict[str, tuple[float, float, str]] = {}
+        self._before: Sequence[Treated] = ()
+        self._drawn: tuple[object, ...] = ()
+        self._site: Worksite | None = None
+
+    @property
+    def done(self) -> int:
+        """How many places are done."""
+        return sum(1 for _, _, status in self._ended.values() if status == "done")
+
+    @property
+    def failed(self) -> int:
+        """How many places failed."""
+        return sum(1 for _, _, status in self._ended.values() if status in FAILED)
+
+    @property
+    def site(self) -> Worksite | None:
+        """The worksite that is drawn."""
+        return self._site
+
+    def ended(self) -> Iterable[tuple[str, float, float, str]]:
+        """Yield id, metres east and north in the robot's plane, and outcome of every place that is over."""
+        return ((name, *rest) for name, rest in self._ended.items())
+
+    def set_before(self, treated: Sequence[Treated]) -> None:
+        """Take what was done before anybody listened."""
+        self._before = treated
+        for one in treated:
+            self._ended.setdefault(one.id, (one.x_m, one.y_m, one.outcome))
+        self._drawn = ()
+
+    def show(self, site: Worksite | None, shift: Point) -> None:
+        """Draw the worksite if it changed."""
+        if site is not None:
+            for target in site.targets:
+                if target.status == "done" or target.status in FAILED:
+                    self._ended[target.id] = (target.x_m, target.y_m, target.status)
+        key = (None if site is None else (site.boot, site.seq), len(self._ended), shift)
+        if key == self._drawn:
+            return
+        self._drawn, self._site = key, site
+        self._draw_places([] if site is None else site.targets, shift)
+        self._draw_obstacles([] if site is None else site.obstacles, shift)
+        self._draw_area([] if site is None else site.area, shift)
+
+    def _draw_places(self, targets: Sequence[Target], shift: Point) -> None:
+        done = [(x, y) for x, y, status in self._ended.values() if status == "done"]
+        self._batch("done", TREE, done, shift)
+        for outcome in sorted(FAILED):
+            failed = [(x, y) for x, y, status in self._ended.values() if status == outcome]
+            self._batch(outcome, CROSS[outcome], failed, shift)
+        self._batch("planned", RING["planned"], [(t.x_m, t.y_m) for t in targets if t.status == "planned"], shift)
+        self._batch("current", RING["current"], [(t.x_m, t.y_m) for t in targets if t.status == "current"], shift)
+        self._batch("skipped", RING["skipped"], [(t.x_m, t.y_m) for t in targets if t.status == "skipped"], shift)
+
+    def _batch(self, name: str, mark: Mark, places: Sequence[Point], shift: Point) -> None:
+        frame = f"{self._trees}/{name}"
+        if not places:
+            self._scene.remove_by_name(frame)
+            return
+        corners, faces = marks_of(mark)
+        positions = np.asarray([(x + shift[0], y + shift[1], mark.lift_m) for x, y in places], np.float32)
+        turns = np.tile(np.asarray([1, 0, 0, 0], np.float32), (len(places), 1))
+        self._scene.add_batched_meshes_simple(
+            frame, corners, faces, turns, positions, batched_colors=mark.colour, cast_shadow=False, flat_shading=True
+        )
+
+    def _draw_obstacles(self, obstacles: Sequence[Obstacle], shift: Point) -> None:
+        frame = f"{self._obstacles}/cylinders"
+        if not obstacles:
+            self._scene.remove_by_name(frame)
+            return
+        corners = triangles_of(Cylinder(1.0, 1.0)) + np.asarray((0, 0, 0.5), np.float32)
+        faces = np.arange(len(corners), dtype=np.uint32).reshape(-1, 3)
+        positions = np.asarray([(one.x_m + shift[0], one.y_m + shift[1], 0.0) for one in obstacles], np.float32)
+        scales = np.asarray([(one.radius_m, one.radius_m, max(one.height_m, 0.05)) for one in obstacles], np.float32)
+        turns = np.tile(np.asarray([1, 0, 0, 0], np.float32), (len(obstacles), 1))
+        self._scene.add_batched_meshes_simple(
+            frame, corners, faces, turns, positions, batched_scales=scales, batched_colors=STUMP, flat_shading=True
+        )
+
+    def _draw_area(self, area: Sequence[Point], shift: Point) -> None:
+        frame = f"{self._obstacles}/surface"
+        if len(area) < 3:
+            self._scene.remove_by_name(frame)
+            return
+        ring = np.asarray([(x + shift[0], y + shift[1], 0.015) for x, y in [*area, area[0]]], np.float32)
+        pairs = np.stack([ring[:-1], ring[1:]], axis=1)
+        self._scene.add_line_segments(frame, pairs, colors=EDGE, thickness=2.0, thickness_units="screen")

@@ -1,0 +1,111 @@
+// The page's ends of the twin: the frame with the picture, and a socket for wishes and ages. Both may come back at any time.
+(() => {
+  "use strict";
+  const BACKOFF_MS = [200, 400, 800, 1200];
+  const STALE_S = 2;
+  const PICTURE_STALE_MS = 2500; // the media process moves something once a second
+  const PATIENCE_MS = 15000; // viser's client and a first scene on a slow tablet
+  const AWAY_MS = 5000; // this long without the media process, and the map is shown
+
+  class TwinLink {
+    constructor(robot, frame) {
+      Object.assign(this, { robot, frame, key: window.headland.uuid(), status: null, statusAt: 0, wishes: new Map(), attempt: 0 });
+      this.picture = { isConnected: false, ageMs: null, at: performance.now(), frames: 0, hasWebgl: true, wasConnected: false };
+      this.bornAt = this.awayAt = performance.now();
+      this.handlers = {};
+      this.onMessage = (event) => event.source === this.frame.contentWindow && event.origin === location.origin && event.data?.from === "headland-twin" && this.fromFrame(event.data);
+      addEventListener("message", this.onMessage);
+      frame.src = `/viser/?viewer=${this.key}`;
+      this.connect();
+    }
+
+    on(kind, handler) {
+      this.handlers[kind] = handler;
+    }
+
+    // wishes are told again when the socket comes back; `slot` names what replaces what
+    wish(slot, message) {
+      if (message) this.wishes.set(slot, message);
+      else this.wishes.delete(slot);
+      if (message) this.send(message);
+    }
+
+    send(message) {
+      if (this.socket?.readyState === 1 && this.socket.bufferedAmount < 65536) this.socket.send(JSON.stringify(message));
+    }
+
+    connect() {
+      if (this.isClosed) return;
+      const scheme = location.protocol === "https:" ? "wss:" : "ws:";
+      const socket = (this.socket = new WebSocket(`${scheme}//${location.host}/viser/control?viewer=${this.key}&robot=${encodeURIComponent(this.robot)}`));
+      socket.onmessage = (event) => {
+        const said = JSON.parse(event.data);
+        if (said.k === "status") {
+          Object.assign(this, { status: said, statusAt: performance.now(), attempt: 0 });
+          this.awayAt = null;
+        }
+        this.handlers[said.k]?.(said);
+        HL.repaint();
+      };
+      socket.onopen = () => this.wishes.forEach((message) => this.send(message));
+      socket.onclose = () => {
+        if (socket !== this.socket || this.isClosed) return;
+        this.awayAt ??= performance.now();
+        setTimeout(() => this.connect(), BACKOFF_MS[Math.min(this.attempt++, BACKOFF_MS.length - 1)]);
+        HL.repaint();
+      };
+    }
+
+    fromFrame(said) {
+      if (said.kind === "beat") {
+        Object.assign(this.picture, { isConnected: said.isConnected, ageMs: said.ageMs, frames: said.frames, at: performance.now() });
+        this.picture.wasConnected ||= said.isConnected;
+      } else if (said.kind === "no-webgl") this.picture.hasWebgl = false;
+      else if (said.kind === "hold") this.send({ k: "hold", on: said.isOn });
+      this.handlers[said.kind]?.(said);
+      HL.repaint();
+    }
+
+    close() {
+      this.isClosed = true;
+      removeEventListener("message", this.onMessage);
+      this.socket?.close();
+      this.frame.removeAttribute("src");
+    }
+
+    // seconds since the shown pose was true; null before the first
+    poseAge() {
+      const said = this.status?.pose_age_s;
+      if (said === null || said === undefined) return null;
+      return said + (performance.now() - this.statusAt) / 1000;
+    }
+
+    ageOf(layer) {
+      const said = this.status?.ages_s?.[layer];
+      return said === null || said === undefined ? null : said + (performance.now() - this.statusAt) / 1000;
+    }
+
+    pictureAgeMs() {
+      return this.picture.ageMs === null ? null : this.picture.ageMs + performance.now() - this.picture.at;
+    }
+
+    // {state: connecting|live|stale|unavailable, text}
+    judge() {
+      const now = performance.now();
+      if (!this.picture.hasWebgl) return { state: "unavailable", text: "3D is not available here. Showing the map." };
+      if (this.awayAt !== null && now - this.awayAt > AWAY_MS) return { state: "unavailable", text: "3D is not available now. Showing the map until it is back." };
+      if (!this.picture.wasConnected || !this.status?.is_drawn) {
+        const isLate = now - this.bornAt > PATIENCE_MS;
+        if (this.status && !this.status.is_drawn && isLate) return { state: "unavailable", text: "The robot has not said where it is. Showing the map." };
+        return isLate && !this.picture.wasConnected ? { state: "unavailable", text: "3D did not load. Showing the map." } : { state: "connecting", text: "Loading model" };
+      }
+      const pose = this.poseAge();
+      if (pose !== null && pose > STALE_S) return { state: "stale", text: `Pose is ${HL.words.age(pose * 1000)} old` };
+      const picture = this.pictureAgeMs();
+      if (!this.picture.isConnected || picture === null || picture > PICTURE_STALE_MS) return { state: "stale", text: `Picture is ${HL.words.age(picture ?? 0)} old` };
+      return { state: "live", text: "" };
+    }
+  }
+
+  HL.TwinLink = TwinLink;
+})();

@@ -1,0 +1,102 @@
+// The Twin screen: the frame with the picture, what lies over it, and joints beside it.
+(() => {
+  "use strict";
+  const { el, icon, text, attr, style, toggle, LiveElement, define } = HL;
+
+  class Twin extends LiveElement {
+    build() {
+      this.frame = el("iframe", { class: "t-frame", title: "3D picture of the robot", tabindex: "0" });
+      this.overlay = el("div", { class: "t-overlay", "aria-live": "polite" }, el("div", { class: "h-card h-row" }, (this.sign = icon("hourglass_top")), (this.words = el("b", { class: "h-t18 h-b" }))));
+      this.append(this.frame, this.overlay);
+    }
+
+    enter() {
+      const robot = this.dataset.robot;
+      this.link = new HL.TwinLink(robot, this.frame);
+      this.layers = new HL.TwinLayers(this.link);
+      this.replay = new HL.TwinReplay(this.link, robot, this.dataset.noReplay);
+      this.details = new HL.TwinDetails(robot);
+      this.model = new HL.TwinModel(robot, this.dataset.mayModel === "yes");
+      this.parts = [this.layers.node, this.replay.node, this.details.node];
+      this.append(...this.parts);
+      this.layers.list.append(this.model.node);
+      this.link.on("tap", (said) => this.details.show(said));
+      this.link.on("key", ({ key }) => this.key(key));
+      this.link.on("ready", () => this.themed());
+      this.themes = new MutationObserver(() => this.themed());
+      this.themes.observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme"] });
+      HL.twin = this;
+      this.themed();
+    }
+
+    leave() {
+      HL.twin = null;
+      this.themes.disconnect();
+      this.replay.close();
+      this.details.close();
+      this.link.close();
+      this.parts.forEach((part) => part.remove());
+    }
+
+    key(key) {
+      if (key === "0") this.layers.choose(this.layers.view);
+      else this.link.send({ k: "zoom", by: key === "+" ? 0.8 : 1.25 });
+    }
+
+    themed() {
+      const theme = document.documentElement.dataset.theme || "day";
+      this.frame.contentWindow?.postMessage({ kind: "theme", theme }, location.origin);
+      this.link?.wish("theme", { k: "theme", dark: theme === "night" });
+    }
+
+    paint() {
+      if (!this.link) return;
+      const { state, text: words } = this.link.judge();
+      const isPast = this.replay.isReplay;
+      attr(this, "data-state", state);
+      const age = this.link.poseAge();
+      attr(this, "data-age-ms", age === null ? null : Math.round(age * 1000));
+      attr(this, "data-frames", this.link.picture.frames);
+      toggle(this, "stale", state === "stale" && !isPast);
+      attr(this.overlay, "hidden", state === "live" || (isPast && state === "stale"));
+      text(this.words, words);
+      text(this.sign, state === "connecting" ? "hourglass_top" : state === "stale" ? "schedule" : "map");
+      const map = this.parentElement.querySelector(".t-map");
+      const isMap = state === "unavailable";
+      attr(map, "hidden", !isMap);
+      style(this.frame, "visibility", isMap ? "hidden" : "visible");
+      for (const part of [this.layers.node, this.replay.node]) toggle(part, "gone", isMap);
+      this.layers.paint();
+      this.replay.paint();
+      this.model.paint(this.link.status);
+    }
+  }
+
+  class Side extends LiveElement {
+    build() {
+      this.side = new HL.TwinSide();
+      this.append(this.side.node);
+    }
+    paint() {
+      if (HL.view.robot) this.side.paint(HL.view.robot, HL.twin?.replay.past?.joints);
+    }
+  }
+
+  // drawn before its style is there, everything would jump
+  function styled(href) {
+    if (!href || document.querySelector(`link[href="${href}"]`)) return Promise.resolve();
+    const link = el("link", { rel: "stylesheet", href });
+    document.head.append(link);
+    return new Promise((resolve) => (link.onload = link.onerror = resolve));
+  }
+
+  addEventListener("keydown", (event) => {
+    const isTyping = event.target instanceof HTMLElement && event.target.closest("input:not([type=range]), textarea, select");
+    if (HL.twin && !isTyping && !event.ctrlKey && !event.altKey && !event.metaKey && ["+", "-", "0"].includes(event.key)) HL.twin.key(event.key);
+  });
+
+  styled(document.querySelector("[data-twin-style]")?.dataset.twinStyle).then(() => {
+    define("hl-twin", Twin);
+    define("hl-twin-side", Side);
+  });
+})();

@@ -1,0 +1,91 @@
+// Runs before viser's client inside the twin's frame. viser has no embedding interface: each point here closes one gap,
+// and tests/hmi/app/test_viser_page.py and tests/e2e fail when viser's client changes under it.
+(() => {
+  "use strict";
+  const BEAT_MS = 250; // how often the page around is told how old the picture is
+  const RETRY_MS = 400; // viser itself tries once a second
+  const query = new URLSearchParams(location.search);
+  const nonce = document.currentScript.nonce;
+  const state = { isConnected: false, heardAt: null, frames: 0, worker: null };
+  const tell = (message) => parent !== window && parent.postMessage({ from: "headland-twin", ...message }, location.origin);
+
+  // 1. An unfocused frame would never reconnect and would go on showing a frozen robot.
+  document.hasFocus = () => true;
+
+  // 2. The worker holds the socket: its messages tell whether the picture is connected and how old it is.
+  // 5. The worker's way out: a request for a public tunnel never leaves the page.
+  const RealWorker = window.Worker;
+  window.Worker = class extends RealWorker {
+    constructor(...given) {
+      super(...given);
+      this.addEventListener("message", (event) => {
+        const kind = event.data?.type;
+        if (kind !== "connected" && kind !== "closed" && kind !== "message_batch") return;
+        state.worker = this;
+        if (kind === "message_batch") state.frames += 1;
+        else state.isConnected = kind === "connected";
+        if (kind !== "closed") state.heardAt = performance.now();
+        if (kind !== "message_batch") beat();
+      });
+    }
+    postMessage(message, ...rest) {
+      if (message?.type === "set_server") {
+        const scheme = location.protocol === "https:" ? "wss:" : "ws:";
+        message = { ...message, server: `${scheme}//${location.host}/viser?viewer=${query.get("viewer")}` };
+        state.worker = this;
+      }
+      if (message?.type === "send" && /^ShareUrl/.test(message.message?.type)) return;
+      super.postMessage(message, ...rest);
+    }
+  };
+  function beat() {
+    const ageMs = state.heardAt === null ? null : Math.round(performance.now() - state.heardAt);
+    tell({ kind: "beat", isConnected: state.isConnected, ageMs, frames: state.frames });
+  }
+  setInterval(beat, BEAT_MS);
+  setInterval(() => !state.isConnected && state.worker?.postMessage({ type: "retry" }), RETRY_MS);
+
+  // 4. A touch is captured by the canvas, and then viser never sees it end: taps would do nothing.
+  addEventListener("pointerdown", (event) => {
+    if (event.pointerType === "touch" && event.target.hasPointerCapture?.(event.pointerId)) event.target.releasePointerCapture(event.pointerId);
+  }, true);
+
+  // 6. viser's loader makes a script element; the page's policy wants the nonce on it.
+  const make = document.createElement.bind(document);
+  document.createElement = (name, options) => {
+    const node = make(name, options);
+    if (nonce && String(name).toLowerCase() === "script") node.nonce = nonce;
+    return node;
+  };
+
+  // 7. The keys of STOP work wherever the focus is.
+  addEventListener("keydown", (event) => {
+    const isStop = event.key === "Pause" || event.code === "Pause" || (event.ctrlKey && (event.key === "." || event.code === "Period"));
+    if (!isStop || parent === window) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    const { key, code, ctrlKey, repeat } = event;
+    parent.dispatchEvent(new parent.KeyboardEvent("keydown", { key, code, ctrlKey, repeat, bubbles: true, cancelable: true }));
+  }, true);
+
+  // The camera belongs to the person while they turn it.
+  let down = 0;
+  const hold = (isOn) => tell({ kind: "hold", isOn });
+  addEventListener("pointerdown", () => (down += 1) === 1 && hold(true), true);
+  for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => (down = Math.max(0, down - 1)) === 0 && hold(false), true);
+  let spun = 0;
+  const nudge = () => performance.now() - spun > 200 && ((spun = performance.now()), hold(down > 0));
+  addEventListener("wheel", nudge, { capture: true, passive: true });
+  addEventListener("keydown", (event) => {
+    if (/^Arrow/.test(event.key)) nudge();
+    if ("+-0".includes(event.key) && event.key.length === 1) tell({ kind: "key", key: event.key });
+  }, true);
+
+  addEventListener("message", (event) => {
+    if (event.source === parent && event.origin === location.origin && event.data?.kind === "theme") document.documentElement.dataset.theme = event.data.theme;
+  });
+  // without WebGL the frame has nothing to show; the page around shows the map instead
+  const canvas = make("canvas");
+  if (!(canvas.getContext("webgl2") || canvas.getContext("webgl"))) tell({ kind: "no-webgl" });
+  tell({ kind: "ready" });
+})();

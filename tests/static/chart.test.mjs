@@ -1,0 +1,162 @@
+// Where the states of a chart stand and how the lines between them run: rules that hold for any chart.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import test from 'node:test';
+import vm from 'node:vm';
+
+const read = (name) => readFileSync(new URL(`../../static/js/ui/${name}.js`, import.meta.url), 'utf8');
+for (const name of ['chart_placing', 'chart_routing', 'super_chart_facts', 'super_gantt_rows']) vm.runInThisContext(read(name)); // another context looks every global up by name, six times slower
+const { chartLayout, chartFacts, ganttRows } = globalThis.HLC;
+const planter = JSON.parse(readFileSync(new URL('../charts/planter.json', import.meta.url), 'utf8'));
+const plain = (value) => JSON.parse(JSON.stringify(value));
+const widthsOf = (chart) => Object.fromEntries(chart.states.map((s) => [s.id, s.label.length * 8 + 24]));
+const WINDOWS = [{ w: 1140, h: 486 }, { w: 752, h: 640 }, { w: 1820, h: 900 }];
+
+function random(seed) {
+  let x = seed * 2654435761 % 4294967296;
+  return (n) => { x = (x * 1664525 + 1013904223) % 4294967296; return Math.floor((x / 4294967296) * n); };
+}
+
+// a chart nobody drew by hand: nested, with parallel regions, and transitions across everything
+function anyChart(seed, count) {
+  const pick = random(seed);
+  const states = [];
+  const add = (parent, kind) => { const id = `s${states.length}`; states.push({ id, label: `State ${'x'.repeat(pick(14))} ${id}`, parent, kind, is_initial: pick(5) === 0, subsystem: 'A', normal_s: pick(2) ? 5 : null, entry: [], exit: [] }); return id; };
+  const fill = (parent, depth) => {
+    const many = 2 + pick(7);
+    for (let i = 0; i < many && states.length < count; i += 1) {
+      const kind = depth > 2 || pick(3) ? 'simple' : pick(3) ? 'composite' : 'parallel';
+      const id = add(parent, kind);
+      if (kind === 'composite') fill(id, depth + 1);
+      if (kind === 'parallel') for (let r = 0; r < 2 + pick(2); r += 1) fill(add(id, 'region'), depth + 1);
+    }
+  };
+  while (states.length < count) fill(null, 0);
+  const transitions = Array.from({ length: Math.round(count * 1.4) }, (_, i) => ({ source: states[pick(states.length)].id, target: states[pick(states.length)].id, event: `e${i}`, guard: '' }));
+  return { states, transitions };
+}
+
+const CHARTS = [['the planter', planter], ...[1, 2, 3, 4, 5, 6].map((seed) => [`chart ${seed}`, anyChart(seed, 20 + seed * 12)])];
+const isInside = (a, b) => a.x >= b.x && a.y >= b.y && a.x + a.w <= b.x + b.w && a.y + a.h <= b.y + b.h;
+const apart = (a, b) => a.x + a.w <= b.x || b.x + b.w <= a.x || a.y + a.h <= b.y || b.y + b.h <= a.y;
+
+for (const [name, chart] of CHARTS) {
+  test(`${name}: every state has a place inside of its parent, and siblings do not overlap`, () => {
+    for (const window of WINDOWS) {
+      const { places, w, h } = chartLayout(chart, widthsOf(chart), window);
+      const at = new Map(places);
+      assert.equal(at.size, chart.states.length);
+      for (const one of chart.states) {
+        const place = at.get(one.id);
+        assert.ok(isInside(place, at.get(one.parent) ?? { x: 0, y: 0, w, h }), `${one.id} leaves its parent`);
+        assert.ok(place.w >= 0 && place.h >= 0);
+        for (const other of chart.states) if (other.id < one.id && other.parent === one.parent) assert.ok(apart(place, at.get(other.id)), `${one.id} over ${other.id}`);
+      }
+    }
+  });
+
+  test(`${name}: every line begins and ends at its states and runs through no other`, () => {
+    const { places, ways } = chartLayout(chart, widthsOf(chart), WINDOWS[0]);
+    const at = new Map(places);
+    const onBorder = ([x, y], p) => x >= p.x && x <= p.x + p.w && y >= p.y && y <= p.y + p.h && (x === p.x || x === p.x + p.w || y === p.y || y === p.y + p.h);
+    for (const way of ways.filter((one) => !one.isForced)) {
+      assert.ok(onBorder(way.points[0], at.get(way.source)), `${way.source}>${way.target} begins beside it`);
+      assert.ok(onBorder(way.points.at(-1), at.get(way.target)), `${way.source}>${way.target} ends beside it`);
+      way.points.slice(1).forEach(([x, y], i) => {
+        const [px, py] = way.points[i];
+        assert.ok(x === px || y === py, 'a slanted line');
+        for (const one of chart.states) {
+          const p = at.get(one.id);
+          if (p.isFrame || p.isRegion || one.id === way.source || one.id === way.target) continue;
+          const misses = Math.max(x, px) <= p.x || Math.min(x, px) >= p.x + p.w || Math.max(y, py) <= p.y || Math.min(y, py) >= p.y + p.h;
+          assert.ok(misses, `${way.source}>${way.target} runs through ${one.id}`);
+        }
+      });
+    }
+    assert.ok(ways.filter((one) => one.isForced).length <= ways.length * 0.03, 'too many lines found no way');
+  });
+}
+
+test('transitions of the same two states are one line that knows all of them', () => {
+  const chart = { states: ['a', 'b'].map((id) => ({ id, label: id, parent: null, kind: 'simple' })), transitions: [{ source: 'a', target: 'b', event: 'x' }, { source: 'a', target: 'b', event: 'y' }, { source: 'a', target: 'a', event: 'z' }] };
+  const { ways } = chartLayout(chart, {}, WINDOWS[0]);
+  assert.deepEqual(plain(ways.map((one) => one.numbers)), [[0, 1]]);
+});
+
+test('charts that make no sense are drawn all the same: parents in a circle, unknown parents, one state alone', () => {
+  const one = (id, parent) => ({ id, label: id, parent, kind: 'simple' });
+  assert.equal(chartLayout({ states: [one('a', 'b'), one('b', 'a')], transitions: [] }, {}, WINDOWS[0]).places.length, 2);
+  assert.equal(chartLayout({ states: [one('a', 'gone')], transitions: [{ source: 'a', target: 'nowhere', event: '' }] }, {}, WINDOWS[0]).places.length, 1);
+});
+
+test('the same chart in the same window has the same places', () => {
+  assert.deepEqual(plain(chartLayout(planter, widthsOf(planter), WINDOWS[0])), plain(chartLayout(planter, widthsOf(planter), WINDOWS[0])));
+});
+
+test('how long 100 states take to be laid out', () => {
+  const chart = anyChart(9, 100);
+  const from = performance.now();
+  const { places } = chartLayout(chart, widthsOf(chart), WINDOWS[0]);
+  console.log(`layout of ${chart.states.length} states, ${chart.transitions.length} transitions: ${Math.round(performance.now() - from)} ms`);
+  assert.equal(places.length, chart.states.length);
+});
+
+test('a state is over its time after half as long again, and two seconds at least', () => {
+  assert.equal(chartFacts.isOver(7, 10), false);
+  assert.equal(chartFacts.isOver(7, 10.6), true);
+  assert.equal(chartFacts.isOver(0.2, 1), false);
+  assert.equal(chartFacts.isOver(null, 1e6), false);
+});
+
+test('time stands still when nothing is heard', () => {
+  assert.equal(chartFacts.seconds(1000, 5000, 500, 2000), 4.5);
+  assert.equal(chartFacts.seconds(1000, 5000, 60000, 2000), 6);
+});
+
+test('the breadcrumb follows the region that moved last', () => {
+  const facts = chartFacts.index(planter);
+  const states = ['mission', 'plant-site', 'base', 'hold', 'crane', 'on-ground', 'guard', 'area-clear'].map((id) => [id, 0]);
+  assert.deepEqual(plain(chartFacts.crumbs(facts, states, { target: 'on-ground' }).map((one) => one.id)), ['mission', 'plant-site', 'crane', 'on-ground']);
+  assert.deepEqual(plain(chartFacts.crumbs(facts, states, null).map((one) => one.id)), ['mission', 'plant-site', 'base', 'hold']);
+});
+
+test('times are said as people say them', () => {
+  assert.deepEqual(plain([4.2, 59.4, 134, 6720, 59.6].map(chartFacts.span)), ['4 s', '59 s', '2:14', '1 h 52', '1:00']);
+});
+
+const stay = (state, lane, start, end, normal_s = null) => ({ state, lane, label: state, subsystem: lane, start, end, normal_s, result: '', path: [] });
+const span = { start: 0, end: 100000, width: 1000 };
+
+test('a row for each region in the order of the chart, then the subsystems outside of them', () => {
+  const facts = chartFacts.index(planter);
+  const found = ganttRows.rows([stay('transit', 'Drive', 0, 10000), stay('dock', 'Crane', 0, 5000), stay('hold', 'Base', 0, 90000)], facts, [], span);
+  assert.deepEqual(plain(found.map((row) => row.lane)), ['Base', 'Crane', 'Drive']);
+});
+
+test('a stay beyond its usual time is marked, with where it should have ended', () => {
+  const [row] = ganttRows.rows([stay('a', 'L', 10000, 30000, 5), stay('b', 'L', 30000, 36000, 5)], null, [], span);
+  assert.equal(row.bars[0].isOver, true);
+  assert.equal(row.bars[0].planned, 150);
+  assert.equal(row.bars[1].isOver, false);
+});
+
+test('what is active now is carried on, and what it replaced ends where it begins', () => {
+  const facts = chartFacts.index(planter);
+  const found = ganttRows.withActive([stay('dock', 'Crane', 10000, null), stay('hold', 'Base', 5000, null)], facts, [['dock-waypoint', 40000], ['hold', 5200]]);
+  assert.deepEqual(plain(found.map((one) => [one.state, one.start, one.end])), [['dock', 10000, 40000], ['hold', 5000, null], ['dock-waypoint', 40000, null]]);
+});
+
+test('a thousand stays in a row of a hundred pixels become few bars, and what was over its time stays', () => {
+  const many = Array.from({ length: 1000 }, (_, i) => stay(i % 2 ? 'a' : 'b', 'L', i * 100, i * 100 + 100, i === 500 ? 0.01 : null));
+  many[500].end = many[500].start + 5000;
+  const [row] = ganttRows.rows(many, null, [], { ...span, width: 100 });
+  assert.ok(row.bars.length < 160, String(row.bars.length));
+  assert.equal(row.bars.filter((bar) => bar.isOver).length, 1);
+});
+
+test('the axis counts back from now, or says the time of a mission that is over', () => {
+  const clock = (at) => `${at / 60000}`;
+  assert.deepEqual(plain(ganttRows.axis(0, 600000, true, clock).at(0)), [600000, 'now']);
+  assert.deepEqual(plain(ganttRows.axis(0, 600000, true, clock).at(-1)), [0, '−10 min']);
+  assert.deepEqual(plain(ganttRows.axis(30000, 630000, false, clock).at(0)), [60000, '1']);
+});
