@@ -5,6 +5,7 @@ import { clustersOf, stepOf } from './clusters.js';
 import { LabelLayer } from './labels.js';
 
 const TAP_PX = 28;
+const FEW = 150;
 const EDGE_PX = 60;
 const NEAR_ZOOM = 18;
 const NEARER = 2; // zooms a tap on a cluster comes nearer
@@ -42,8 +43,9 @@ export class FleetView {
     const isOut = !isSeen(robot.id);
     const isAsking = verdict.look === 'unacknowledged';
     if (robot.level === level && robot.text === text && robot.isOut === isOut && robot.isAsking === isAsking) return false;
+    const isOnlyWords = robot.level === level && robot.isOut === isOut && robot.isAsking === isAsking;
     Object.assign(robot, { level, text, isOut, isAsking });
-    return true;
+    return !isOnlyWords || this.map.intake.robots.size <= FEW; // in a crowd new words wait for the next picture
   }
 
   /** Missions load when somebody asks for their paths or their coverage. */

@@ -34,6 +34,7 @@
 
   const known = new Map(); // robot id -> its item, judged anew only when something was told about it
   const worst = { of: null, found: {} };
+  let ranked = -1; // the order in which names were compared last
 
   function worstAlarms() {
     const alarms = window.headland.state("alarms")?.alarms;
@@ -51,7 +52,8 @@
     data.items = [];
     for (const id of HL.port.ids) if (robots[id]) data.items.push(seen(known.get(id) ?? begun(id, robots[id]), robots[id], now, stops.get(id), alarms[id]));
     if (known.size > data.items.length) gone(robots);
-    HL.fleetOrder.rank(data.items);
+    if (data.order !== ranked) HL.fleetOrder.rank(data.items);
+    ranked = data.order;
     changed();
   }
 
