@@ -19,6 +19,8 @@
   const TOKEN_KEY = "headland.stop_token";
   const PENDING_KEY = "headland.stop_pending";
   const CARDS_KEY = "headland.stop_robots";
+  const MANY = 50;
+  const CALM_MS = 500;
   const NO_CARD = {};
   const NO_STEPS = [];
 
@@ -33,6 +35,7 @@
   let pathLostAt = performance.now();
   let signature = "";
   let summary = null;
+  let paintedAt = -Infinity;
   const mounted = new Map(); // element -> options of renderSteps
   const views = new Map(); // id -> what is shown of a robot, kept while nothing was told about it
   let changes = 0; // robots that came, went, or changed what is said of them
@@ -81,7 +84,8 @@
     frame(frame) {
       if (frame.k === "step") take([frame], "gateway");
       else if (frame.k === "robots") write(localStorage, CARDS_KEY, (cards = frame.robots));
-      paint();
+      // of a large fleet the steps of STOP ALL come one by one: they are shown together, at the latest with the next tick
+      if (frame.k !== "step" || robots.size <= MANY || frame.robot === config.scope.id) paint();
     },
     refused: () => paint(),
   });
@@ -254,6 +258,7 @@
     const now = performance.now();
     const before = summary;
     summary = look(now);
+    paintedAt = now;
     slab?.draw(summary.one, summary.all, summary.isAll, now);
     const loudest = summary.all.failing.length ? "not-confirmed" : summary.state;
     const isLoss = ["no-link", "no-path"].includes(loudest); // silence is an alarm only where there was a link
@@ -277,7 +282,14 @@
     socket.use(base(), token());
     socket.tick(now);
     retry(now);
-    paint();
+    if (!isCalm(now)) paint();
+  }
+
+  // A large fleet without a press, everything READY: nothing can differ but what is asked here, until the next look.
+  function isCalm(now) {
+    if (robots.size <= MANY || presses.entries.size || summary?.state !== "ready" || now - paintedAt >= CALM_MS) return false;
+    const { one, isFresh, scope } = summary;
+    return isFresh === socket.isFresh(now) && scope === config.scope && (!one || one.heardMs + now - paintedAt <= LOST_MS);
   }
 
   function onKey(event) {
