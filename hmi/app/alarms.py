@@ -11,6 +11,7 @@ from typing import Any
 
 from fastapi import APIRouter
 
+from hmi.api.alarm_limits import alarm_limits_routes
 from hmi.api.alarm_records import AlarmRecordRoutes, alarm_record_routes
 from hmi.api.alarms import AlarmRoutes, alarm_routes
 from hmi.app.console_health import ConsoleHealth
@@ -20,6 +21,7 @@ from hmi.app.queue import farm_zone
 from hmi.app.records import Records
 from hmi.clock import Clock
 from hmi.commands.alarm_desk import AlarmDesk
+from hmi.commands.alarm_limits_desk import AlarmLimitsDesk, LimitsParts
 from hmi.commands.ports import LaneEvent
 from hmi.commands.weather import WeatherBoard
 from hmi.domain.alarm.alarm import CONSOLE
@@ -43,6 +45,7 @@ from hmi.security.authorization import Authorize
 from hmi.settings import Settings
 from hmi.store.alarm_journal import AlarmJournal
 from hmi.store.alarm_records import AlarmRecords
+from hmi.store.alarm_settings import AlarmSettings
 from hmi.store.alarms import AlarmStore
 from hmi.store.fleet import FleetStore
 
@@ -69,13 +72,17 @@ class AlarmRoom:
         is_broker_up: Callable[[], bool],
     ) -> None:
         self._clock, self._fleet, self._on_event, self._records = clock, fleet, on_event, records
-        self._types = catalogue()
+        self._types = dict(catalogue())  # as shipped, until the limits of this farm are read
         self.store = AlarmStore(clock, self._types)
         self._kept = AlarmRecords(records.database, settings.farm_id, self._words)
         self.store.listeners += [self._kept.take, self._told]
         conditions = Conditions(self._types.__getitem__)
         self.ground = FarmGround(records.features, records.database, settings.farm_id)
         self.watch = Watch(fleet, clock, conditions, self._rules, mission_of, self._apply)
+        kept = AlarmSettings(records.database, settings.farm_id)
+        self.limits = AlarmLimitsDesk(
+            LimitsParts(self._types, conditions.retune, kept, records.database, records.audit, authorize, clock)
+        )
         self.desk = AlarmDesk(self.store, records.audit, authorize, clock, self._is_robot, self._shift_end)
         self.journal = AlarmJournal(records.database, settings.farm_id)
         writers = {"Alarm journal": self._kept.health, "History": records.recorder.health}
@@ -134,7 +141,8 @@ class AlarmRoom:
             operators=self._operators,
         )
         live = AlarmRoutes(self.store, self.desk, self._clock, self.name_of)
-        return [self.notifications.routes(), alarm_routes(live), alarm_record_routes(about)]
+        settings = [self.notifications.routes(), alarm_limits_routes(self.limits)]
+        return [*settings, alarm_routes(live), alarm_record_routes(about)]
 
     async def prepare(self) -> None:
         """Take over the alarms of before the restart, and read the farm's ground."""
@@ -146,6 +154,7 @@ class AlarmRoom:
             self.store.restore(replace(alarm, is_latching=kind.is_latching), escalated_at)
         await self.ground.load()
         await self.notifications.desk.load()
+        await self.limits.load()
 
     def start(self) -> None:
         """Begin to look once a second; the registry must be known, and nothing heard yet."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from datetime import date
+from pathlib import Path
 
 from fastapi import APIRouter
 
@@ -24,8 +25,11 @@ from hmi.domain.fleet_day import FleetDay
 from hmi.security.authorization import Authorize
 from hmi.settings import Settings
 from hmi.store.fleet import FleetStore
+from hmi.store.fleet_day import read_day, write_day
 
 LOOK_S = 2.0
+KEEP_S = 30.0  # a power cut costs half a minute of the day's sums
+DAY_FILE = Path("run") / "fleet-day.json"
 ROBOTS_A_STEP = 100  # between steps others get the event loop
 INTERVENTIONS = frozenset(
     {Action.RESUME.value, Action.PAUSE.value, Action.ABORT.value, Action.RETURN_HOME.value, Action.DRIVE_OPEN.value}
@@ -50,6 +54,7 @@ class FleetDesk:
     ) -> None:
         self._clock, self._records, self._fleet = clock, records, fleet
         self._zone = farm_zone(settings.time_zone)
+        self._kept, self._kept_s = settings.data / DAY_FILE, clock.mono_s()
         self.day = FleetDay()
         self.actions = FleetActions(desk.commands, desk.missions, records.audit)
         self.groups = FleetGroupBook(records.fleet_groups, records.database, records.audit, authorize, on_event)
@@ -76,8 +81,9 @@ class FleetDesk:
         ]
 
     async def prepare(self) -> None:
-        """Let wall screens that are valid open their sessions."""
+        """Let wall screens that are valid open their sessions, and go on with today's sums."""
         await self._records.walls.load()
+        self.day.restore(await asyncio.to_thread(read_day, self._kept), self._today())
 
     def start(self) -> None:
         """Begin to add up the day."""
@@ -89,6 +95,7 @@ class FleetDesk:
             self._task.cancel()
             await asyncio.gather(self._task, return_exceptions=True)
             self._task = None
+            await self._keep()
 
     def _today(self) -> date:
         return self._clock.utc().astimezone(self._zone).date()
@@ -106,9 +113,18 @@ class FleetDesk:
         while True:
             try:
                 await self._look()
+                if self._clock.mono_s() - self._kept_s >= KEEP_S:
+                    await self._keep()
             except Exception:
                 log.exception("the day's figures could not be added up; trying again")
             await asyncio.sleep(LOOK_S)
+
+    async def _keep(self) -> None:
+        self._kept_s = self._clock.mono_s()
+        try:
+            await asyncio.to_thread(write_day, self._kept, self.day.kept())
+        except OSError as error:
+            log.warning("today's figures are not kept: %s", error.strerror)
 
     async def _look(self) -> None:
         now_s, today = self._clock.mono_s(), self._today()

@@ -86,7 +86,9 @@ class Records:
             self.tokens,
             self.audit.append,
         )
-        self.walls = WallScreens(self.database, Walls(self.database, clock), self.sessions, farm, self.audit.append)
+        self.walls = WallScreens(
+            self.database, Walls(self.database, clock), self.sessions, farm, self.audit.append, self.stop_list
+        )
         self.enrolment = Enrolment(self.database, self.devices, self.sessions, self.tokens, self.audit.append)
 
     def open(self) -> None:

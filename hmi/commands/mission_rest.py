@@ -246,6 +246,7 @@ class MissionRests:
             surroundings=surroundings_of(features, (corner[0], corner[1]), mission.field_id),
             robot=robot.factsheet,
             map_version=stamp.as_json() if stamp.number else None,
+            lead_m=_leads(mission),
         )
 
     def _check_change(self, mission: Mission, robot: Robot, *, is_live: bool) -> bool:
@@ -296,3 +297,8 @@ def _areas(mission: Mission, order: RestOrder) -> tuple[DrawnArea, ...]:
 
 def _was_moved(robot: Robot) -> bool:
     return robot.state is not None and robot.state.hold is not None and robot.state.hold.code in MOVED
+
+
+def _leads(mission: Mission) -> tuple[float, float] | None:
+    leads = (mission.statistics.get("treatment") or {}).get("lead_m")
+    return (float(leads[0]), float(leads[1])) if leads else None

@@ -11,7 +11,7 @@ from pathlib import Path
 from hmi.clock import Clock
 from hmi.demo.catalogue import CATALOGUE, PAST, DemoMission, plan
 from hmi.demo.farm import features
-from hmi.demo.fleet import read_demo_fleet, robot
+from hmi.demo.fleet import demo_robots, read_demo_fleet, robot
 from hmi.demo.past import PAST_RUNS, PastRun, RunOutcome
 from hmi.demo.work import planned_work, task_of
 from hmi.domain.mission import MissionStatus, Mover
@@ -88,7 +88,9 @@ class DemoSeed:
     def _robots(self) -> None:
         """Register the robots; their address changes with each start, what an administrator set stays."""
         parts = self._parts
-        for row in read_demo_fleet(parts.data):
+        rows = read_demo_fleet(parts.data)
+        self._unregister({row["id"] for row in rows})
+        for row in rows:
             one = robot(row["id"])
             url, token = row["http_url"], row["token"]
             known = parts.robots.get(one.id)
@@ -110,6 +112,13 @@ class DemoSeed:
                 )
             elif (known.http_url, known.http_token) != (url, token):
                 parts.robots.change(replace(known, http_url=url, http_token=token))
+
+    def _unregister(self, running: set[str]) -> None:
+        """Take out what another size of the demo left behind: silent for ever, each would need somebody."""
+        own = {one.id for one in demo_robots("full")}
+        for known in self._parts.robots.all():
+            if known.id in own and known.added_by == BY and known.id not in running:
+                self._parts.robots.remove(known.id)
 
     async def _mission(self, mission: DemoMission, planning: Planning) -> None:
         if self._parts.missions.known(mission.id) is None:

@@ -5,12 +5,16 @@ A figure that a robot reports anew after a restart, or for another mission, coun
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from datetime import date
+from typing import Any
 
 from hmi.domain.robot import Family, Mode, OrderStatus, Robot
 
 MOST_GAP_S = 10.0  # time that nobody saw does not count as worked, nor as idle
+_SUMS = ("area_m2", "plants", "working_s", "heard_s", "interventions")
 MAX_STEP_M2 = 2_000.0  # 10 s of the widest machine at full speed; a larger step is another mission
 
 
@@ -86,6 +90,20 @@ class FleetDay:
             self.day, self.area_m2, self.plants = day, 0.0, 0
             self.working_s = self.heard_s = 0.0
             self.interventions = 0
+
+    def kept(self) -> dict[str, Any]:
+        """Return the sums as plain values, for ``restore`` after a restart."""
+        return {"day": self.day.isoformat() if self.day else None, **{name: getattr(self, name) for name in _SUMS}}
+
+    def restore(self, kept: Mapping[str, Any], today: date) -> None:
+        """Go on from sums of the same day; what is of another day, or no sum, is left out."""
+        values = {name: kept.get(name) for name in _SUMS}
+        is_good = all(isinstance(one, (int, float)) and math.isfinite(one) and one >= 0 for one in values.values())
+        if kept.get("day") != today.isoformat() or not is_good:
+            return
+        self.turn(today)
+        for name, value in values.items():
+            setattr(self, name, value)
 
     def figures(self) -> DayFigures:
         """Return the sums so far."""

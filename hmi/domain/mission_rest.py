@@ -128,6 +128,7 @@ class RestWish:
         end: ``as_planned``, ``stay`` or ``home``.
         home: another home; ``None`` keeps it.
         map_version: number and hash of the map whose obstacles and roads count.
+        lead_m: how long the tool is on before and after treated ground in ``base``; ``None``: as long as this tool is.
     """
 
     base: Document
@@ -145,6 +146,7 @@ class RestWish:
     surroundings: Surroundings = field(default_factory=Surroundings)
     robot: Factsheet | None = None
     map_version: Mapping[str, Any] | None = None
+    lead_m: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)

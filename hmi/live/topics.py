@@ -87,7 +87,7 @@ class RobotNumbers:
 
 
 class FleetTopic:
-    """Topic ``fleet``: one entry a robot; deltas carry only the entries that changed, ``null`` for one that left.
+    """Topic ``fleet``: one entry a robot; deltas carry of each only what changed, ``null`` for one that left.
 
     When a robot was heard and its round trip change all the time; they go out as ``beats``, eight bytes a robot.
     """
@@ -96,19 +96,24 @@ class FleetTopic:
 
     def __init__(self, numbers: RobotNumbers) -> None:
         self._numbers = numbers
-        self._entries: dict[str, str] = {}
+        self._entries: dict[str, dict[str, Any]] = {}
+        self._texts: dict[str, str] = {}
         self._whole: str | None = None
 
     def update(self, robots: Iterable[Robot], removed: Iterable[str], context: operate.Context) -> str | None:
-        """Take over changed robots; return the changed entries as JSON, ``None`` if nothing changed."""
+        """Take over changed robots; return what changed of them as JSON, ``None`` if nothing did."""
         changed = []
         for robot in robots:
-            text = piece({"n": self._numbers.of(robot.id), **fleet.slow(robot, context)})
-            if self._entries.get(robot.id) != text:
-                self._entries[robot.id] = text
-                changed.append(f'"{robot.id}":{text}')
+            entry = {"n": self._numbers.of(robot.id), **fleet.slow(robot, context)}
+            before = self._entries.get(robot.id, {})
+            news = {key: value for key, value in entry.items() if key not in before or before[key] != value}
+            if news:
+                self._entries[robot.id] = entry
+                self._texts.pop(robot.id, None)
+                changed.append(f'"{robot.id}":{piece(news)}')
         for robot_id in removed:
             if self._entries.pop(robot_id, None) is not None:
+                self._texts.pop(robot_id, None)
                 changed.append(f'"{robot_id}":null')
         if not changed:
             return None
@@ -135,7 +140,10 @@ class FleetTopic:
     def whole(self, heard: Iterable[Beat]) -> str:
         """Return every entry as JSON, and beside them when each robot was heard."""
         if self._whole is None:
-            self._whole = '"robots":{' + ",".join(f'"{i}":{t}' for i, t in self._entries.items()) + "}"
+            for robot_id, entry in self._entries.items():
+                if robot_id not in self._texts:
+                    self._texts[robot_id] = piece(entry)
+            self._whole = '"robots":{' + ",".join(f'"{i}":{self._texts[i]}' for i in self._entries) + "}"
         beats = {o.robot_id: [milliseconds(o.heard_s), milliseconds(o.rtt_s)] for o in heard if self.has(o.robot_id)}
         return "{" + self._whole + ',"beats":' + piece(beats) + "}"
 

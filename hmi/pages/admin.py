@@ -16,6 +16,7 @@ SECTIONS = (
     ("people", "People", "group"),
     ("tablets", "Tablets", "tablet"),
     ("notifications", "Notifications", "notifications"),
+    ("limits", "Alarm limits", "tune"),
     ("audit", "Audit log", "history"),
     ("diagnostics", "Diagnostics", "monitoring"),
 )

@@ -31,7 +31,7 @@ SCRIPTS = {
         "slide_to_confirm", "lease", "hold_to_drive", "stop_card", "action_dock",
         "sign_in", "records", "screen", "keys", "stay_awake",
     ),
-    "admin": ("alarm_channels", "alarm_notifications", "admin_robot", "admin_forms"),
+    "admin": ("alarm_channels", "alarm_notifications", "alarm_limits", "admin_robot", "admin_forms"),
     "bell": ("alarm_order", "alarm_acts", "alarm_tones", "alarm_bell", "alarm_strip"),
     "alarms": (
         "alarm_words", "alarm_rows", "alarm_kpis", "alarm_shelve", "alarm_diagnose", "alarm_detail", "alarm_journal",

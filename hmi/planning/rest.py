@@ -21,7 +21,17 @@ from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import GENTLE_RAD, LegKind, headings, turn_between
 from hmi.planning.projection import Floats, LocalFrame
 from hmi.planning.rest_ground import RestGround
-from hmi.planning.rest_work import Work, driven_through, is_one_line, leg_of, legs_of, off, rounded_points, turned
+from hmi.planning.rest_work import (
+    Work,
+    driven_through,
+    is_one_line,
+    leg_of,
+    legs_of,
+    off,
+    rounded_points,
+    turned,
+    turned_line,
+)
 
 AHEAD_M = 10.0  # a running robot drives on while a person looks at the new rest: the new path begins beyond this
 MAX_SEGMENTS = 20_000
@@ -44,6 +54,7 @@ class _Rest:
         self.base = wish.base
         self.machine = RobotProfile() if wish.robot is None else RobotProfile.from_factsheet(wish.robot)
         self.frame = LocalFrame(wish.base["datum"]["lat_deg"], wish.base["datum"]["lon_deg"])
+        self.lead_in_m, self.lead_out_m = wish.lead_m or (self.machine.lead_in_m, self.machine.lead_out_m)
         self.notes: list[str] = []
         progress = wish.progress
         self.done, self.left, self.first = cut(wish.base["segments"], progress.segment, progress.segment_s_m)
@@ -89,6 +100,17 @@ class _Rest:
             elif len(self._by_dose(work)) > 1:
                 self.notes.append(f"It is too near {work.name} to leave the area out. Pause it first.")
 
+    def _turned_points(self, number: int | None) -> Floats:
+        """Return where a segment that is left runs the other way round, with the borders of the tool moved."""
+        assert number is not None
+        here = number - self.first
+        first, last = here, here
+        while first > 0 and is_one_line(self.left[first - 1 : first + 1]):
+            first -= 1
+        while last + 1 < len(self.left) and is_one_line(self.left[last : last + 2]):
+            last += 1
+        return turned_line(self.left[first : last + 1], self.lead_in_m - self.lead_out_m)[last - here]
+
     def _is_left_out(self, work: Work) -> bool:
         return work.begins in self.wish.leave_out
 
@@ -98,7 +120,7 @@ class _Rest:
         if self.wish.is_reversed and chosen:
             is_inside = not self.wish.is_running and len(self.done) > self.first and chosen[0].begins == self.first
             kept, others = (chosen[:1], chosen[1:]) if is_inside else ([], chosen)
-            chosen = [*kept, *(turned(work) for work in others[::-1])]
+            chosen = [*kept, *(turned(work, self._turned_points(work.begins)) for work in others[::-1])]
         return self._without_areas([part for work in chosen for part in self._around(work)])
 
     def _around(self, work: Work) -> list[Work]:
@@ -206,7 +228,9 @@ class _Rest:
         between = self._between(number, later)
         if not is_one_line([self.base["segments"][number], *between, self.base["segments"][later]]):
             return None
-        return self._clear([{**off(one), "points": one["points"][::-1], "pivot": False} for one in between[::-1]])
+        points = [rounded_points(self._turned_points(k)) for k in range(later - 1, number, -1)]
+        back = [{**off(one), "points": p, "pivot": False} for one, p in zip(between[::-1], points, strict=True)]
+        return self._clear(back)
 
     def _between(self, first: int, last: int) -> list[Document]:
         """Return the segments after ``first`` and before ``last``, without what of them is done."""

@@ -13,6 +13,7 @@ from hmi.domain.mission_document import Document
 from hmi.domain.mission_rest import WORK_KINDS, is_work
 from hmi.planning.plan import GENTLE_RAD, Leg, LegKind, turn_between
 from hmi.planning.projection import Floats
+from hmi.planning.treatment import between
 
 TOUCH_M = 0.005  # points are rounded to millimetres
 
@@ -98,9 +99,24 @@ def is_one_line(segments: Sequence[Document]) -> bool:
     )
 
 
-def turned(work: Work) -> Work:
-    """Return a piece driven the other way round."""
-    return Work({**work.segment, "points": work.segment["points"][::-1]}, turned=work.begins)
+def turned(work: Work, points: Floats) -> Work:
+    """Return a piece driven the other way round, along ``points``."""
+    return Work({**work.segment, "points": rounded_points(points)}, turned=work.begins)
+
+
+def turned_line(segments: Sequence[Document], shift_m: float) -> list[Floats]:
+    """Return the pieces of one row or lap driven the other way round, the last one first.
+
+    The tool goes on ``shift_m`` sooner and off ``shift_m`` sooner than the same borders say the other way round:
+    it is on for longer before treated ground than after it. Borders between two doses stay where they are.
+    """
+    line = np.vstack([np.asarray(one["points"], dtype=float)[::-1] for one in segments[::-1]])
+    lengths = [float(np.hypot(*np.diff(np.asarray(one["points"], dtype=float), axis=0).T).sum()) for one in segments]
+    edges = np.append(0.0, np.cumsum(lengths[::-1]))
+    for k, (first, then) in enumerate(pairwise(segments[::-1]), 1):
+        if bool(first.get("tool_on")) != bool(then.get("tool_on")):
+            edges[k] = min(max(edges[k] - shift_m, edges[k - 1]), edges[-1])
+    return [between(line, float(a), float(b)) for a, b in pairwise(edges)]
 
 
 def _is_same(part: Document, whole: Document, end: int) -> bool:

@@ -32,6 +32,7 @@ def statistics(wish: PlanWish, job: Job, plan: Plan) -> dict[str, Any]:
     if not job.doses.is_plain:
         found["treatment"] = {
             "rest_dose": wish.treatment.rest_dose,
+            "lead_m": [job.doses.lead_in_m, job.doses.lead_out_m],
             "areas": [{"dose": one.dose, "geometry": dict(one.geometry)} for one in wish.treatment.areas],
         }
     if wish.robot is not None and wish.robot.family is Family.PLANTER:

@@ -74,7 +74,7 @@ class DoseMap:
         for number, (begin, end, dose) in enumerate(spans):
             piece = replace(
                 leg,
-                points=_between(leg.points, begin, end),
+                points=between(leg.points, begin, end),
                 # more than the usual dose takes more time on each metre
                 speed_mps=leg.speed_mps / max(1.0, dose),
                 tool_on=dose > 0,
@@ -152,7 +152,7 @@ def _merged(spans: list[Span]) -> list[Span]:
     return _joined([(edges[k], edges[k + 1], span[2]) for k, span in enumerate(kept)])
 
 
-def _between(points: Floats, begin_m: float, end_m: float) -> Floats:
+def between(points: Floats, begin_m: float, end_m: float) -> Floats:
     """Return the part of a polyline between two distances along it."""
     along = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
     if begin_m <= 1e-9 and end_m >= along[-1] - 1e-9:

@@ -18,7 +18,8 @@ from hmi.security.session_info import SessionInfo
 from hmi.security.sessions import Sessions
 from hmi.store.audit_chain import AuditEntry
 from hmi.store.database import Database
-from hmi.store.walls import Wall, Walls
+from hmi.store.stop_list import StopList
+from hmi.store.walls import Wall, Walls, device_of
 
 REVOKED = "This wall screen was taken out."
 NEVER = datetime(9999, 12, 31, tzinfo=UTC)
@@ -37,10 +38,16 @@ class WallScreens:
     """The wall screens of one farm."""
 
     def __init__(
-        self, database: Database, walls: Walls, sessions: Sessions, farm_id: str, audit: Callable[[AuditEntry], None]
+        self,
+        database: Database,
+        walls: Walls,
+        sessions: Sessions,
+        farm_id: str,
+        audit: Callable[[AuditEntry], None],
+        stop_list: StopList,
     ) -> None:
         self._database, self._walls, self._sessions = database, walls, sessions
-        self._farm_id, self._audit = farm_id, audit
+        self._farm_id, self._audit, self._stop_list = farm_id, audit, stop_list
 
     async def load(self) -> None:
         """Let the keys that are valid open their sessions; at start."""
@@ -64,10 +71,16 @@ class WallScreens:
         return NewWall(wall, key)
 
     async def revoke(self, by: SessionInfo, wall_id: str) -> Wall:
-        """End a wall screen at once; raises ``NotFound``."""
+        """End a wall screen and its STOP at once.
+
+        Raises:
+            NotFound: there is none.
+            StopListNotWritten: it is ended, but the STOP gateway could not be told yet.
+        """
         self._sessions.dismiss_wall(wall_id, REVOKED)
         wall = await self._database.run(self._walls.revoke, self._farm_id, wall_id)
         self._note(by, wall, "revoked")
+        await self._database.run(self._stop_list.export)
         return wall
 
     def open(self, key: str) -> SessionInfo:
@@ -94,6 +107,6 @@ class WallScreens:
 
 def _session(wall: Wall) -> SessionInfo:
     return SessionInfo(
-        wall.id, f"wall-{wall.id[:12]}", f"Wall {wall.name}", Role.VIEWER, f"wall-{wall.id[:12]}", wall.name,
+        wall.id, device_of(wall.id), f"Wall {wall.name}", Role.VIEWER, device_of(wall.id), wall.name,
         wall.farm_id, wall.csrf, NEVER, is_wall=True,
     )  # fmt: skip

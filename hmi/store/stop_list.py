@@ -16,7 +16,9 @@ from sqlalchemy import select, union
 
 from hmi.store.database import Database
 from hmi.store.errors import StopListNotWritten
+from hmi.store.fleet_tables import WallRow
 from hmi.store.tables import DeviceRow, RobotRow, SessionRow, UserRow
+from hmi.store.walls import device_of
 
 
 class StopList:
@@ -52,7 +54,7 @@ class StopList:
             return [_entry(row) for row in session.scalars(query)]
 
     def _revoked(self) -> list[str]:
-        """Return revoked devices, and the browsers of people who may no longer sign in."""
+        """Return revoked devices and wall screens, and the browsers of people who may no longer sign in."""
         devices = select(DeviceRow.id).where(DeviceRow.farm_id == self._farm_id, DeviceRow.revoked_at.is_not(None))
         enrolled = select(DeviceRow.id)
         browsers = (
@@ -61,8 +63,10 @@ class StopList:
             .where(SessionRow.farm_id == self._farm_id, UserRow.is_active.is_(False))
             .where(SessionRow.device_id.is_not(None), SessionRow.device_id.not_in(enrolled))
         )
+        walls = select(WallRow.id).where(WallRow.farm_id == self._farm_id, WallRow.revoked_at.is_not(None))
         with self._database.read() as session:
-            return sorted(session.scalars(union(devices, browsers)))
+            screens = [device_of(wall_id) for wall_id in session.scalars(walls)]
+            return sorted({*session.scalars(union(devices, browsers)), *screens})
 
 
 def _entry(row: RobotRow) -> dict[str, Any]:

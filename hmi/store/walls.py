@@ -26,6 +26,11 @@ class Wall:
     revoked_at: datetime | None = None
 
 
+def device_of(wall_id: str) -> str:
+    """Return the device that a wall screen's session and its STOP token name."""
+    return f"wall-{wall_id[:12]}"
+
+
 class Walls:
     """Blocking; call through ``Database.run``."""
 

@@ -104,7 +104,8 @@
     const list = LISTS[topic];
     const next = Object.assign({}, held, groups);
     if (list) {
-      const entries = next[list] = Object.assign({}, held[list]);
+      // The fleet's entries are brought up to date in place: copying a thousand of them each time is dear.
+      const entries = next[list] = topic === 'fleet' && held[list] ? held[list] : Object.assign({}, held[list]);
       for (const [id, entry] of Object.entries(groups[list] || {})) {
         if (entry === null) delete entries[id]; else entries[id] = topic === 'fleet' ? take(id, entry, entries[id]) : entry;
       }
@@ -113,12 +114,10 @@
     tell(topic, next, Object.keys(list ? groups[list] || {} : groups));
   }
 
-  // An entry says what changes slowly; when the robot was heard comes in beats and is kept from the one before.
+  // An entry says what changes slowly, of a known robot only what changed; when it was heard comes in beats and is kept.
   function take(id, entry, before) {
     if (typeof entry.n === 'number') numbers[entry.n] = id;
-    entry.t = before ? before.t : null;
-    entry.rtt_ms = before ? before.rtt_ms : null;
-    return entry;
+    return Object.assign({ t: null, rtt_ms: null }, before, entry);
   }
 
   function snapshot(data) {
@@ -134,7 +133,7 @@
       if (topic === 'fleet') {
         for (const [id, entry] of Object.entries(groups.robots)) {
           const beat = (groups.beats || {})[id] || [null, null];
-          take(id, entry, { t: beat[0], rtt_ms: beat[1] });
+          groups.robots[id] = take(id, entry, { t: beat[0], rtt_ms: beat[1] });
         }
         state.set('fleet', { robots: groups.robots });
         tell('fleet', state.get('fleet'), null);
@@ -175,10 +174,11 @@
     for (let i = 0, at = 20; i < count; i++, at += 16) {
       const id = numbers[view.getUint32(at, true)];
       if (id === undefined) continue;
-      held.robots[id] = {
-        lat: view.getInt32(at + 4, true) / 1e7, lon: view.getInt32(at + 8, true) / 1e7,
-        heading_deg: view.getUint16(at + 12, true) / 100, t: m - view.getUint16(at + 14, true) * 10,
-      };
+      const place = held.robots[id] || (held.robots[id] = { lat: 0, lon: 0, heading_deg: 0, t: 0 });
+      place.lat = view.getInt32(at + 4, true) / 1e7;
+      place.lon = view.getInt32(at + 8, true) / 1e7;
+      place.heading_deg = view.getUint16(at + 12, true) / 100;
+      place.t = m - view.getUint16(at + 14, true) * 10;
       changed.push(id);
     }
     state.set('poses', held);

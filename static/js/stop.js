@@ -19,6 +19,10 @@
   const TOKEN_KEY = "headland.stop_token";
   const PENDING_KEY = "headland.stop_pending";
   const CARDS_KEY = "headland.stop_robots";
+  const MANY = 50;
+  const CALM_MS = 500;
+  const NO_CARD = {};
+  const NO_STEPS = [];
 
   const config = { base: "", port: 0, consoleBase: "", token: "", csrf: "", note: "", scope: { kind: "all" } };
   const given = {}; // what the shell said, which outranks what the page was served with
@@ -31,7 +35,10 @@
   let pathLostAt = performance.now();
   let signature = "";
   let summary = null;
+  let paintedAt = -Infinity;
   const mounted = new Map(); // element -> options of renderSteps
+  const views = new Map(); // id -> what is shown of a robot, kept while nothing was told about it
+  let changes = 0; // robots that came, went, or changed what is said of them
 
   function read(store, key, fallback) {
     try {
@@ -69,7 +76,7 @@
       const now = performance.now();
       if (frame.robots) {
         for (const id of [...robots.keys()]) if (!(id in frame.robots)) robots.delete(id);
-        for (const [id, line] of Object.entries(frame.robots)) robots.set(id, { ...line, at: now });
+        for (const [id, line] of Object.entries(frame.robots)) robots.set(id, Object.assign(line, { at: now }));
       }
       if (!isReconciled) [isReconciled] = [true, presses.reconcile(helloAt)];
       paint();
@@ -77,7 +84,8 @@
     frame(frame) {
       if (frame.k === "step") take([frame], "gateway");
       else if (frame.k === "robots") write(localStorage, CARDS_KEY, (cards = frame.robots));
-      paint();
+      // of a large fleet the steps of STOP ALL come one by one: they are shown together, at the latest with the next tick
+      if (frame.k !== "step" || robots.size <= MANY || frame.robot === config.scope.id) paint();
     },
     refused: () => paint(),
   });
@@ -141,27 +149,36 @@
   }
 
   // ---- state ------------------------------------------------------------------------------------------
-  function robotView(id, now, isFresh) {
+  // With a thousand robots ten times a second: only what time alone changes is worked out each time.
+  function robotView(id, steps, now, isFresh, isEnrolled) {
     const line = robots.get(id);
-    const card = cards[id] || {};
-    const steps = presses.at(id, now, card);
-    const heardMs = line && typeof line.heard_ms === "number" ? line.heard_ms + now - line.at : null;
-    const isLinked = isFresh && heardMs !== null && heardMs <= LOST_MS;
-    const view = {
-      id, name: line?.name || card.name || (config.scope.id === id && config.scope.name) || id, robot: line, step: steps[0], steps, heardMs, isLinked,
-      isEnrolled: Boolean(token()) && !socket.refusal, note: config.note, link: linkText(line),
-      keep_out_m: card.keep_out_m ?? KEEP_OUT_M, contact_name: card.contact_name, contact_phone: card.contact_phone,
-    };
+    const card = cards[id] || NO_CARD;
+    let view = views.get(id);
+    if (!view || view.robot !== line || view.card !== card || view.scope !== config.scope) {
+      const name = line?.name || card.name || (config.scope.id === id && config.scope.name) || id;
+      if (view?.name !== name) changes += 1;
+      const { state, isLinked } = view ?? {};
+      view = { id, name, robot: line, card, scope: config.scope, state, isLinked, keep_out_m: card.keep_out_m ?? KEEP_OUT_M, contact_name: card.contact_name, contact_phone: card.contact_phone };
+      views.set(id, view);
+    }
+    const { state: stateBefore, isLinked: wasLinked } = view;
+    view.heardMs = line && typeof line.heard_ms === "number" ? line.heard_ms + now - line.at : null;
+    view.isLinked = isFresh && view.heardMs !== null && view.heardMs <= LOST_MS;
+    view.isEnrolled = isEnrolled;
+    view.note = config.note;
+    view.steps = steps;
+    view.step = steps[0];
     view.state = stateOf(view, steps, line, now, isFresh);
-    const step = view.step;
+    if (view.state !== stateBefore || view.isLinked !== wasLinked) changes += 1;
+    const { step } = view;
     view.latchedMs = step?.standstill_ms != null ? now - step.at - step.standstill_ms : (line?.latched_ms ?? 0) + (line ? now - line.at : 0);
     return view;
   }
 
   function stateOf(view, steps, line, now, isFresh) {
-    const worst = WORST.find((state) => steps.some((step) => step.state === state));
+    const worst = steps.length ? WORST.find((state) => steps.some((step) => step.state === state)) : null;
     if (worst && worst !== "standstill") return worst;
-    if (worst && (isFresh || presses.hasEvidence(view.id, now))) return worst;
+    if (worst && (isFresh || presses.hasEvidence(steps, now))) return worst;
     if (!isFresh || !view.isEnrolled) return "no-path";
     if (line?.latched && view.isLinked) return line.standstill ? "standstill" : "acknowledged";
     return view.isLinked ? "ready" : "no-link";
@@ -173,20 +190,23 @@
     return `link ${Math.max(1, Math.round(socket.rttMs + (line?.rtt_ms || 0)))} ms`;
   }
 
-  function allView(views, now, isFresh) {
-    const total = views.length;
-    const counted = views.filter((v) => v.state === "standstill" && v.isLinked); // an offline robot is never counted
-    const failing = views.filter((v) => v.state === "not-confirmed");
-    const open = views.filter((v) => v.steps.length && v.state !== "standstill");
-    const isForAll = views.length > 0 && views.every((v) => v.steps.length || v.state === "standstill");
-    const view = {
-      total, standing: counted.length, linked: views.filter((v) => v.isLinked).length, failing: failing.map((v) => v.name),
-      isEnrolled: Boolean(token()) && !socket.refusal, note: config.note, link: linkText(),
-      at: Math.min(...open.map((v) => v.step.at), now),
-    };
-    if (failing.length) view.state = "not-confirmed";
-    else if (isForAll && open.length) view.state = open.some((v) => v.state === "sent") ? "sent" : "acknowledged";
-    else if (total && counted.length === total) view.state = "standstill";
+  function allView(seen, now, isFresh, isEnrolled) {
+    const view = { total: seen.length, standing: 0, linked: 0, failing: [], isEnrolled, note: config.note, link: linkText(), at: now };
+    let [open, untouched, isSent] = [0, 0, false];
+    for (const { state, isLinked, steps, step, name } of seen) {
+      const isStanding = state === "standstill";
+      if (isLinked) view.linked += 1;
+      if (isStanding && isLinked) view.standing += 1; // an offline robot is never counted
+      if (state === "not-confirmed") view.failing.push(name);
+      if (steps.length && !isStanding) {
+        open += 1;
+        isSent ||= state === "sent";
+        view.at = Math.min(view.at, step.at);
+      } else if (!isStanding) untouched += 1;
+    }
+    if (view.failing.length) view.state = "not-confirmed";
+    else if (open && !untouched) view.state = isSent ? "sent" : "acknowledged";
+    else if (view.total && view.standing === view.total) view.state = "standstill";
     else if (!isFresh || !view.isEnrolled) view.state = "no-path";
     else view.state = view.linked ? "ready" : "no-link";
     return view;
@@ -195,13 +215,20 @@
   function look(now) {
     const isFresh = socket.isFresh(now);
     if (isFresh) pathLostAt = now;
-    const ids = new Set([...robots.keys(), ...presses.robots()]);
+    const pressed = presses.byRobot(now, cards);
+    const ids = new Set(robots.keys());
+    for (const id of pressed.keys()) ids.add(id);
     if (config.scope.kind === "robot" && config.scope.id) ids.add(config.scope.id);
-    const views = [...ids].filter((id) => id !== ANY || ids.size === 1).map((id) => robotView(id, now, isFresh));
-    const all = allView(views, now, isFresh);
+    if (ids.size > 1) ids.delete(ANY);
+    const isEnrolled = Boolean(token()) && !socket.refusal;
+    const seen = [];
+    for (const id of ids) seen.push(robotView(id, pressed.get(id) || NO_STEPS, now, isFresh, isEnrolled));
+    if (views.size > ids.size) for (const id of [...views.keys()]) if (!ids.has(id)) [changes] = [changes + 1, views.delete(id)];
+    const all = allView(seen, now, isFresh, isEnrolled);
     const isAll = config.scope.kind !== "robot" || !config.scope.id;
-    const one = isAll ? null : views.find((view) => view.id === config.scope.id);
-    return { scope: config.scope, isAll, one, all, robots: views, total: all.total, state: isAll ? all.state : one.state, isFresh };
+    const one = isAll ? null : views.get(config.scope.id);
+    if (one) one.link = linkText(one.robot);
+    return { scope: config.scope, isAll, one, all, robots: seen, total: all.total, state: isAll ? all.state : one.state, isFresh };
   }
 
   function publicState(now = performance.now()) {
@@ -231,12 +258,13 @@
     const now = performance.now();
     const before = summary;
     summary = look(now);
+    paintedAt = now;
     slab?.draw(summary.one, summary.all, summary.isAll, now);
     const loudest = summary.all.failing.length ? "not-confirmed" : summary.state;
     const isLoss = ["no-link", "no-path"].includes(loudest); // silence is an alarm only where there was a link
     const isSame = before && before.scope === summary.scope;
     sound?.follow(loudest, now, isSame && (!isLoss || before.state === "ready" || sound.state === loudest));
-    const next = JSON.stringify([summary.state, summary.scope, summary.total, summary.all.state, summary.all.standing, summary.robots.map((r) => [r.id, r.state, r.isLinked, r.steps.map((s) => [s.stop_id, s.state, s.sent_ms, s.ack_ms, s.standstill_ms, s.by, s.stopping_distance_m])])]);
+    const next = JSON.stringify([summary.state, summary.scope, summary.total, summary.all.state, summary.all.standing, changes, presses.revision]);
     if (summary.state === "ready") readyOnce.done();
     if (next !== signature) {
       signature = next;
@@ -254,7 +282,14 @@
     socket.use(base(), token());
     socket.tick(now);
     retry(now);
-    paint();
+    if (!isCalm(now)) paint();
+  }
+
+  // A large fleet without a press, everything READY: nothing can differ but what is asked here, until the next look.
+  function isCalm(now) {
+    if (robots.size <= MANY || presses.entries.size || summary?.state !== "ready" || now - paintedAt >= CALM_MS) return false;
+    const { one, isFresh, scope } = summary;
+    return isFresh === socket.isFresh(now) && scope === config.scope && (!one || one.heardMs + now - paintedAt <= LOST_MS);
   }
 
   function onKey(event) {
@@ -288,7 +323,7 @@
     },
     press,
     state: () => publicState(),
-    banner: () => words.banner(look(performance.now()), performance.now()),
+    banner: () => words.banner(summary ?? look(performance.now()), performance.now()), // at most 100 ms old; it counts seconds
     renderSteps(element, options = {}) {
       mounted.set(element, { ...options });
       paint();

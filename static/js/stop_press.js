@@ -10,6 +10,8 @@
   const ANY = "*"; // "all", before this browser knows which robots there are
   const WORST = ["not-confirmed", "sent", "acknowledged", "standstill"];
 
+  const CLAIMED = ["state", "sent_ms", "ack_ms", "standstill_ms", "by", "stopping_distance_m"]; // what people are told of a press
+
   const makeId = () =>
     Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
   const within = (limit, most) => (Number.isFinite(limit) && limit > 0 ? Math.min(limit, most) : most);
@@ -18,6 +20,7 @@
     constructor() {
       this.entries = new Map(); // "stop id/robot" -> entry
       this.own = new Map(); // stop id -> press made here
+      this.revision = 0; // another one when anything that may be claimed changed
     }
 
     // Note a press made here and now. `robots` is a list of ids or "all", `known` the robots this browser knows.
@@ -37,6 +40,7 @@
         const step = { stop_id: press.id, robot, name: cards[robot]?.name || robot, state: "sent", by, device, pressed_utc, count: 0, paths: {} };
         this.entries.set(`${press.id}/${robot}`, { step, by: {}, at: press.at, heardAt: now, isMine: true, isFailed: isHopeless, isContradicted: false });
       }
+      this.revision += 1;
       return press;
     }
 
@@ -45,9 +49,9 @@
       if (!step || typeof step.stop_id !== "string" || typeof step.robot !== "string") return;
       const key = `${step.stop_id}/${step.robot}`;
       const own = this.own.get(step.stop_id);
-      this.entries.delete(`${step.stop_id}/${ANY}`);
+      this.drop(`${step.stop_id}/${ANY}`);
       if (step.state === "reset") {
-        this.entries.delete(key);
+        this.drop(key);
         if (own && ![...this.entries.values()].some((e) => e.step.stop_id === own.id)) this.own.delete(own.id);
         return;
       }
@@ -71,9 +75,13 @@
     reconcile(since) {
       for (const [key, entry] of this.entries) {
         if (entry.heardAt >= since || (entry.isMine && this.claim(entry) !== "standstill")) continue;
-        this.entries.delete(key);
+        this.drop(key);
         if (entry.isMine) this.own.delete(entry.step.stop_id);
       }
+    }
+
+    drop(key) {
+      if (this.entries.delete(key)) this.revision += 1;
     }
 
     best({ by: { gateway, console: second }, isContradicted }) {
@@ -103,22 +111,34 @@
       return entry.isFailed ? "not-confirmed" : claim;
     }
 
-    // Return the presses at `robot`, each with its state, worst first, newest first among equals.
-    at(robot, now, card) {
-      const found = [];
+    // Return the presses of each robot, each with its state, worst first, newest first among equals: Map robot -> steps.
+    // Looked at ten times a second with a thousand robots stopped: a step is made anew only when it differs.
+    byRobot(now, cards) {
+      const found = new Map();
       for (const entry of this.entries.values()) {
-        if (entry.step.robot === robot) found.push({ ...entry.step, state: this.stateOf(entry, now, card), at: entry.at, heard_at: entry.heardAt, is_mine: entry.isMine });
+        const { robot } = entry.step;
+        const held = found.get(robot);
+        const step = this.stepOf(entry, now, cards[robot]);
+        if (held) held.push(step);
+        else found.set(robot, [step]);
       }
-      return found.sort((a, b) => WORST.indexOf(a.state) - WORST.indexOf(b.state) || b.at - a.at);
+      for (const steps of found.values()) if (steps.length > 1) steps.sort((a, b) => WORST.indexOf(a.state) - WORST.indexOf(b.state) || b.at - a.at);
+      return found;
     }
 
-    robots() {
-      return new Set([...this.entries.values()].map((entry) => entry.step.robot));
+    stepOf(entry, now, card) {
+      const state = this.stateOf(entry, now, card);
+      const { told } = entry;
+      if (told?.state === state && told.heard_at === entry.heardAt && entry.toldOf === entry.step) return told;
+      entry.toldOf = entry.step;
+      entry.told = { ...entry.step, state, at: entry.at, heard_at: entry.heardAt, is_mine: entry.isMine };
+      if (!told || CLAIMED.some((key) => told[key] !== entry.told[key])) this.revision += 1;
+      return entry.told;
     }
 
     // Whether a confirmation can still be stood for although the gateway's heartbeat is gone.
-    hasEvidence(robot, now) {
-      return [...this.entries.values()].some((e) => e.step.robot === robot && now - e.heardAt < EVIDENCE_MS);
+    hasEvidence(steps, now) {
+      return steps.some((step) => now - step.heard_at < EVIDENCE_MS);
     }
 
     // Return the presses made here that somebody has still to be told about, or asked about.

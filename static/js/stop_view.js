@@ -36,6 +36,7 @@
   }
 
   const text = (node, value) => node.textContent !== value && (node.textContent = value);
+  const hide = (node, isHidden) => node.hidden !== isHidden && (node.hidden = isHidden); // writing the same still costs a frame
   function attribute(node, name, value) {
     if (value === null || value === undefined) node.removeAttribute(name);
     else if (node.getAttribute(name) !== String(value)) node.setAttribute(name, value);
@@ -93,6 +94,9 @@
     draw(view, all, isAll, now) {
       const [word, scope, line, hasDot] = isAll ? parts.words.all(all, now) : parts.words.one(view, now);
       const state = isAll ? all.state : view.state;
+      const said = [word, scope, line, hasDot, state, isAll, isAll || [view.id, view.name, view.isLinked], parts.words.segment(all), all.state, all.standing, all.total, all.failing].join("|");
+      if (said === this.drawn) return; // ten looks a second, and mostly it says the same
+      this.drawn = said;
       attribute(this.slab.node, "data-state", state);
       attribute(this.slab.node, "data-scope", isAll ? "all" : view.id);
       attribute(this.slab.node, "aria-label", `${word} ${isAll ? "" : view.name}. ${scope} ${line}`);
@@ -106,14 +110,14 @@
       text(this.line, line);
       attribute(this.scope, "data-long", scope.length > 20 ? "" : null);
       attribute(this.line, "data-long", line.length > 25 ? "" : null);
-      this.dot.hidden = !hasDot;
+      hide(this.dot, !hasDot);
       this.slab.sign(ICON_OF[state] || "octagon");
       this.drawSegment(all, isAll);
       this.announce(state, `${isAll ? "" : `${view.name}: `}${scope}. ${line}`);
     }
 
     drawSegment(all, isAll) {
-      this.all.node.hidden = isAll;
+      hide(this.all.node, isAll);
       if (isAll) return;
       const [first, second] = parts.words.segment(all);
       attribute(this.all.node, "aria-label", `STOP ALL. ${first} ${second}`);

@@ -6,7 +6,7 @@ import vm from 'node:vm';
 
 const HL = {};
 vm.runInContext(readFileSync(new URL('../../static/js/ui/fleet_order.js', import.meta.url), 'utf8'), vm.createContext({ HL, Intl, Map, Set }));
-const { judge, worstAlarms, sections, passes, hold, figures, advice } = HL.fleetOrder;
+const { judge, isMoved, worstAlarms, sections, passes, hold, figures, advice } = HL.fleetOrder;
 const words = { since: (ms) => `${Math.floor(ms / 1000)} s` };
 
 const usual = { name: 'Weeder 01', family: 'weeder', mode: 'auto', text: 'Running', task: 'Row 12/60', is_online: true, is_registered: true, level: null, why: '', waits: false, help_s: null, since: null, mission: { status: 'running', name: 'M-1' }, field: 'Nordfeld' };
@@ -114,4 +114,11 @@ test('rows hold still under the pointer: they change what they say, not where th
 test('the strip counts what works now and names the slowest link and the oldest datum of those heard', () => {
   const strip = figures([of('a', { rtt_ms: 80 }), of('b', { rtt_ms: 110 }, { ageMs: 900 }), of('c', { mode: 'idle' }), of('d', { is_online: false, rtt_ms: 9000 }, { ageMs: 60000 })]);
   assert.deepEqual(plain(strip), { total: 4, working: 2, offline: 1, slowestMs: 110, oldestMs: 900, newestMs: 200, planters: false });
+});
+
+test('a place in the list moves by level and group, and by waiting only where somebody is needed', () => {
+  const calm = of('a', { help_s: 5000 }).verdict;
+  assert.equal(isMoved(calm, of('a', { help_s: 4000, task: 'Row 13/60' }).verdict), false);
+  assert.equal(isMoved(calm, of('a', { help_s: 600 }).verdict), true);
+  assert.equal(isMoved(of('a', { level: 2, since: 5 }).verdict, of('a', { level: 2, since: 6 }).verdict), true);
 });

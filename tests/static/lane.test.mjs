@@ -382,3 +382,17 @@ test('an alarm that is normal again leaves the list, the others and the summary 
   assert.equal(w.headland.state('alarms').summary.checked, 2);
   assert.deepEqual(heard, [null, ['link-lost.weeder-01']]);
 });
+
+test('a delta of the fleet carries only what changed of a robot; the rest stays', () => {
+  const w = new World();
+  w.connect();
+  w.headland.on('fleet', () => {});
+  w.socket.say({ k: 'snap', rev: 1, d: { fleet: { robots: { a: { n: 3, name: 'Weeder 01', mode: 'auto', task: 'Row 1/9' } }, beats: { a: [w.m - 700, 80] } } } });
+  const before = w.headland.state('fleet').robots.a;
+  w.socket.say({ k: 'delta', rev: 2, d: { fleet: { robots: { a: { task: 'Row 2/9' } } } } });
+  const now = w.headland.state('fleet').robots.a;
+  assert.deepEqual([now.name, now.mode, now.task, now.rtt_ms], ['Weeder 01', 'auto', 'Row 2/9', 80]);
+  assert.notEqual(now, before, 'who compares entries sees that it is another one');
+  w.socket.say({ k: 'delta', rev: 3, d: { fleet: { robots: { a: null } } } });
+  assert.equal(w.headland.state('fleet').robots.a, undefined);
+});

@@ -12,7 +12,7 @@ HERE = Path(__file__).parent
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
-@pytest.mark.parametrize("name", ["alarm_tones", "alarm_order", "stop_sound"])
+@pytest.mark.parametrize("name", ["alarm_tones", "alarm_order", "stop_sound", "stop_press"])
 def test_the_rules_of_the_browser_hold(name: str) -> None:
     node = shutil.which("node")
     assert node is not None

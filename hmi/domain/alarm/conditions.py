@@ -87,6 +87,13 @@ class Conditions:
         if track is not None:
             track.steady.is_on = track.is_raised = track.is_so = True
 
+    def retune(self) -> None:
+        """Go by the delays that the types have now, also where a condition is under way."""
+        for tracks in self._sources.values():
+            for track in tracks.values():
+                kind = self._type_of(track.key.code)
+                track.steady.on_s, track.steady.off_s = kind.on_s, kind.off_s
+
     def forget(self, source: str) -> list[Change]:
         """Let everything of a source go that is no more."""
         tracks = self._sources.pop(source, {})

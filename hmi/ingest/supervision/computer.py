@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from hmi.domain.alarm.catalogue import AlarmType
 from hmi.domain.alarm.finding import NOTHING, Finding, Findings
 from hmi.ingest.supervision.view import View, is_under_way
@@ -14,14 +16,13 @@ class Computer:
     """Wall clock against the console's, and changes of boot.
 
     Args:
-        clock_wrong: its limit is in seconds.
+        clock_wrong_of: the type as it is set now; its limit is in seconds.
     """
 
     codes = frozenset({"clock-wrong", "restarted"})
 
-    def __init__(self, clock_wrong: AlarmType) -> None:
-        assert clock_wrong.limit is not None
-        self._limit, self._was_wrong = clock_wrong.limit, False
+    def __init__(self, clock_wrong_of: Callable[[], AlarmType]) -> None:
+        self._clock_wrong_of, self._was_wrong = clock_wrong_of, False
         self._boot: str | None = None
         self._heard_s, self._was_under_way = float("-inf"), False
         self._restarted_s = float("-inf")
@@ -37,10 +38,11 @@ class Computer:
             self._boot = link.boot
         if link.is_online:
             self._heard_s, self._was_under_way = view.now_s, is_under_way(view.robot)
-        offset_s = link.wall_offset_s
-        if self._was_wrong or (offset_s is not None and not -self._limit.at < offset_s < self._limit.at):
+        offset_s, limit = link.wall_offset_s, self._clock_wrong_of().limit
+        assert limit is not None
+        if self._was_wrong or (offset_s is not None and not -limit.at < offset_s < limit.at):
             off = None if offset_s is None else abs(offset_s)
-            self._was_wrong = self._limit.is_passed(off, was_passed=self._was_wrong)
+            self._was_wrong = limit.is_passed(off, was_passed=self._was_wrong)
         is_new = view.now_s - self._restarted_s < SHOWN_S
         if not is_new and not self._was_wrong:
             return NOTHING

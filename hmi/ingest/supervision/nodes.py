@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from hmi.domain.alarm.catalogue import AlarmType
 from hmi.domain.alarm.finding import MAX_TEXT, NOTHING, Finding, Findings, detail_of
@@ -22,16 +22,14 @@ class Nodes:
     """One alarm for each node and each thing that is wrong with it; one alone where no node is reported any more.
 
     Args:
-        slow: its limit is in percent of the usual rate.
-        clock: its limit is in milliseconds.
+        slow_of: the type as it is set now; its limit is in percent of the usual rate.
+        clock_of: the type as it is set now; its limit is in milliseconds.
     """
 
     codes = frozenset(CODES)
 
-    def __init__(self, slow: AlarmType, clock: AlarmType) -> None:
-        assert slow.limit is not None
-        assert clock.limit is not None
-        self._slow, self._clock = Limit(slow.limit.at, slow.limit.deadband, is_lower=True), clock.limit
+    def __init__(self, slow_of: Callable[[], AlarmType], clock_of: Callable[[], AlarmType]) -> None:
+        self._slow_of, self._clock_of = slow_of, clock_of
         self._passed: dict[tuple[str, str], bool] = {}
         self._restarts: dict[str, deque[float]] = {}
         self._nodes: Mapping[str, Node] = {}
@@ -39,6 +37,18 @@ class Nodes:
         self._online_s: float | None = None
         self._due_s = float("-inf")
         self._silent: set[str] = set()
+
+    @property
+    def _slow(self) -> Limit:
+        limit = self._slow_of().limit
+        assert limit is not None
+        return Limit(limit.at, limit.deadband, is_lower=True)
+
+    @property
+    def _clock(self) -> Limit:
+        limit = self._clock_of().limit
+        assert limit is not None
+        return limit
 
     def look(self, view: View) -> Findings | None:
         """See ``Rule``; while the robot is not heard, what held goes on."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 
 from hmi.domain.alarm.catalogue import AlarmType
 from hmi.domain.alarm.finding import NOTHING, Finding, Findings
@@ -17,19 +18,24 @@ class Progress:
     """No step along the path for a while, or much less of the field than planned.
 
     Args:
-        stalled: its limit is in seconds.
+        stalled_of: the type as it is set now; its limit is in seconds.
     """
 
     codes = frozenset({"stalled", "behind-plan"})
 
-    def __init__(self, stalled: AlarmType) -> None:
-        assert stalled.limit is not None
-        self._limit_s = stalled.limit.at
+    def __init__(self, stalled_of: Callable[[], AlarmType]) -> None:
+        self._stalled_of = stalled_of
         self._place: tuple[object, ...] = ()
         self._since_s = 0.0
         self._shares: deque[tuple[float, float]] = deque()
         self._state: RobotState | None = None
         self._found: Findings = NOTHING
+
+    @property
+    def _limit_s(self) -> float:
+        limit = self._stalled_of().limit
+        assert limit is not None
+        return limit.at
 
     def look(self, view: View) -> Findings | None:
         """See ``Rule``."""

@@ -20,16 +20,16 @@ GroundOf = Callable[[], Ground | None]
 
 
 def rules_of(types: Mapping[str, AlarmType], ground_of: GroundOf) -> Sequence[Rule]:
-    """Return fresh rules for one robot."""
+    """Return fresh rules for one robot; those with a limit go by what ``types`` says in the moment."""
     return (
         Link(),
         Motion(),
         OldStop(),
         Faults({code for code, one in types.items() if one.is_robot_code}),
-        Track(types["off-track"]),
-        Progress(types["stalled"]),
+        Track(lambda: types["off-track"]),
+        Progress(lambda: types["stalled"]),
         Battery(),
-        Nodes(types["node-slow"], types["node-clock"]),
-        Computer(types["clock-wrong"]),
+        Nodes(lambda: types["node-slow"], lambda: types["node-clock"]),
+        Computer(lambda: types["clock-wrong"]),
         Fence(ground_of),
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from hmi.domain.alarm.catalogue import AlarmType
 from hmi.domain.alarm.finding import NOTHING, Finding, Findings
 from hmi.domain.alarm.steady import Limit
@@ -10,13 +12,16 @@ from hmi.ingest.supervision.view import View
 
 
 class Track:
-    """Cross-track error while a mission runs. A drone flies in the wind and has a limit of its own."""
+    """Cross-track error while a mission runs. A drone flies in the wind and has a limit of its own.
+
+    Args:
+        kind_of: the type as it is set now.
+    """
 
     codes = frozenset({"off-track"})
 
-    def __init__(self, kind: AlarmType) -> None:
-        assert kind.limit is not None
-        self._limit, self._flying = kind.limit, Limit(3.0, 1.0)
+    def __init__(self, kind_of: Callable[[], AlarmType]) -> None:
+        self._kind_of, self._flying = kind_of, Limit(3.0, 1.0)
         self._was_passed = False
 
     def look(self, view: View) -> Findings | None:
@@ -31,7 +36,9 @@ class Track:
             return NOTHING
         error_m = telemetry.cross_track_m
         is_flying = robot.factsheet is not None and robot.factsheet.family is Family.UAV
-        limit = self._flying if is_flying else self._limit
+        limit = self._kind_of().limit
+        assert limit is not None
+        limit = self._flying if is_flying else limit
         was_passed = self._was_passed
         if not was_passed and error_m is not None and -limit.at < error_m < limit.at:
             return NOTHING

@@ -6,6 +6,8 @@ import { clockTime, upTo } from './robots.js';
 const NAMED = new Set(['parcel', 'home', 'obstacle', 'building', 'no-go', 'no_go']);
 const MOST_GHOST_NAMES = 30;
 const MOST_LETTERS = 30; // of what is wrong, beside a robot; the list has all of it
+const SMALL_PX = 11; // around the others, as long as they are few, no name of a place
+const MOST_CLEAR = 60;
 const BODY_PX = 26; // around the chosen robot no name of the farm may stand
 
 /** Field area as a person says it: "17.26 ha", small ones in m2. */
@@ -52,12 +54,14 @@ export function readableLabels(labels, camera) {
 /** Texts beside robots. `look`: {ageOf, reachOf, selected, isFleet, palette, now}. */
 export function robotLabels(robots, look) {
   const labels = [];
+  const isFew = look.count <= MOST_CLEAR;
   let ghosts = 0;
   for (const robot of robots) {
     if (!robot.pose) continue;
     const pose = robot.drawn(look.now);
     const at = { mx: pose.mx, my: pose.my, isFixed: robot.id === look.selected };
     if (robot.id === look.selected) labels.push({ ...at, lines: [], clearPx: BODY_PX, priority: 95 });
+    else if (isFew) labels.push({ mx: pose.mx, my: pose.my, lines: [], clearPx: SMALL_PX, isSoft: true, priority: 93 });
     if (robot.stop === 'not-confirmed') labels.push(...dangerLabels(robot, at, look));
     else if (robot.isStale && (robot.id === look.selected || ghosts < MOST_GHOST_NAMES)) {
       ghosts += 1;

@@ -124,6 +124,7 @@ export class StopStates {
 
   /** 'stopped' (confirmed), 'not-confirmed' or null, from the press and what the robot reports ({latched, standstill}). */
   of(robotId, safety) {
+    if (!safety && !this.states.size) return null;
     const state = this.states.get(robotId);
     if (state === 'not-confirmed') return 'not-confirmed';
     if (safety) return safety.latched && safety.standstill ? 'stopped' : null;

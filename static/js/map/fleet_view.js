@@ -5,6 +5,7 @@ import { clustersOf, stepOf } from './clusters.js';
 import { LabelLayer } from './labels.js';
 
 const TAP_PX = 28;
+const FEW = 150;
 const EDGE_PX = 60;
 const NEAR_ZOOM = 18;
 const NEARER = 2; // zooms a tap on a cluster comes nearer
@@ -22,16 +23,16 @@ export class FleetView {
   /**
    * Take what the list says: {verdicts: Map, chosen: Set, current, isSeen(id), layers: {names, paths, coverage}}.
    *
-   * True when the map looks different by it.
+   * Returns what it needs: 'now' when a person chose something, 'soon' when marks are others, '' when the map looks the same.
    */
   set(said) {
     const before = this.said?.key;
     this.said = said;
     said.key = `${said.current}|${[...said.chosen]}|${JSON.stringify(said.layers)}`;
-    let hasChanged = before !== said.key;
-    for (const robot of this.map.intake.robots.values()) hasChanged = this.#mark(robot, said) || hasChanged;
+    let isMarked = false;
+    for (const robot of this.map.intake.robots.values()) isMarked = this.#mark(robot, said) || isMarked;
     this.#layers(said.layers);
-    return hasChanged;
+    return before !== said.key ? 'now' : isMarked ? 'soon' : '';
   }
 
   #mark(robot, { verdicts, isSeen }) {
@@ -42,8 +43,9 @@ export class FleetView {
     const isOut = !isSeen(robot.id);
     const isAsking = verdict.look === 'unacknowledged';
     if (robot.level === level && robot.text === text && robot.isOut === isOut && robot.isAsking === isAsking) return false;
+    const isOnlyWords = robot.level === level && robot.isOut === isOut && robot.isAsking === isAsking;
     Object.assign(robot, { level, text, isOut, isAsking });
-    return true;
+    return !isOnlyWords || this.map.intake.robots.size <= FEW; // in a crowd new words wait for the next picture
   }
 
   /** Missions load when somebody asks for their paths or their coverage. */

@@ -8,7 +8,7 @@ import { trailOf } from './trail.js';
 const FEW = 60; // robots that are drawn again for each change of an entry
 const EMPTY = { type: 'FeatureCollection', features: [] };
 
-/** Gathers data and says what changed: `told('robots' | 'farm' | 'mission' | 'state')`. */
+/** Gathers data and says what changed: `told('robots' | 'places' | 'farm' | 'mission' | 'state')`. */
 export class Intake {
   constructor(options, told) {
     this.options = options;
@@ -142,8 +142,9 @@ export class Intake {
   #poses(state, ids) {
     const now = performance.now();
     const places = state.robots ?? {};
-    for (const id of ids ?? Object.keys(places)) this.robots.get(id)?.setPose(places[id], now);
-    this.told('robots');
+    const isGliding = this.robots.size <= FEW;
+    for (const id of ids ?? Object.keys(places)) this.robots.get(id)?.setPose(places[id], now, isGliding);
+    this.told('places');
   }
 
   #farm(state, collection) {

@@ -12,12 +12,13 @@ export class LabelLayer {
     this.canvas.setAttribute('aria-hidden', 'true');
     host.append(this.canvas);
     this.context = this.canvas.getContext('2d');
+    this.blocked = [];
   }
 
   /**
    * Draw labels by falling priority; one that would cover another is left out unless `isFixed`.
    *
-   * label without lines: keeps `clearPx` around its place free of texts; else
+   * label without lines: keeps `clearPx` around its place free of texts (`isSoft`: of names alone, not of warnings); else
    * label: {mx, my, lines: [{text, size, weight}], dx, dy, align, priority, isFixed, pill: {fill, ink} | null, icon}
    */
   draw(camera, labels, palette) {
@@ -37,16 +38,26 @@ export class LabelLayer {
     context.clearRect(0, 0, camera.width, camera.height);
     context.lineJoin = 'round';
     context.textBaseline = 'alphabetic';
-    const taken = [];
+    const taken = [...this.blocked];
+    let count = 0;
     this.texts = [];
     const order = [...labels].sort((a, b) => b.priority - a.priority);
     for (const label of order) {
-      if (taken.length >= MOST_LABELS) break;
+      if (count >= MOST_LABELS) break;
       const [x, y] = camera.project(label.mx, label.my);
       if (x < -200 || y < -100 || x > camera.width + 200 || y > camera.height + 100) continue;
       const shifts = label.kind ? ASIDE_PX : [0];
-      shifts.some((shift) => this.#one(label, x + (label.dx ?? 0), y + (label.dy ?? 0) + shift * palette.scale, palette, taken));
+      const isDrawn = shifts.some((shift) => this.#one(label, x + (label.dx ?? 0), y + (label.dy ?? 0) + shift * palette.scale, palette, taken))
+        || (label.pill && label.align === 'left' && this.#one({ ...label, align: 'right' }, x - label.dx, y + (label.dy ?? 0), palette, taken));
+      if (isDrawn && label.lines.length) count += 1;
     }
+  }
+
+  /** Parts of the map that something else covers: boxes in px. No text is drawn beneath them but what is fixed. */
+  block(boxes) {
+    const key = boxes.join();
+    if (key === this.blockedKey) return;
+    [this.blocked, this.blockedKey, this.drawn] = [boxes, key, null];
   }
 
   /** Draw one label; false if something else is there. */
@@ -55,7 +66,9 @@ export class LabelLayer {
     if (label.cluster) return drawCluster(context, label, x, y, palette, taken, this.texts);
     if (label.clearPx) {
       const clear = label.clearPx * palette.scale;
-      taken.push([x - clear, y - clear, x + clear, y + clear]);
+      const box = [x - clear, y - clear, x + clear, y + clear];
+      box.isSoft = label.isSoft;
+      taken.push(box);
       return true;
     }
     const lines = label.lines.map((line) => ({ ...line, px: line.size * palette.scale }));
@@ -70,7 +83,7 @@ export class LabelLayer {
     }
     const left = label.align === 'left' ? x : label.align === 'right' ? x - wide : x - wide / 2;
     const box = [left - 4, y - high / 2 - 2, left + wide + 4, y + high / 2 + 2];
-    const overlaps = (o) => box[0] < o[2] && o[0] < box[2] && box[1] < o[3] && o[1] < box[3];
+    const overlaps = (o) => !(o.isSoft && label.pill) && box[0] < o[2] && o[0] < box[2] && box[1] < o[3] && o[1] < box[3];
     if (!label.isFixed && taken.some(overlaps)) return false;
     taken.push(box);
     this.texts.push(...lines.map((line) => line.text));

@@ -26,11 +26,14 @@ const GROW_MS = 500; // how often growing circles are drawn anew
 const GLIDE_PX = 0.75; // smaller steps between poses cannot be seen
 const FRAME_MS = 40; // 25 pictures a second while gliding
 const MOST_GLIDING = 50;
+const CROWD = 150; // robots beyond which places are brought onto the map together, as often as one of them reports
+const CROWD_MS = 500;
 const ROBOT_ZOOM = 16.8; // 2.3 px per metre at 52 degrees north: a field of a hectare fills the screen
 const FIELD_ZOOMS = [16.2, 19.5]; // a large field keeps its rows apart, a small one its surroundings in sight
 const FIELD_MARGIN_PX = 40;
 const NAMES_ZOOM = 15.5;
 const LOST_CONTEXT_MS = 3000;
+const COVERED_MS = 1000;
 const RING_MARGIN = 1.5;
 const USUAL = {
   mode: 'robot', hasButtons: true, engine: 'auto',
@@ -152,12 +155,21 @@ export class LiveMap {
       this.#showField();
     }
     if (what === 'state') this.#notice();
+    else if (what === 'places' && this.intake.robots.size > CROWD) this.#soon();
     else this.#update();
+  }
+
+  /** A thousand robots report at a thousand moments: one picture takes in all that came since the last one. */
+  #soon() {
+    this.gathering ??= setTimeout(() => this.#update(), Math.max(0, CROWD_MS - (performance.now() - (this.updated ?? -Infinity))));
   }
 
   #update(isUrgent = false) {
     const { engine, intake, scene } = this;
+    clearTimeout(this.gathering);
+    this.gathering = null;
     if (!engine || this.isGone) return;
+    this.updated = performance.now();
     const hasChanged = intake.judge() || isUrgent;
     const { selected } = intake;
     if (selected?.pose) {
@@ -167,10 +179,25 @@ export class LiveMap {
     else this.fleet.settle();
     this.#place();
     if (intake.model) scene.setProgress(intake.progress());
-    this.#draw(hasChanged);
+    if (hasChanged || this.#isSeenToMove()) this.#draw(hasChanged);
+    else this.#said(); // the picture is still true
     this.list.update(intake.robots, intake.clock);
     this.host.dataset.robots = String(intake.placed);
     this.#notice();
+  }
+
+  /** In a crowd, seen from afar, most reports move nothing by as much as a pixel. */
+  #isSeenToMove() {
+    const { robots } = this.intake;
+    if (robots.size <= CROWD || this.laidCount !== robots.size || this.laidView !== this.#viewKey()) return true;
+    const { worldPx } = this.engine.camera;
+    for (const robot of robots.values()) if (robot.pose && robot.hasMoved(worldPx)) return true;
+    return false;
+  }
+
+  #viewKey() {
+    const { zoom, bearing, width, height } = this.engine.camera;
+    return `${zoom}|${bearing}|${width}|${height}`;
   }
 
   /** Draw now, or as soon as the graphics have caught up: on weak ones pictures must not pile up. */
@@ -202,6 +229,9 @@ export class LiveMap {
     this.fleet.gather(this.look);
     this.scene.setRobots(this.intake.robots.values(), this.look);
     this.#keepUp(now);
+    this.laidCount = this.intake.robots.size;
+    this.laidView = this.#viewKey();
+    if (this.laidCount > CROWD) for (const robot of this.intake.robots.values()) if (robot.pose) robot.lay();
     this.engine.redraw();
     this.#glide(now);
   }
@@ -311,15 +341,34 @@ export class LiveMap {
     if (this.look) {
       labels.push(...robotLabels(this.fleet.single(this.intake.robots.values(), look), look), ...this.fleet.drawClusters(camera, this.palette));
     }
+    this.labelLayer.block(this.#covered());
     this.labelLayer.draw(camera, labels, this.palette);
     this.frameNumber += 1;
     if (this.frameNumber === 1) this.#notice(); // until now the map said that it is loading
+    this.#said();
+  }
+
+  /** Boxes of what lies on the map: its own buttons and what the screen puts over it; looked at once a second, for it costs a layout. */
+  #covered() {
+    const now = performance.now();
+    if (now - (this.coveredAt ?? -Infinity) < COVERED_MS) return this.covered;
+    this.coveredAt = now;
+    const place = this.host.getBoundingClientRect();
+    const nodes = [...this.host.querySelectorAll('.hl-map-buttons > *'), ...this.host.parentElement?.querySelectorAll(':scope > .h-card, :scope > .f-over > *') ?? []];
+    this.covered = nodes.map((node) => node.getBoundingClientRect()).filter((box) => box.width)
+      .map((box) => [box.left - place.left, box.top - place.top, box.right - place.left, box.bottom - place.top].map(Math.round));
+    return this.covered;
+  }
+
+  /** Up to which revision of the lane the picture is true. */
+  #said() {
     this.host.dataset.frame = String(laneRevision() ?? this.frameNumber);
   }
 
   #watch() {
     if (!this.engine) return;
     const now = performance.now();
+    if (this.intake.robots.size > CROWD && now - (this.updated ?? 0) < CROWD_MS) return; // its reports bring ages up to date
     const hasChanged = this.intake.judge();
     if (hasChanged || (this.intake.isGrowing && now - (this.grown ?? 0) >= GROW_MS)) {
       this.grown = now;
@@ -353,7 +402,11 @@ export class LiveMap {
 
   /** What the list beside the map says, see FleetView. */
   setFleet(fleet) {
-    if (this.fleet.set(fleet) && this.engine) this.#draw(true);
+    const need = this.fleet.set(fleet);
+    if (!need || !this.engine) return;
+    if (need === 'now' || this.intake.robots.size <= CROWD) return void this.#draw(true);
+    this.laidCount = 0; // the next picture has it
+    this.#soon();
   }
 
   #key(event) {
@@ -378,6 +431,7 @@ export class LiveMap {
     clearInterval(this.watch);
     clearTimeout(this.gliding);
     clearTimeout(this.later);
+    clearTimeout(this.gathering);
     clearTimeout(this.lostTimer);
     this.intake.destroy();
     this.fleet.destroy();

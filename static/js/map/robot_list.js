@@ -1,7 +1,8 @@
 // The robots of the map as a list for assistive technology and for tests: the map itself is a picture.
 
 const ALL_UP_TO = 60; // robots that are all brought up to date at every update
-const IN_TURN = 20; // of more robots, so many each time: writing the page costs more than drawing the map
+const IN_TURN = 20; // of more robots, so many each second: writing the page costs more than drawing the map
+const TURN_MS = 1000;
 const COMPASS = ['north', 'north-east', 'east', 'south-east', 'south', 'south-west', 'west', 'north-west'];
 
 export class RobotList {
@@ -16,12 +17,15 @@ export class RobotList {
 
   /** Bring entries up to date; `now` is console time. */
   update(robots, now) {
+    const isComplete = this.entries.size > ALL_UP_TO && this.entries.size === this.placed;
+    if (isComplete && robots.size === this.count && now.page - this.turnedAt < TURN_MS) return undefined;
     for (const [id, entry] of this.entries) {
       if (robots.has(id) && robots.get(id).pose) continue;
       entry.remove();
       this.entries.delete(id);
     }
     const placed = [...robots.values()].filter((robot) => robot.pose);
+    [this.placed, this.count, this.turnedAt] = [placed.length, robots.size, now.page];
     if (placed.length <= ALL_UP_TO) return placed.forEach((robot) => this.#entry(robot, now));
     const first = this.entries.size < placed.length ? ALL_UP_TO : IN_TURN; // complete soon, then current in turn
     for (let i = 0; i < first; i += 1) {
@@ -39,21 +43,24 @@ export class RobotList {
       this.root.append(entry);
       this.entries.set(robot.id, entry);
     }
-    const { dataset } = entry;
     const { pose } = robot;
     const age = robot.ageMs(now);
-    dataset.lat = pose.lat;
-    dataset.lon = pose.lon;
-    dataset.headingDeg = pose.headingDeg ?? '';
-    dataset.ageMs = Number.isFinite(age) ? Math.round(age) : '';
-    dataset.state = robot.stop ?? (robot.isStale ? 'stale' : 'fresh');
+    write(entry, 'lat', String(pose.lat));
+    write(entry, 'lon', String(pose.lon));
+    write(entry, 'headingDeg', String(pose.headingDeg ?? ''));
+    write(entry, 'ageMs', Number.isFinite(age) ? String(Math.round(age)) : '');
+    write(entry, 'state', robot.stop ?? (robot.isStale ? 'stale' : 'fresh'));
     const text = describe(robot);
-    if (entry.textContent !== text) entry.textContent = text;
+    if (entry.hlText !== text) entry.textContent = entry.hlText = text;
   }
 
   destroy() {
     this.root.remove();
   }
+}
+
+function write(entry, key, value) {
+  if (entry.dataset[key] !== value) entry.dataset[key] = value;
 }
 
 function describe(robot) {

@@ -5,6 +5,8 @@ import { mercPerMetre, mercX, mercY } from './geometry.js';
 const GLIDE_LEAST_MS = 40;
 const GLIDE_MOST_MS = 250; // longer gaps are not smoothed over
 const JUMP_M = 5; // a farther step is a correction, not a movement
+const SEEN_PX = 0.75; // in a crowd smaller steps and turns cannot be seen
+const SEEN_TURN = 0.15;
 export const STALE_MS = 2000;
 const TURN = 2 * Math.PI;
 
@@ -24,8 +26,8 @@ export class Robot {
     this.isNew = true;
   }
 
-  /** Take a pose {t, lat, lon, heading_deg, speed_mps} unless it is older than the one held; true when it moved. */
-  setPose(pose, now) {
+  /** Take a pose {t, lat, lon, heading_deg, speed_mps} unless it is older than the one held; true when it moved. `isGliding`: it is drawn on its way there. */
+  setPose(pose, now, isGliding = true) {
     if (!pose || !Number.isFinite(pose.lat) || !Number.isFinite(pose.lon)) return false;
     if (this.pose && pose.t <= this.pose.t) return false; // false too when the held time no longer compares
     const target = {
@@ -38,7 +40,7 @@ export class Robot {
       headingDeg: pose.heading_deg ?? null,
       speed: pose.speed_mps ?? null,
     };
-    const far = !this.pose || this.isStale
+    const far = !isGliding || !this.pose || this.isStale
       || Math.hypot(target.mx - this.pose.mx, target.my - this.pose.my) > JUMP_M * mercPerMetre(target.my);
     this.from = far ? target : this.drawn(now);
     this.span = Math.min(Math.max(now - (this.arrived ?? 0), GLIDE_LEAST_MS), GLIDE_MOST_MS);
@@ -59,6 +61,18 @@ export class Robot {
       my: from.my + (pose.my - from.my) * share,
       heading: from.heading + turn * share,
     };
+  }
+
+  /** True when it is not, as far as a person can see, where it was when `lay` noted it. */
+  hasMoved(worldPx) {
+    const { pose, laid } = this;
+    if (!laid) return true;
+    return Math.hypot(pose.mx - laid.mx, pose.my - laid.my) * worldPx > SEEN_PX || Math.abs(pose.heading - laid.heading) > SEEN_TURN;
+  }
+
+  /** Note that it is drawn where it is now. */
+  lay() {
+    this.laid = this.pose;
   }
 
   /** Px it still has to glide; 0 when it is where it is drawn. */

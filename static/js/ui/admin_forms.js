@@ -127,6 +127,10 @@
       new HL.AlarmNotifications(place);
     },
 
+    limits(place) {
+      new HL.AlarmLimits(place);
+    },
+
     diagnostics(place) {
       const rows = el("div");
       const again = () => load(rows, "Diagnostics", "/diagnostics", (answer) => flat(answer.data ?? {}).map(([head, entries]) => el("div", { class: "h-sec" }, el("h2", {}, head), table(["What", "Value"], entries.map(([key, value]) => ({ cells: [key, value] }))))));

@@ -4,7 +4,7 @@
   const { el, icon, text, attr, LiveElement, define } = HL;
   const { Tones, TEST } = HL.alarmTones;
   const SILENCE_MS = 120000;
-  const LOOK_MS = 100;
+  const LOOK_MS = 200; // a tone is not late by what anybody hears
   const SAY_MS = 3000; // a screen reader is not told faster
   const TESTED_KEY = `headland.bell.${HL.config.session}`;
   let context = null;

@@ -47,16 +47,18 @@ window.HL = (() => {
   function repaint() {
     if (isAsked) return;
     isAsked = true;
-    requestAnimationFrame(() => {
-      isAsked = false;
-      for (const view of [...views]) {
-        try {
-          view.paint();
-        } catch (error) {
-          console.error(view.localName, error); // one broken view must not take the others along
-        }
+    requestAnimationFrame(paintAll);
+  }
+
+  function paintAll() {
+    isAsked = false;
+    for (const view of [...views]) {
+      try {
+        view.paint();
+      } catch (error) {
+        console.error(view.localName, error); // one broken view must not take the others along
       }
-    });
+    }
   }
 
   class LiveElement extends HTMLElement {
@@ -83,7 +85,8 @@ window.HL = (() => {
   const afterStop = (limitMs) => window.headlandStop?.whenReady(limitMs) ?? Promise.resolve();
   const define = (tag, kind) => customElements.get(tag) || customElements.define(tag, kind);
   const emit = (name, detail) => window.dispatchEvent(new CustomEvent(name, { detail }));
-  setInterval(repaint, REPAINT_MS);
+  // ages run on; without asking for a frame, because often nothing differs and then none is drawn
+  setInterval(() => isAsked || document.hidden || paintAll(), REPAINT_MS);
 
   return { config, el, text, attr, style, toggle, repaint, LiveElement, define, emit, afterStop };
 })();

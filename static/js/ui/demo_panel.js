@@ -40,12 +40,12 @@
       const answer = await HL.port.api("GET", "/demo/situations", undefined, LIMIT_MS);
       this.isAsking = false;
       if (!this.isConnected) return;
-      if (answer.ok && answer.data) {
+      if (answer.ok && Array.isArray(answer.situations) && answer.now) {
         this.known = answer.situations;
         this.on = answer.now;
         this.problem = "";
       } else {
-        this.problem = answer.text || "The server did not answer in time.";
+        this.problem = answer.text || "The server did not answer in time."; // what is shown stays; half an answer is none
       }
       this.draw();
     }

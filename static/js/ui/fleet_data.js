@@ -11,6 +11,7 @@
     groups: [], views: [], duty: {}, people: [], book: [], day: null, freeze: null,
     filter: { ...NO_FILTER, ...HL.keep.read(FILTER_KEY, {}), q: "" },
     stop: window.headlandStop?.state() ?? null, chosen: new Set(), open: new Set(), current: null, items: [], listeners: new Set(),
+    looks: 0, order: 0, marks: 0, // counted up at each look, when the order of the list may differ, when the map's marks do
   };
 
   const me = () => HL.config.user?.id ?? "";
@@ -31,18 +32,58 @@
   const loadDay = () => load("/fleet/kpis", (answer) => (data.day = { ...answer, at: performance.now() }));
   const loadFreeze = () => load("/queue", (answer) => (data.freeze = answer.frozen ?? null));
 
+  const known = new Map(); // robot id -> its item, judged anew only when something was told about it
+  const worst = { of: null, found: {} };
+  let ranked = -1; // the order in which names were compared last
+
+  function worstAlarms() {
+    const alarms = window.headland.state("alarms")?.alarms;
+    if (worst.of !== alarms) Object.assign(worst, { of: alarms, found: HL.fleetOrder.worstAlarms(alarms) });
+    return worst.found;
+  }
+
   // one look at everything: what the list, the map and the strip show from now on
   function look() {
-    const alarms = HL.fleetOrder.worstAlarms(window.headland.state("alarms")?.alarms);
+    const robots = HL.port.fleet();
+    const alarms = worstAlarms();
     const stops = stopStates();
-    data.items = HL.fleetOrder.rank(Object.entries(HL.port.fleet()).map(([id, robot]) => {
-      const ageMs = typeof robot.t === "number" ? HL.port.age(robot.t) : Infinity;
-      const duty = data.duty[id];
-      const verdict = HL.fleetOrder.judge(robot, { ageMs, stop: stops.get(id), alarm: alarms[id], words: HL.words });
-      return { id, robot, ageMs, duty, responsible: duty?.name ?? "", verdict };
-    }));
-    for (const id of [...data.chosen]) if (!(id in HL.port.fleet())) data.chosen.delete(id);
+    const now = window.headland.now();
+    data.looks += 1;
+    data.items = [];
+    for (const id of HL.port.ids) if (robots[id]) data.items.push(seen(known.get(id) ?? begun(id, robots[id]), robots[id], now, stops.get(id), alarms[id]));
+    if (known.size > data.items.length) gone(robots);
+    if (data.order !== ranked) HL.fleetOrder.rank(data.items);
+    ranked = data.order;
     changed();
+  }
+
+  function begun(id, robot) {
+    const one = { id, robot, ageMs: Infinity, verdict: null };
+    known.set(id, one);
+    data.order += 1;
+    return one;
+  }
+
+  function gone(robots) {
+    for (const id of [...known.keys()]) if (!(id in robots)) known.delete(id);
+    for (const id of [...data.chosen]) if (!(id in robots)) data.chosen.delete(id);
+    data.order += 1;
+  }
+
+  function seen(one, robot, now, stop, alarm) {
+    const ageMs = typeof robot.t === "number" && now !== null ? Math.max(0, now - robot.t) : Infinity;
+    const duty = data.duty[one.id];
+    if (duty !== one.duty) Object.assign(one, { duty, responsible: duty?.name ?? "" });
+    one.ageMs = ageMs;
+    const before = one.verdict;
+    const isLost = ageMs > HL.LOST_MS;
+    if (before && !isLost && !before.isLost && !stop && one.robot === robot && one.alarm === alarm && !one.stop) return one;
+    if (one.robot.field !== robot.field || one.robot.family !== robot.family || one.robot.name !== robot.name) data.order += 1;
+    Object.assign(one, { robot, alarm, stop, verdict: HL.fleetOrder.judge(robot, { ageMs, stop, alarm, words: HL.words }) });
+    const verdict = one.verdict;
+    if (!before || HL.fleetOrder.isMoved(before, verdict)) data.order += 1;
+    if (!before || ((before.level || verdict.level) && (before.level !== verdict.level || before.head !== verdict.head || before.look !== verdict.look))) data.marks += 1;
+    return one;
   }
 
   // what STOP knows is told at each change; asking for it costs a look at every robot
@@ -50,12 +91,12 @@
 
   // the worst press of each robot; `t` as console time, so that it compares with everything else
   function stopStates() {
-    const worst = new Map();
+    const failing = new Map();
     const now = window.headland.now();
     for (const step of data.stop?.steps ?? []) {
-      if (step.state === "not-confirmed") worst.set(step.robot, { state: step.state, t: now === null ? null : now - (performance.now() - step.at) });
+      if (step.state === "not-confirmed") failing.set(step.robot, { state: step.state, t: now === null ? null : now - (performance.now() - step.at) });
     }
-    return worst;
+    return failing;
   }
 
   function setFilter(change) {
@@ -64,7 +105,7 @@
     look();
   }
   const isNarrowed = ({ q, families, group, mine, state }) => Boolean(q || families.length || group || mine || state);
-  const visible = () => data.items.filter((one) => HL.fleetOrder.passes(one, data.filter, { me: me(), groups: data.groups }));
+  const visible = () => (isNarrowed(data.filter) ? data.items.filter((one) => HL.fleetOrder.passes(one, data.filter, { me: me(), groups: data.groups })) : data.items);
 
   function choose(id, isChosen = !data.chosen.has(id)) {
     if (isChosen) data.chosen.add(id);
@@ -80,9 +121,9 @@
     changed();
   }
 
-  const item = (id) => data.items.find((one) => one.id === id);
+  const item = (id) => known.get(id);
   const name = (id) => HL.port.fleet()[id]?.name ?? id;
-  const chosen = () => data.items.filter((one) => data.chosen.has(one.id));
+  const chosen = () => (data.chosen.size ? data.items.filter((one) => data.chosen.has(one.id)) : []);
 
   let users = 0;
   let timers = [];

@@ -90,7 +90,7 @@
       this.said = el("div", { class: "h-vh", role: "status", "aria-live": "polite" });
       this.find = new HL.FleetFilter();
       this.append(this.find.node, this.offers, this.note, this.place, this.blank, this.said);
-      this.scroll = new HL.FleetScroll(this.place, (line) => MAKE[line.kind](line));
+      this.scroll = new HL.FleetScroll(this.place, (line) => MAKE[line.kind](line), () => (this.onLook?.(), HL.repaint()));
       this.place.addEventListener("pointerdown", () => (this.touchedAt = performance.now()));
       this.held = [];
       this.from = performance.now();
@@ -110,23 +110,33 @@
     }
     paint() {
       this.warn();
-      if (!this.isDue) return this.scroll.draw(); // ages run on
+      if (!this.isDue) return;
       this.isDue = false;
-      const { filter, groups, open } = HL.fleet;
+      const { filter, groups, open, order } = HL.fleet;
+      const key = JSON.stringify([filter, [...open]]);
+      const isHeld = Boolean(this.isHeld() && key === this.key && this.held.length);
+      const isAnyWay = HL.fleet.isNarrowed(filter) || filter.sort === "group"; // what they go by is not counted
+      const made = [key, order, this.scroll.width, isAnyWay && HL.fleet.looks].join("|");
+      if (made === this.made && groups === this.groups && (isHeld || !this.wasHeld)) return this.refresh();
+      [this.made, this.groups, this.wasHeld] = [made, groups, isHeld];
       const items = HL.fleet.visible();
       const now = HL.fleetOrder.sections(items, { sort: filter.sort, groups, open });
-      const key = JSON.stringify([filter, [...open]]);
-      const isHeld = this.isHeld() && key === this.key && this.held.length;
       const { sections, moved } = isHeld ? HL.fleetOrder.hold(this.held, now) : { sections: now, moved: 0 };
       this.key = key;
       this.held = sections;
       this.moved = moved;
       this.scroll.set(this.lines(sections));
-      this.say(items);
+      this.say(items.length);
       this.announce(now);
     }
+    // the same robots in the same places: only what is in sight is written again
+    refresh() {
+      for (const line of this.scroll.lines) if (line.from) line.note = this.noteOf(line.from);
+      this.scroll.draw();
+      this.say(this.shownCount);
+    }
     lines(sections) {
-      const width = this.place.clientWidth;
+      const { width } = this.scroll;
       const isWide = width >= WIDE_PX;
       toggle(this.place, "wide", isWide);
       const columns = width >= WIDE_PX ? 3 : width >= 300 ? 2 : 1;
@@ -135,7 +145,7 @@
         const count = section.count ?? section.items.length;
         if (!count && section.key !== "needs-you") continue;
         lines.push(section.canFold ? { key: `fold ${section.key}`, kind: "fold", section: section.key, height: HEIGHTS.fold, gap: GAP, title: section.title, count, folded: section.folded }
-          : { key: `head ${section.key}`, kind: "head", height: HEIGHTS.head, title: section.title, count, note: this.noteOf(section), hook: `fleet-group-${section.key}` });
+          : { key: `head ${section.key}`, kind: "head", height: HEIGHTS.head, title: section.title, count, note: this.noteOf(section), from: section, hook: `fleet-group-${section.key}` });
         if (section.kind === "cells") this.addCells(lines, section, columns);
         else for (const item of section.items) lines.push(rowLine(section, item, isWide));
       }
@@ -164,8 +174,9 @@
       const alarmsMs = typeof checked === "number" ? HL.port.age(checked) : 0;
       const isBlind = !isOld && alarmsMs > ALARMS_OLD_MS;
       const isPart = !isOld && !isBlind && HL.fleet.isNarrowed(HL.fleet.filter) && shown < total;
-      const loaded = HL.fleet.items.filter((one) => Number.isFinite(one.ageMs)).length;
-      const isLoading = !isOld && !isBlind && !isPart && loaded < total && performance.now() - this.from < LATE_MS;
+      const isNew = !isOld && !isBlind && !isPart && performance.now() - this.from < LATE_MS;
+      const loaded = isNew ? HL.fleet.items.filter((one) => Number.isFinite(one.ageMs)).length : total;
+      const isLoading = loaded < total;
       const key = isOld ? `old ${Math.floor(silentMs / 60000)}` : isBlind ? `blind ${Math.floor(alarmsMs / 1000)}` : isPart ? `part ${shown} ${total}` : isLoading ? `load ${loaded} ${total}` : "";
       toggle(this, "old", isOld);
       attr(this.note, "hidden", !key);
@@ -177,8 +188,8 @@
       else if (isPart) this.note.replaceChildren(el("span", {}, `You see ${shown} of ${total} robots.`), again("Show all", () => HL.fleet.setFilter({ ...HL.fleet.NO_FILTER, sort: HL.fleet.filter.sort })));
       else if (isLoading) this.note.replaceChildren(icon("hourglass_top", "m"), el("span", {}, `${total} robots, ${loaded} loaded`));
     }
-    say(items) {
-      this.shownCount = items.length;
+    say(count) {
+      this.shownCount = count;
       const total = HL.fleet.items.length;
       attr(this.blank, "hidden", total > 0);
       attr(this.place, "hidden", !total);

@@ -6,15 +6,21 @@
   const LAYERS = [["names", "Labels"], ["paths", "Paths"], ["coverage", "Coverage"]];
   let shown = { names: false, paths: false, coverage: false, ...HL.keep.read(KEY, {}) };
 
+  let told = {};
   const map = () => document.querySelector(".f-map .hl-map")?.hlMap ?? null;
 
   // tell a map that came later what is chosen; cheap when nothing changed
   function tell() {
     const now = map();
     if (!now) return;
-    const verdicts = new Map(HL.fleet.items.map((one) => [one.id, one.verdict]));
-    const isSeen = new Set(HL.fleet.visible().map((one) => one.id));
-    now.setFleet({ verdicts, chosen: HL.fleet.chosen, current: HL.fleet.current, isSeen: (id) => isSeen.has(id), layers: shown });
+    const { items, filter, chosen, current, order, marks } = HL.fleet;
+    const isNarrowed = HL.fleet.isNarrowed(filter);
+    const key = [order, marks, items.length, now.intake.robots.size, current, [...chosen], JSON.stringify(shown), isNarrowed && HL.fleet.looks].join("|");
+    if (now.fleet.said && key === told.key && now === told.map) return; // most looks change nothing that the map shows
+    told = { key, map: now };
+    const verdicts = new Map(items.map((one) => [one.id, one.verdict]));
+    const isSeen = isNarrowed ? new Set(HL.fleet.visible().map((one) => one.id)) : null;
+    now.setFleet({ verdicts, chosen, current, isSeen: (id) => !isSeen || isSeen.has(id), layers: shown });
   }
 
   function show(id, isNear = false) {

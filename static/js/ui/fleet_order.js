@@ -74,15 +74,18 @@
   const byName = (a, b) => (a.rank !== undefined && b.rank !== undefined ? a.rank - b.rank : names.compare(a.robot.name, b.robot.name) || cmp(a.id, b.id));
 
   // comparing names as people count is dear: their order is worked out once for the same names
-  let ranked = { key: "", ranks: new Map() };
+  let ranked = { size: -1, names: new Map() };
   function rank(items) {
-    const key = items.map((one) => one.robot.name).join("\n");
-    if (key !== ranked.key) {
-      const order = [...items].sort((a, b) => names.compare(a.robot.name, b.robot.name) || cmp(a.id, b.id));
-      ranked = { key, ranks: new Map(order.map((one, i) => [one.id, i])) };
-    }
-    for (const one of items) one.rank = ranked.ranks.get(one.id);
+    if (items.length === ranked.size && items.every((one) => one.rank !== undefined && ranked.names.get(one.id) === one.robot.name)) return items;
+    const order = [...items].sort((a, b) => names.compare(a.robot.name, b.robot.name) || cmp(a.id, b.id));
+    ranked = { size: items.length, names: new Map(items.map((one) => [one.id, one.robot.name])) };
+    order.forEach((one, i) => (one.rank = i));
     return items;
+  }
+
+  // whether a robot's place in the list differs by it: of those that need nobody only by what says so
+  function isMoved(before, now) {
+    return before.level !== now.level || before.group !== now.group || (now.group !== "normal" && (before.helpS !== now.helpS || before.since !== now.since));
   }
 
   function matches(item, query) {
@@ -171,16 +174,21 @@
   const counted = new WeakMap(); // one look is asked about many times
 
   function count(items) {
-    const heard = items.filter((one) => !one.verdict.isLost && one.robot.is_registered !== false);
-    const ages = heard.map((one) => one.ageMs).filter(Number.isFinite);
-    const links = heard.map((one) => one.robot.rtt_ms).filter((ms) => typeof ms === "number");
-    const most = (list) => (list.length ? list.reduce((a, b) => Math.max(a, b)) : null);
-    return {
-      total: items.length, working: heard.filter((one) => isWorking(one.robot)).length, offline: items.length - heard.length,
-      slowestMs: most(links), oldestMs: most(ages), newestMs: ages.length ? ages.reduce((a, b) => Math.min(a, b)) : null,
-      planters: items.some((one) => one.robot.family === "planter"),
-    };
+    const found = { total: items.length, working: 0, offline: 0, slowestMs: null, oldestMs: null, newestMs: null, planters: false };
+    for (const { robot, verdict: v, ageMs } of items) {
+      if (robot.family === "planter") found.planters = true;
+      if (v.isLost || robot.is_registered === false) {
+        found.offline += 1;
+        continue;
+      }
+      if (isWorking(robot)) found.working += 1;
+      if (typeof robot.rtt_ms === "number") found.slowestMs = Math.max(found.slowestMs ?? 0, robot.rtt_ms);
+      if (!Number.isFinite(ageMs)) continue;
+      found.oldestMs = Math.max(found.oldestMs ?? 0, ageMs);
+      found.newestMs = Math.min(found.newestMs ?? Infinity, ageMs);
+    }
+    return found;
   }
 
-  HL.fleetOrder = { judge, rank, worstAlarms, sections, passes, matches, hold, worst, figures, advice, homeOf, isWorking, FAMILIES, FOLD_ABOVE };
+  HL.fleetOrder = { judge, rank, worstAlarms, sections, passes, matches, hold, isMoved, worst, figures, advice, homeOf, isWorking, FAMILIES, FOLD_ABOVE };
 })();

@@ -15,7 +15,7 @@
   };
 
   window.addEventListener("keydown", (event) => {
-    if (!list() || HL.view.screen !== "fleet" || event.ctrlKey || event.altKey || event.metaKey) return;
+    if (!list() || HL.view.screen !== "fleet" || event.ctrlKey || event.altKey || event.metaKey || event.defaultPrevented) return;
     if (document.querySelector(".h-scrim")) return; // the sheet has the keys
     if (isTyping(event.target)) {
       if (event.key === "Escape") (HL.fleet.setFilter({ q: "" }), (event.target.value = ""), event.target.blur());

@@ -6,16 +6,22 @@
 
   class Scroll {
     // make(line) -> {node, paint(line)}; a line is {key, kind, height, ...}
-    constructor(node, make) {
+    constructor(node, make, resized = () => {}) {
       this.node = node;
       this.make = make;
       this.lines = [];
       this.tops = [];
       this.shown = new Map();
       this.space = el("div", { class: "f-space" });
+      // asked of the page when they change alone: asking in the middle of writing lays out the whole page
+      [this.top, this.width, this.height] = [0, 0, 0];
       node.append(this.space);
-      node.addEventListener("scroll", () => this.draw(), { passive: true });
-      this.watch = new ResizeObserver(() => this.draw());
+      node.addEventListener("scroll", () => ((this.top = node.scrollTop), this.draw()), { passive: true });
+      this.watch = new ResizeObserver(() => {
+        [this.width, this.height, this.top] = [node.clientWidth, node.clientHeight, node.scrollTop];
+        this.draw();
+        resized();
+      });
       this.watch.observe(node);
     }
     set(lines) {
@@ -42,8 +48,7 @@
       return low;
     }
     draw() {
-      const top = this.node.scrollTop;
-      const height = this.node.clientHeight;
+      const { top, height } = this;
       const wanted = new Set();
       for (let i = this.at(top - SPARE_PX); i < this.lines.length && this.tops[i] < top + height + SPARE_PX; i += 1) {
         const line = this.lines[i];

@@ -25,6 +25,8 @@
       this.append(...Object.values(this.figures).map((one) => one.node));
     }
     paint() {
+      if (this.looked === HL.fleet.looks && this.day === HL.fleet.day) return;
+      [this.looked, this.day] = [HL.fleet.looks, HL.fleet.day];
       const now = HL.fleetOrder.figures(HL.fleet.items);
       const { figures: f } = this;
       f.working.show(now.working, `of ${now.total}`, now.working);
@@ -59,6 +61,8 @@
     }
     paint() {
       const state = HL.fleet.stop;
+      if (this.seen?.[0] === state && this.seen[1] === HL.fleet.freeze) return;
+      this.seen = [state, HL.fleet.freeze];
       const pressed = new Set((state?.steps ?? []).map((step) => step.robot));
       const robots = (state?.robots ?? []).filter((one) => pressed.has(one.id));
       const isFrozen = Boolean(HL.fleet.freeze);

@@ -50,6 +50,8 @@
       attr(this.old, "hidden", silentMs < HL.STALE_MS);
       text(this.old, `No data for ${HL.words.since(silentMs)}. What is below is old.`);
       attr(this, "data-old", silentMs < HL.STALE_MS ? null : "");
+      if (this.looked === HL.fleet.looks) return;
+      this.looked = HL.fleet.looks;
       const sections = HL.fleetOrder.sections(HL.fleet.items, { groups: HL.fleet.groups });
       const [needs, watch] = sections;
       const shown = [...needs.items, ...watch.items].slice(0, MOST);

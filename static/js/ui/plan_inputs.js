@@ -48,7 +48,7 @@
         row_speed_mps: number("plan-speed", "row_speed_mps", { min: "0.01", max: "20", placeholder: "usual" }),
         overlap: number("plan-overlap", "overlap", { min: "0", max: "50", placeholder: "0" }),
         headland_passes: number("plan-headland", "headland_passes", { min: "0", max: "50", step: "1", placeholder: "as needed" }),
-        row_bearing_deg: number("plan-bearing", "row_bearing_deg", { min: "-360", max: "360", placeholder: "as planted, or best" }),
+        row_bearing_deg: number("plan-bearing", "row_bearing_deg", { min: "-360", max: "360", placeholder: "as planted" }),
         plant_spacing_m: number("plan-spacing", "plant_spacing_m", { min: "0.05", max: "100", placeholder: "usual density" }),
         name: el("input", { class: "h-input", "data-testid": "plan-name", name: "name", maxlength: "80", placeholder: "field and width", autocomplete: "off" }),
         returns_home: el("input", { type: "checkbox", name: "returns_home", "data-testid": "plan-return", checked: true }),

@@ -15,6 +15,7 @@
   const robot = (id) => (id && lane.state(`robot/${id}`)) || EMPTY;
   const inside = (id) => (id && lane.state(`inside/${id}`)) || EMPTY;
   const fleet = () => lane.state("fleet")?.robots || EMPTY;
+  const ids = new Set(); // of the fleet: asking an object of a thousand entries for its keys is dear
   const age = (t) => ms(lane.age(t));
 
   // how long the console has been silent; without a person there is no lane and nothing to miss
@@ -73,12 +74,22 @@
     watch();
   }
 
+  function note(robots, changed) {
+    if (!changed) ids.clear();
+    for (const id of changed ?? Object.keys(robots)) {
+      if (robots[id]) ids.add(id);
+      else ids.delete(id);
+    }
+  }
+
   const heard = new Set();
   function listenTo(topic) {
     if (heard.has(topic)) return;
     heard.add(topic);
-    lane.on(topic, (state) => {
+    lane.on(topic, (state, _topic, changed) => {
       if (topic.startsWith("robot/") && "lease" in state) noteLease(topic.slice(6), state.lease?.owner);
+      if (topic === "fleet" && changed?.length === 0) return; // beats alone only make the list younger
+      if (topic === "fleet") note(state.robots ?? EMPTY, changed);
       HL.repaint();
     });
   }
@@ -140,5 +151,5 @@
   window.addEventListener("headland:dropped", () => HL.toast("Not sent: no connection. Try again when it is back.", "cloud_off"));
   setInterval(here, HERE_MS);
 
-  HL.port = { robot, inside, fleet, age, server, delayMs, watch, follow, command, lease, reset, seen, sendMission, drive, api, tickInfo: () => lane.state("tick") };
+  HL.port = { robot, inside, fleet, ids, age, server, delayMs, watch, follow, command, lease, reset, seen, sendMission, drive, api, tickInfo: () => lane.state("tick") };
 })();

@@ -41,7 +41,8 @@
 
   const toast = (message, sign) => document.querySelector("hl-toasts")?.show(message, sign);
 
-  window.addEventListener("keydown", (event) => event.key === "Escape" && close());
+  // Escape is spent on the sheet: the screen beneath must not take it for its own
+  window.addEventListener("keydown", (event) => event.key === "Escape" && open && (event.preventDefault(), close()));
   define("hl-toasts", Toasts);
   Object.assign(HL, { sheet, closeSheet: close, toast });
 })();

@@ -64,7 +64,7 @@
       const title = this.dataset.fixed || (HL.view.screen === "operate" ? this.dataset.farm : HL.view.title || this.dataset.farm);
       text(this.main, title);
       const isList = ["fleet", "alarms"].includes(HL.view.screen);
-      const count = Object.keys(HL.port.fleet()).length;
+      const count = HL.port.ids.size;
       text(this.line, isList ? `${this.dataset.farm}, ${count === 1 ? "1 robot" : `${count} robots`}` : "");
     }
   }

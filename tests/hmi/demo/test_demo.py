@@ -34,7 +34,7 @@ from hmi.store.database import Database
 from hmi.store.farms import Farms
 from hmi.store.features import Features
 from hmi.store.missions import Missions
-from hmi.store.robots import Robots
+from hmi.store.robots import RegisteredRobot, Robots
 from hmi.store.stop_list import StopList
 from hmi.store.tables import EventRow, SampleRow
 
@@ -199,6 +199,25 @@ async def test_a_second_start_changes_nothing_but_addresses(tmp_path: Path) -> N
     registered = again.robots.get("weeder-01")
     assert registered is not None
     assert registered.http_url == "http://127.0.0.1:9009/weeder-01"
+    again.database.close()
+
+
+async def test_a_smaller_demo_takes_out_the_robots_it_does_not_run_and_no_others(tmp_path: Path) -> None:
+    full = Installation(tmp_path, size="full")
+    await full.seed.at_once()
+    full.robots.add(RegisteredRobot("weeder-90", FARM, "Ours", Family.WEEDER, "admin", FakeClock().utc()))
+    full.robots.remove("weeder-16")
+    full.robots.add(RegisteredRobot("weeder-16", FARM, "Ours too", Family.WEEDER, "admin", FakeClock().utc()))
+    full.database.close()
+    small = Installation(tmp_path)
+    await small.seed.at_once()
+    assert {one.id for one in small.robots.all()} == {
+        "weeder-01", "weeder-02", "weeder-03", "weeder-16", "weeder-90"
+    }  # fmt: skip
+    small.database.close()
+    again = Installation(tmp_path, size="full")
+    await again.seed.at_once()
+    assert len(again.robots.all()) == 25
     again.database.close()
 
 

@@ -18,6 +18,7 @@ from hmi.security.walls import WallScreens
 from hmi.store.duty import Duties
 from hmi.store.fleet_groups import FleetGroups
 from hmi.store.robots import RegisteredRobot
+from hmi.store.stop_list import StopList
 from hmi.store.walls import Walls
 from tests.hmi.api.conftest import migrated
 from tests.hmi.api.console import Console
@@ -35,7 +36,9 @@ class FleetConsole(Console):
         note = self.field.events.append
         self.day = FleetDay()
         self.duties = Duties(database, FARM, clock)
-        self.walls = WallScreens(database, Walls(database, clock), self.sessions, FARM, self.audit.append)
+        self.stop_folder = self.folder / "stop"
+        stop_list = StopList(database, FARM, self.stop_folder)
+        self.walls = WallScreens(database, Walls(database, clock), self.sessions, FARM, self.audit.append, stop_list)
         groups = FleetGroupBook(FleetGroups(database, clock), database, self.audit, self.authorize, note)
         names = {"weeder-01": "Weeder 01", "weeder-02": "Weeder 02"}
         parts = DutyParts(

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from datetime import date
+from pathlib import Path
 
 import pytest
 
 from hmi.domain.fleet_day import FleetDay
 from hmi.domain.robot import Family, Mode, OrderStatus, Robot
+from hmi.store.fleet_day import read_day, write_day
 from tests.hmi.presenters import robots as r
 
 TODAY, TOMORROW = date(2026, 5, 20), date(2026, 5, 21)
@@ -87,3 +89,26 @@ def test_a_robot_driven_by_hand_is_not_working() -> None:
     for step in range(3):
         day.see(r.with_state(working(0.0), mode=Mode.MANUAL), step * 2.0, TODAY)
     assert day.figures().working_s == 0
+
+
+def test_the_sums_of_the_day_go_on_after_a_restart_and_not_on_another_day(tmp_path: Path) -> None:
+    day = FleetDay()
+    for at_s, area in ((0.0, 500.0), (2.0, 503.0)):
+        day.see(working(area), at_s, TODAY)
+    day.intervened(TODAY)
+    write_day(tmp_path / "run" / "day.json", day.kept())
+    again, tomorrow = FleetDay(), FleetDay()
+    again.restore(read_day(tmp_path / "run" / "day.json"), TODAY)
+    tomorrow.restore(read_day(tmp_path / "run" / "day.json"), TOMORROW)
+    again.see(working(503.0), 100.0, TODAY)
+    again.see(working(506.0), 102.0, TODAY)
+    assert (again.figures().area_m2, again.figures().interventions) == (pytest.approx(6.0), 1)
+    assert tomorrow.figures() == FleetDay().figures()
+
+
+@pytest.mark.parametrize("text", ["", "[1]", '{"day": "2026-05-20", "area_m2": "x"}', '{"day": "2026-05-20"}'])
+def test_a_spoilt_file_of_the_day_counts_as_none(tmp_path: Path, text: str) -> None:
+    (tmp_path / "day.json").write_text(text)
+    day = FleetDay()
+    day.restore(read_day(tmp_path / "day.json"), TODAY)
+    assert day.figures() == FleetDay().figures()

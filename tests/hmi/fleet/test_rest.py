@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import httpx
@@ -176,6 +177,8 @@ async def test_a_revoked_wall_screen_goes_dark_at_once_and_stays_dark_after_a_re
     gone: list[str] = []
     console.sessions.on_ended(lambda session, text: gone.append(f"{session.user_name}: {text}"))
     assert (await anna.delete(f"/fleet/walls/{made['id']}")).status_code == 204
+    revoked = json.loads((console.stop_folder / "revoked.json").read_text("utf-8"))
+    assert revoked == [f"wall-{made['id'][:12]}"], "its STOP token is worth nothing any more"
     assert gone == ["Wall Barn: This wall screen was taken out."]
     await console.walls.load()
     assert console.sessions.get(made["id"]) is None

@@ -222,6 +222,7 @@ def test_the_fleet_goes_out_at_most_twice_a_second_and_only_what_changed() -> No
     delta = rig.take(lane)[0]["d"]["fleet"]["robots"]
     assert list(delta) == [ID]
     assert delta[ID]["mode"] == "paused"
+    assert not {"n", "name", "family", "field"} & delta[ID].keys(), "what stayed is not sent again"
 
 
 def test_a_robot_that_only_moves_changes_no_entry_of_the_fleet() -> None:

@@ -6,6 +6,7 @@ import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -16,17 +17,25 @@ from hypothesis import strategies as st
 from hmi.domain.mission_document import Document
 from hmi.domain.mission_plan import PlannedMission, PlanRefused, PlanWish, TreatedArea, Treatment
 from hmi.domain.mission_rest import PlannedRest, Progress, RestWish, is_work, length_m, pieces_of
+from hmi.planning.machine import RobotProfile
 from hmi.planning.mission import plan_mission
 from hmi.planning.rest import plan_rest
 from tests.hmi.missions.rig import FRAME, lon_lat, parcel_geometry
 from tests.hmi.planning.test_rest import places, standing
 
+SHIFT_M = RobotProfile().lead_in_m - RobotProfile().lead_out_m
 Place = tuple[float, float, int, float]
 """From and to along a row, the row, the dose."""
 
 
-@cache
 def base() -> PlannedMission:
+    return planned(None)
+
+
+@cache
+def planned(leads: tuple[float, float] | None) -> PlannedMission:
+    """Return a mission; ``leads``: how long the tool is on before and after treated ground."""
+    lead_in, lead_out = leads or (None, None)
     return plan_mission(
         PlanWish(
             mission_id="m-1",
@@ -38,7 +47,11 @@ def base() -> PlannedMission:
             datum_lat_deg=FRAME.lat_deg,
             datum_lon_deg=FRAME.lon_deg,
             angle_rad=math.pi / 2,
-            treatment=Treatment((area(8, 8, 20, 16, 0.0), area(8, 20, 32, 26, 2.0), area(20, 26, 32, 30, 0.5))),
+            treatment=Treatment(
+                (area(8, 8, 20, 16, 0.0), area(8, 20, 32, 26, 2.0), area(20, 26, 32, 30, 0.5)),
+                lead_in_m=lead_in,
+                lead_out_m=lead_out,
+            ),
         )
     )
 
@@ -78,8 +91,11 @@ def worked_twice_m(parts: Sequence[Mapping[str, Any]]) -> float:
     return sum(line.length for line in lines) - shapely.union_all(lines, grid_size=0.001).length
 
 
-def same(found: Mapping[tuple[int, float], float], wanted: Mapping[tuple[int, float], float]) -> bool:
-    return all(math.isclose(found.get(key, 0.0), wanted.get(key, 0.0), abs_tol=0.05) for key in {*found, *wanted})
+def same(
+    found: Mapping[tuple[int, float], float], wanted: Mapping[tuple[int, float], float], spare: float = 0.0
+) -> bool:
+    keys = {*found, *wanted}
+    return all(math.isclose(found.get(key, 0.0), wanted.get(key, 0.0), abs_tol=0.05 + spare) for key in keys)
 
 
 def test_the_rows_of_this_mission_have_pieces_with_doses_and_gaps() -> None:
@@ -98,8 +114,36 @@ def test_every_piece_is_done_once_with_its_dose(place: tuple[int, float], is_rev
     except PlanRefused as error:
         event(error.code)
         return
-    assert same(doses_m(made.document["segments"]), doses_m(segments()))
+    # driven the other way round, each border of the tool lies elsewhere by what it is on longer before than after
+    spare = 2 * SHIFT_M if is_reversed else 0.0
+    assert same(doses_m(made.document["segments"]), doses_m(segments()), spare)
     assert worked_twice_m(made.document["segments"]) == pytest.approx(worked_twice_m(segments()), abs=0.1)
+
+
+def toggles(parts: Sequence[Mapping[str, Any]]) -> list[tuple[int, bool, float, float]]:
+    """Return row, whether it goes on, way along y (1 or -1) and y of each place where the tool changes in a row."""
+    found = []
+    for one, then in pairwise(parts):
+        is_row = one["row"] and one["row"] == then["row"]
+        if is_row and math.dist(one["points"][-1], then["points"][0]) < 0.01 and one["tool_on"] != then["tool_on"]:
+            (_, y0), (_, y1) = one["points"][0], one["points"][-1]
+            found.append((one["row"], bool(then["tool_on"]), math.copysign(1, y1 - y0), y1))
+    return found
+
+
+@pytest.mark.parametrize("is_reversed", [False, True])
+@pytest.mark.parametrize("leads", [None, (0.0, 0.0), (1.0, 0.25), (0.1, 0.4)])
+def test_the_tool_is_on_as_long_before_and_after_whichever_way_a_row_is_driven(
+    is_reversed: bool, leads: tuple[float, float] | None
+) -> None:
+    plan = planned(leads)
+    lead_in, lead_out = leads or (RobotProfile().lead_in_m, RobotProfile().lead_out_m)
+    wish = RestWish(plan.document, plan.sha256, 2, Progress(plan.sha256, 0, 0.0), is_reversed=is_reversed, lead_m=leads)
+    places = toggles(plan_rest(wish).document["segments"])
+    assert len(places) >= 4
+    for _row, is_on, way, y in places:
+        border = (8.0 if way < 0 else 16.0) if is_on else (8.0 if way > 0 else 16.0)
+        assert y == pytest.approx(border - way * lead_in if is_on else border + way * lead_out, abs=0.01)
 
 
 @settings(max_examples=25, deadline=None)
