@@ -68,6 +68,44 @@
     parent.dispatchEvent(new parent.KeyboardEvent("keydown", { key, code, ctrlKey, repeat, bubbles: true, cancelable: true }));
   }, true);
 
+  // 8. The picture and STOP share one thread. A machine that draws slower than 20 times a second gets as long a pause
+  // after each frame as the frame took, so that half of its time is left for everything else.
+  const realFrame = window.requestAnimationFrame.bind(window);
+  const SMOOTH_MS = 50;
+  const PAUSE_MS = 400;
+  const draws = new Map();
+  let count = 0;
+  let usualMs = 0;
+  let begunAt = null;
+  let isAsked = false;
+  function frame(time) {
+    const now = performance.now();
+    if (begunAt !== null) {
+      usualMs += (Math.min(now - begunAt, PAUSE_MS) - usualMs) * 0.2; // until the browser was ready for another one
+      begunAt = null;
+      if (usualMs > SMOOTH_MS) return void setTimeout(realFrame, Math.min(usualMs, PAUSE_MS), frame);
+    }
+    isAsked = false;
+    const round = [...draws.values()];
+    draws.clear();
+    begunAt = performance.now();
+    for (const draw of round) {
+      try {
+        draw(time);
+      } catch (error) {
+        reportError(error);
+      }
+    }
+    if (!isAsked) begunAt = null; // nobody wants a next one: the time until then says nothing
+  }
+  window.requestAnimationFrame = (draw) => {
+    draws.set((count += 1), draw);
+    if (!isAsked) realFrame(frame);
+    isAsked = true;
+    return count;
+  };
+  window.cancelAnimationFrame = (id) => void draws.delete(id);
+
   // The camera belongs to the person while they turn it.
   let down = 0;
   const hold = (isOn) => tell({ kind: "hold", isOn });

@@ -73,6 +73,13 @@
     return true;
   }
 
+  // what the joints carry: "Camera pan" and "Camera tilt" move the camera; joints of no common name are the tool's
+  function what(robot) {
+    const first = (HL.port.inside(robot).joints?.joints ?? []).map((one) => one.label.split(" ")[0]);
+    const isCommon = first.length > 0 && first.every((word) => word === first[0] && !/\d/.test(word));
+    return { verb: isCommon ? "Move" : "Drive", name: (isCommon ? first[0] : HL.port.robot(robot).body?.tool_label || "tool").toLowerCase() };
+  }
+
   async function open(robot) {
     const reply = await HL.port.command(robot, "drive_open");
     if (reply.outcome === "accepted" && HL.view.robot === robot) begin(robot);
@@ -83,8 +90,8 @@
     Object.assign(jog, { robot, begunAt: performance.now(), lastInput: performance.now(), blockedBy: obstacle() });
     jog.held.clear();
     jog.timer ??= setInterval(beat, PERIOD_MS);
-    const tool = HL.port.robot(robot).body?.tool_label?.toLowerCase() || "tool";
-    jog.close = HL.sheet({ title: `Drive the ${tool} by hand`, hook: "jog-sheet", body: [el("hl-super-jog")], buttons: [["End manual", () => end(), true]] });
+    const { verb, name } = what(robot);
+    jog.close = HL.sheet({ title: `${verb} the ${name} by hand`, hook: "jog-sheet", body: [el("hl-super-jog")], buttons: [["End manual", () => end(), true]] });
     HL.repaint();
   }
 
@@ -220,5 +227,5 @@
   const measure = (joint, value) => (joint.unit === "rad" ? `${((value * 180) / Math.PI).toFixed(0)}°` : `${value.toFixed(2)} m`);
 
   HL.superDefine("hl-super-jog", Jog);
-  Object.assign(HL, { jog: Object.assign(jog, { open, end }) });
+  Object.assign(HL, { jog: Object.assign(jog, { open, end, what }) });
 })();
