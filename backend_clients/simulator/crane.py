@@ -21,12 +21,12 @@ REACHED = 1e-6
 SLOW_SHARE = 0.25  # of its speed, beyond a soft limit
 
 JOINTS = (
-    Joint(name="slew", label="1 Slew", lower=-3.0, upper=3.0, soft_lower=-2.85, soft_upper=2.85, max_rate=0.42),
-    Joint(name="boom", label="2 Boom", lower=-0.5, upper=1.35, soft_lower=-0.4, soft_upper=1.26, max_rate=0.22),
-    Joint(name="stick", label="3 Stick", lower=-2.7, upper=-0.15, soft_lower=-2.57, soft_upper=-0.28, max_rate=0.3),
+    Joint(name="slew", label="Slew", lower=-3.0, upper=3.0, soft_lower=-2.85, soft_upper=2.85, max_rate=0.42),
+    Joint(name="boom", label="Boom", lower=-0.5, upper=1.35, soft_lower=-0.4, soft_upper=1.26, max_rate=0.22),
+    Joint(name="stick", label="Stick", lower=-2.7, upper=-0.15, soft_lower=-2.57, soft_upper=-0.28, max_rate=0.3),
     Joint(
         name="telescope",
-        label="4 Telescope",
+        label="Telescope",
         unit="m",
         lower=0.0,
         upper=TELESCOPE_M,
@@ -34,7 +34,7 @@ JOINTS = (
         soft_upper=3.42,
         max_rate=0.5,
     ),
-    Joint(name="rotator", label="5 Head", lower=-3.1, upper=3.1, soft_lower=-2.95, soft_upper=2.95, max_rate=0.9),
+    Joint(name="rotator", label="Head", lower=-3.1, upper=3.1, soft_lower=-2.95, soft_upper=2.95, max_rate=0.9),
 )
 BY_NAME = {joint.name: joint for joint in JOINTS}
 TRANSPORT = {"slew": 0.0, "boom": 1.1, "stick": -2.35, "telescope": 0.0, "rotator": 0.0}
