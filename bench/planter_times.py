@@ -14,18 +14,18 @@ from backend_clients.simulator.planter_trial import (
     PUBLISHED_S,
     PUBLISHED_TOTAL_S,
     PUBLISHED_WALL_SHARE,
+    SITES,
     Trial,
     calibration,
+    mean,
 )
-
-SPREAD_SEEDS = range(1, 11)
 
 
 def run() -> Iterator[dict[str, Any]]:
     """Simulate the published case, print it beside the published figures, and say the total."""
-    trial = calibration()
+    trials = [calibration(seed) for seed in SITES]
+    trial, totals = mean(trials), [one.total_s for one in trials]
     print("\n".join(table(trial)), file=sys.stderr)
-    totals = [calibration(seed).total_s for seed in SPREAD_SEEDS]
     yield {
         "name": "planter_total_s",
         "value": round(trial.total_s, 1),
@@ -34,7 +34,7 @@ def run() -> Iterator[dict[str, Any]]:
         "ratio": round(trial.total_s / PUBLISHED_TOTAL_S, 4),
         "conditions": f"{trial.moves} moves, {trial.attempts} attempts; naive is the published total; "
         f"wall clock / sum {trial.wall_share:.3f}, published {PUBLISHED_WALL_SHARE:.3f}; "
-        f"ten other sites {min(totals):.1f} to {max(totals):.1f} s",
+        f"mean of ten sites, {min(totals):.1f} to {max(totals):.1f} s",
     }
 
 

@@ -26,7 +26,7 @@ TRAY = (-0.6, 2.4)  # where the seedling arm holds out a seedling, in the machin
 DOCK, WAYPOINT = pose_for((*TRAY, 1.5)), pose_for((TRAY[0] - 0.2, TRAY[1] + 0.6, 2.3))
 PHOTO_UP_M, PHOTO_BACK_M, BACK_OFF_M = 1.7, 1.0, 0.9
 SHARE = {
-    "transport": 0.886,
+    "transport": 0.791,
     "dock-waypoint": 0.522,
     "dock": 0.0853,
     "above-plant": 0.268,

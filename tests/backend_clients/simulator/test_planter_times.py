@@ -8,7 +8,15 @@ import pytest
 from typer.testing import CliRunner
 
 from backend_clients.simulator.planter_rig import FAILS_NEVER, Tuning
-from backend_clients.simulator.planter_trial import PUBLISHED_S, PUBLISHED_TOTAL_S, Trial, calibration, run_trial
+from backend_clients.simulator.planter_trial import (
+    PUBLISHED_S,
+    PUBLISHED_TOTAL_S,
+    SITES,
+    Trial,
+    calibration,
+    mean,
+    run_trial,
+)
 from bench.planter_times import table
 from hmi.cli.simulate import app
 
@@ -17,8 +25,8 @@ SIX_SITES = 24
 
 @pytest.fixture(scope="module")
 def trial() -> Trial:
-    """Return the published case: two moves, five attempts."""
-    return calibration()
+    """Return the published case, the mean of ten sites: two moves, five attempts."""
+    return mean([calibration(seed) for seed in SITES])
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +59,7 @@ def test_the_table_names_every_state_beside_the_published_time(trial: Trial) -> 
 
 @pytest.mark.slow
 def test_the_same_seed_gives_the_same_trial(trial: Trial) -> None:
-    assert calibration().times_s == trial.times_s
+    assert calibration(3).times_s == calibration(3).times_s != trial.times_s
 
 
 @pytest.mark.parametrize(
