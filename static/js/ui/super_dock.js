@@ -66,12 +66,15 @@
   };
   const isWaitingForStock = () => (HL.port.inside(HL.view.robot).active?.states ?? []).some(([id]) => id === "refill" || id === "wait-person");
 
-  // which controls fit: a planter's crane has its own; what has joints can be moved by hand
+  const BY_HAND = ["manual-tool", "manual-crane", "move-tool", "move-crane"];
+  const movesByHand = () => (HL.port.inside(HL.view.robot).functions?.functions ?? []).some((one) => BY_HAND.includes(one.name));
+
+  // which controls fit: a planter's crane has its own; elsewhere joints are moved by hand where the robot says that it can
   function set() {
     const { id } = HL.port.robot(HL.view.robot);
     if (!id) return ["pause"];
     if (id.family === "planter") return ["pause", "retract", "jog", isWaitingForStock() ? "refilled" : "skip"];
-    return ["pause", "home", ...(HL.port.inside(HL.view.robot).joints?.joints?.length ? ["jog"] : [])];
+    return ["pause", "home", ...(movesByHand() ? ["jog"] : [])];
   }
 
   class SuperDock extends LiveElement {
