@@ -24,7 +24,7 @@
   }
 
   function show(id, isNear = false) {
-    map()?.fleet.show(id, isNear);
+    map()?.fleet.show?.(id, isNear); // the map may still be loading
   }
 
   class FleetLayers extends LiveElement {
