@@ -3,10 +3,12 @@
 import { farmLabels, readableLabels, robotLabels } from './captions.js';
 import { loadBase } from './base_loader.js';
 import { Controls } from './controls.js';
+import { Covered } from './covered.js';
 import { startEngine } from './engine_choice.js';
 import { laneRevision } from './feed.js';
 import { NO_FLEET, loadFleet } from './fleet_none.js';
-import { boxOf, mercPerMetre, mercX, mercY } from './geometry.js';
+import { fieldZoom, robotView, wholeView } from './first_view.js';
+import { mercPerMetre, mercX, mercY } from './geometry.js';
 import { Intake } from './intake.js';
 import { DoseLegend, areaLabels } from './areas.js';
 import { LabelLayer } from './labels.js';
@@ -16,6 +18,7 @@ import { noticeOf } from './notice.js';
 import { robotAt } from './robots.js';
 import { RobotList } from './robot_list.js';
 import { Scene } from './scene.js';
+import { LOST_CONTEXT_MS, USUAL } from './options.js';
 import { readPalette, watchTheme } from './theme.js';
 import { trailOf } from './trail.js';
 
@@ -28,18 +31,8 @@ const FRAME_MS = 40; // 25 pictures a second while gliding
 const MOST_GLIDING = 50;
 const CROWD = 150; // robots beyond which places are brought onto the map together, as often as one of them reports
 const CROWD_MS = 500;
-const ROBOT_ZOOM = 16.8; // 2.3 px per metre at 52 degrees north: a field of a hectare fills the screen
-const FIELD_ZOOMS = [16.2, 19.5]; // a large field keeps its rows apart, a small one its surroundings in sight
-const FIELD_MARGIN_PX = 40;
 const NAMES_ZOOM = 15.5;
-const LOST_CONTEXT_MS = 3000;
-const COVERED_MS = 1000;
 const RING_MARGIN = 1.5;
-const USUAL = {
-  mode: 'robot', hasButtons: true, engine: 'auto',
-  featuresUrl: '/api/v1/features', missionUrl: '/api/v1/robots/{id}/mission.geojson',
-  baseMapsUrl: '/api/v1/base-maps',
-};
 
 export class LiveMap {
   /** options: {robotId, mode, hasButtons, featuresUrl, missionUrl, vendorUrl, engine, onSelect(id)}. */
@@ -50,6 +43,7 @@ export class LiveMap {
     this.isFollowing = this.options.mode === 'robot';
     this.shown = readLayers();
     this.frameNumber = 0;
+    this.covered = new Covered(host);
     this.engineNote = '';
     this.palette = readPalette();
     this.scene = new Scene(this.palette);
@@ -287,43 +281,22 @@ export class LiveMap {
   /** First view, as soon as there is something to look at: the robot, else the whole farm. */
   #place() {
     if (this.isPlaced || !this.engine) return;
-    const pose = this.intake.selected?.pose;
-    if (this.options.mode === 'robot' && pose) {
-      this.isPlaced = true;
-      this.engine.jump({ mx: pose.mx, my: pose.my, zoom: this.#fieldZoom() });
-      return;
-    }
-    const box = this.#everything();
-    if (!box) return;
-    this.isPlaced = this.options.mode === 'fleet' && this.intake.placed > 0 && this.intake.farmState !== 'loading';
-    const zoom = Math.min(this.engine.camera.zoomFor(box, 48), ROBOT_ZOOM);
-    this.engine.jump({ mx: (box[0] + box[2]) / 2, my: (box[1] + box[3]) / 2, zoom });
+    const robot = this.options.mode === 'robot' ? robotView(this.intake, this.engine.camera) : null;
+    const view = robot ?? wholeView(this.intake, this.engine.camera, this.fleet.isOn);
+    if (!view) return;
+    this.isPlaced = Boolean(robot) || (this.options.mode === 'fleet' && this.intake.placed > 0 && this.intake.farmState !== 'loading');
+    this.engine.jump(view);
   }
 
   /** Come as near as the field of a new mission allows, unless a zoom was chosen by hand. */
   #showField() {
     if (!this.isPlaced || !this.isFollowing || this.isZoomChosen || !this.intake.model) return;
-    this.engine?.jump({ zoom: this.#fieldZoom() });
-  }
-
-  #fieldZoom() {
-    const box = boxOf(this.intake.parcels.features);
-    if (!box) return ROBOT_ZOOM;
-    const [least, most] = FIELD_ZOOMS;
-    return Math.min(Math.max(this.engine.camera.zoomFor(box, FIELD_MARGIN_PX), least), most);
+    this.engine?.jump({ zoom: fieldZoom(this.intake, this.engine.camera) });
   }
 
   #zoom(step) {
     this.isZoomChosen = true;
     this.engine?.ease({ zoom: this.engine.camera.zoom + step });
-  }
-
-  #everything() {
-    const { farm, parcels, robots } = this.intake;
-    const places = [...robots.values()].filter((robot) => robot.pose)
-      .map(({ pose }) => ({ geometry: { type: 'Point', coordinates: [pose.lon, pose.lat] } }));
-    // a farm may have sites in several countries: the fleet map begins where the robots are
-    return boxOf(this.fleet.isOn && places.length ? places : [...farm.features, ...parcels.features, ...places]);
   }
 
   #moved() {
@@ -341,23 +314,11 @@ export class LiveMap {
     if (this.look) {
       labels.push(...robotLabels(this.fleet.single(this.intake.robots.values(), look), look), ...this.fleet.drawClusters(camera, this.palette));
     }
-    this.labelLayer.block(this.#covered());
+    this.labelLayer.block(this.covered.boxes());
     this.labelLayer.draw(camera, labels, this.palette);
     this.frameNumber += 1;
     if (this.frameNumber === 1) this.#notice(); // until now the map said that it is loading
     this.#said();
-  }
-
-  /** Boxes of what lies on the map: its own buttons and what the screen puts over it; looked at once a second, for it costs a layout. */
-  #covered() {
-    const now = performance.now();
-    if (now - (this.coveredAt ?? -Infinity) < COVERED_MS) return this.covered;
-    this.coveredAt = now;
-    const place = this.host.getBoundingClientRect();
-    const nodes = [...this.host.querySelectorAll('.hl-map-buttons > *'), ...this.host.parentElement?.querySelectorAll(':scope > .h-card, :scope > .f-over > *') ?? []];
-    this.covered = nodes.map((node) => node.getBoundingClientRect()).filter((box) => box.width)
-      .map((box) => [box.left - place.left, box.top - place.top, box.right - place.left, box.bottom - place.top].map(Math.round));
-    return this.covered;
   }
 
   /** Up to which revision of the lane the picture is true. */
@@ -429,19 +390,10 @@ export class LiveMap {
   destroy() {
     this.isGone = true;
     clearInterval(this.watch);
-    clearTimeout(this.gliding);
-    clearTimeout(this.later);
-    clearTimeout(this.gathering);
-    clearTimeout(this.lostTimer);
-    this.intake.destroy();
-    this.fleet.destroy();
+    for (const timer of [this.gliding, this.later, this.gathering, this.lostTimer]) clearTimeout(timer);
     this.unwatch?.();
-    this.base?.destroy();
     if (this.keys) this.host.removeEventListener('keydown', this.keys);
-    this.engine?.destroy();
-    this.labelLayer.destroy();
-    this.controls.destroy();
-    this.list.destroy();
+    for (const part of [this.intake, this.fleet, this.base, this.engine, this.labelLayer, this.controls, this.list]) part?.destroy();
     this.surface.remove();
   }
 }

@@ -1,0 +1,33 @@
+// Where the map stands before anybody moved it: at its robot and field, or over everything there is.
+
+import { boxOf } from './geometry.js';
+
+const ROBOT_ZOOM = 16.8; // 2.3 px per metre at 52 degrees north: a field of a hectare fills the screen
+const FIELD_ZOOMS = [16.2, 19.5]; // a large field keeps its rows apart, a small one its surroundings in sight
+const FIELD_MARGIN_PX = 40;
+const MARGIN_PX = 48;
+
+/** As near as the field of the mission allows. */
+export function fieldZoom(intake, camera) {
+  const box = boxOf(intake.parcels.features);
+  if (!box) return ROBOT_ZOOM;
+  const [least, most] = FIELD_ZOOMS;
+  return Math.min(Math.max(camera.zoomFor(box, FIELD_MARGIN_PX), least), most);
+}
+
+/** The robot with its field; null while nobody knows where it is. */
+export function robotView(intake, camera) {
+  const pose = intake.selected?.pose;
+  return pose ? { mx: pose.mx, my: pose.my, zoom: fieldZoom(intake, camera) } : null;
+}
+
+/** All robots of a fleet, else the farm with what is on it; null while there is nothing to look at. */
+export function wholeView(intake, camera, isFleet) {
+  const { farm, parcels, robots } = intake;
+  const places = [...robots.values()].filter((robot) => robot.pose)
+    .map(({ pose }) => ({ geometry: { type: 'Point', coordinates: [pose.lon, pose.lat] } }));
+  // a farm may have sites in several countries: the fleet map begins where the robots are
+  const box = boxOf(isFleet && places.length ? places : [...farm.features, ...parcels.features, ...places]);
+  if (!box) return null;
+  return { mx: (box[0] + box[2]) / 2, my: (box[1] + box[3]) / 2, zoom: Math.min(camera.zoomFor(box, MARGIN_PX), ROBOT_ZOOM) };
+}
