@@ -354,7 +354,7 @@ export class LiveMap {
     if (now - (this.coveredAt ?? -Infinity) < COVERED_MS) return this.covered;
     this.coveredAt = now;
     const place = this.host.getBoundingClientRect();
-    const nodes = [...this.host.querySelectorAll('.hl-map-buttons > *'), ...this.host.parentElement?.querySelectorAll(':scope > .h-card, :scope > .f-over > *') ?? []];
+    const nodes = [...this.host.querySelectorAll('.hl-map-buttons > *, .hl-map-foot'), ...this.host.parentElement?.querySelectorAll(':scope > .h-card, :scope > .f-over > *') ?? []];
     this.covered = nodes.map((node) => node.getBoundingClientRect()).filter((box) => box.width)
       .map((box) => [box.left - place.left, box.top - place.top, box.right - place.left, box.bottom - place.top].map(Math.round));
     return this.covered;
