@@ -16,7 +16,7 @@ export class Covered {
     this.lookedAt = now;
     const place = this.host.getBoundingClientRect();
     const over = this.host.parentElement?.querySelectorAll(':scope > .h-card, :scope > .f-over > *') ?? [];
-    const nodes = [...this.host.querySelectorAll('.hl-map-buttons > *'), ...over];
+    const nodes = [...this.host.querySelectorAll('.hl-map-buttons > *, .hl-map-foot'), ...over];
     this.known = nodes.map((node) => node.getBoundingClientRect()).filter((box) => box.width)
       .map((box) => [box.left - place.left, box.top - place.top, box.right - place.left, box.bottom - place.top].map(Math.round));
     return this.known;

@@ -39,6 +39,7 @@ export class LabelLayer {
     context.lineJoin = 'round';
     context.textBaseline = 'alphabetic';
     const taken = [...this.blocked];
+    this.edge = camera.width;
     let count = 0;
     this.texts = [];
     const order = [...labels].sort((a, b) => b.priority - a.priority);
@@ -84,7 +85,8 @@ export class LabelLayer {
     const left = label.align === 'left' ? x : label.align === 'right' ? x - wide : x - wide / 2;
     const box = [left - 4, y - high / 2 - 2, left + wide + 4, y + high / 2 + 2];
     const overlaps = (o) => !(o.isSoft && label.pill) && box[0] < o[2] && o[0] < box[2] && box[1] < o[3] && o[1] < box[3];
-    if (!label.isFixed && taken.some(overlaps)) return false;
+    const isCut = label.pill && label.align === 'left' && box[2] > this.edge; // it has another side to stand on
+    if (!label.isFixed && (isCut || taken.some(overlaps))) return false;
     taken.push(box);
     this.texts.push(...lines.map((line) => line.text));
     if (label.pill) {
