@@ -82,7 +82,7 @@ def _times(legs: Sequence[Leg], lengths: Sequence[float], machine: RobotProfile)
     for k in range(n - 1, -1, -1):
         joints[k] = min(joints[k], math.sqrt(joints[k + 1] ** 2 + 2 * accel * lengths[k]))
     return [
-        _time(length, joints[k], joints[k + 1], leg.speed_mps, accel)
+        _time(length, joints[k], joints[k + 1], leg.speed_mps, accel) + leg.tool_on * length * machine.stand_s_per_m
         for k, (leg, length) in enumerate(zip(legs, lengths, strict=True))
     ]
 

@@ -12,6 +12,7 @@ import shapely
 from shapely.geometry import Polygon, shape
 from shapely.geometry.base import BaseGeometry
 
+from hmi.domain.family import Family
 from hmi.domain.ids import is_id
 from hmi.domain.mission_document import Document, canonical, mission_sha256
 from hmi.domain.mission_plan import Candidate, Geometry, PlannedMission, PlanRefused, PlanWish
@@ -99,6 +100,8 @@ def _doses(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> DoseMap:
 
 def _machine(wish: PlanWish) -> RobotProfile:
     usual = RobotProfile() if wish.robot is None else RobotProfile.from_factsheet(wish.robot)
+    if wish.robot is not None and wish.robot.family is Family.PLANTER:
+        usual = usual.planting(wish.width_m, wish.plant_spacing_m)
     if wish.row_speed_mps is None:
         return usual
     top = usual.transit_speed_mps if wish.robot is None else wish.robot.max_speed_mps

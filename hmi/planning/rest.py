@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from hmi.domain.family import Family
 from hmi.domain.mission_document import Document, canonical, mission_sha256
 from hmi.domain.mission_plan import PlanRefused
 from hmi.domain.mission_rest import PlannedRest, RestWish, cut, is_work, length_m
@@ -53,6 +54,8 @@ class _Rest:
         self.wish = wish
         self.base = wish.base
         self.machine = RobotProfile() if wish.robot is None else RobotProfile.from_factsheet(wish.robot)
+        if wish.robot is not None and wish.robot.family is Family.PLANTER:
+            self.machine = self.machine.planting(wish.base["width_m"], None)
         self.frame = LocalFrame(wish.base["datum"]["lat_deg"], wish.base["datum"]["lon_deg"])
         self.lead_in_m, self.lead_out_m = wish.lead_m or (self.machine.lead_in_m, self.machine.lead_out_m)
         self.notes: list[str] = []

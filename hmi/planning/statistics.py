@@ -10,11 +10,11 @@ import numpy as np
 from hmi.domain.mission_plan import PlanWish
 from hmi.domain.robot import Family
 from hmi.planning.job import Job
+from hmi.planning.machine import SEEDLINGS_PER_M2
 from hmi.planning.plan import Plan
 
 LEAST_RESERVE = 0.15  # of the battery, never planned away: cold, wind and an aged cell take as much
 DETOUR = 1.4  # a way home along headlands and roads is so much longer than the straight line
-SEEDLINGS_PER_M2 = 0.25  # 2,500 a hectare, the usual density of planted forest
 
 
 def statistics(wish: PlanWish, job: Job, plan: Plan) -> dict[str, Any]:

@@ -8,9 +8,11 @@ from collections.abc import Callable
 from hmi.domain.alarm.catalogue import AlarmType
 from hmi.domain.alarm.finding import NOTHING, Finding, Findings
 from hmi.domain.robot import Mode, Order, OrderStatus, RobotState
+from hmi.domain.state_chart import LastTransition
 from hmi.ingest.supervision.view import View
 
 SAMPLE_S, WINDOW_S = 60.0, 900.0
+STEP_S = 1.0
 SLOW_SHARE = 0.5  # half as fast as planned over a quarter of an hour is no turn and no short wait
 
 
@@ -30,6 +32,8 @@ class Progress:
         self._shares: deque[tuple[float, float]] = deque()
         self._state: RobotState | None = None
         self._found: Findings = NOTHING
+        self._step: LastTransition | None = None
+        self._steps = 0
 
     @property
     def _limit_s(self) -> float:
@@ -54,13 +58,23 @@ class Progress:
         return self._found
 
     def _judge(self, view: View, state: RobotState, order: Order) -> Findings:
-        place = (order.mission_id, order.row, order.segment, round(order.segment_s_m, 1))
+        place = (order.mission_id, order.row, order.segment, round(order.segment_s_m, 1), self._steps_of(state))
         if place != self._place:
             self._place, self._since_s = place, view.now_s
         if view.now_s - self._since_s < self._limit_s:
             return self._pace(view, order)
         why = f" {state.hold.text}" if state.hold is not None else ""
         return (Finding("stalled", f"Not moved on along its path for {self._limit_s / 60:.0f} min.{why}"),)
+
+    def _steps_of(self, state: RobotState) -> int:
+        """Count the supervisor's steps: a planter stands for minutes at a site and goes from state to state."""
+        last, before = state.last_transition, self._step
+        if last is not None and state.hold is None:
+            # the robot's clock is mapped anew with each message: the same moment may move by milliseconds
+            is_same = before is not None and (before.source, before.target) == (last.source, last.target)
+            if before is None or not is_same or abs(last.at_s - before.at_s) > STEP_S:
+                self._step, self._steps = last, self._steps + 1
+        return self._steps
 
     def _pace(self, view: View, order: Order) -> Findings:
         if order.area_m2 <= 0 or view.mission is None or not view.mission.duration_s:

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import pytest
 
 from backend_clients.edge import messages_up as up
+from backend_clients.edge.machine import LastTransition
 from hmi.domain.alarm.finding import Finding
 from hmi.ingest.supervision.fence import Ground
 from tests.hmi.alarms.rig import MARTHA, AlarmRig
@@ -74,6 +75,21 @@ async def test_a_mission_that_stands_still_is_stalled_and_says_what_it_waits_for
         rig.say(rig.wire().state(mode="auto", path=["Mission"], order=order(), hold=hold))
         rig.run(5, ROBOT)
         assert "Its position is not exact." in rig.one("stalled.weeder-01").alarm.text
+
+
+async def test_a_planter_that_stands_and_goes_from_state_to_state_is_not_stalled_until_it_stays_in_one() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        robot = rig.wire()
+        states = ("above-plant", "on-ground")
+        for number in range(30):
+            head = robot.head()
+            step = LastTransition(source=states[number % 2], target=states[1 - number % 2], event="next",
+                                  at_ms=head["mono_ms"])  # fmt: skip
+            rig.say(robot.state(mode="auto", path=["Mission"], order=order(), last_transition=step))
+            rig.run(10, ROBOT)
+        assert "stalled.weeder-01" not in rig.states()
+        work(rig, 130, moves=False)
+        assert "stalled.weeder-01" in rig.states()
 
 
 async def test_a_paused_mission_is_not_stalled() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from hmi.planning.estimate import effort, pivot_time
-from hmi.planning.machine import RobotProfile
+from hmi.planning.machine import PLANT_S, RobotProfile
 from hmi.planning.plan import Leg, LegKind
 from tests.hmi.presenters.robots import SHEET
 
@@ -35,6 +35,17 @@ def test_a_pivot_costs_a_stop_and_the_turn() -> None:
     across = [straight((0, 0), (10, 0), 0.5), straight((10, 0), (10, 10), 0.5, pivot=True)]
     more = effort(across, MACHINE).duration_s - effort(along, MACHINE).duration_s
     assert more == pytest.approx(1.0 + pivot_time(math.pi / 2, MACHINE))
+
+
+def test_a_planter_stands_for_each_tree_of_its_rows_and_for_none_on_its_way() -> None:
+    planter = MACHINE.planting(4.0, None)
+    row, way = straight((0, 0), (20, 0), 0.5, tool_on=True), straight((0, 0), (20, 0), 0.5)
+    more = effort([row], planter).duration_s - effort([row], MACHINE).duration_s
+    assert more == pytest.approx(20 * 4.0 * 0.25 * PLANT_S)
+    assert effort([row], MACHINE.planting(4.0, 2.0)).working_s == pytest.approx(
+        effort([row], MACHINE).working_s + 10 * PLANT_S
+    )
+    assert effort([way], planter).duration_s == effort([way], MACHINE).duration_s
 
 
 def test_working_time_and_length_count_only_where_the_tool_is_on() -> None:
