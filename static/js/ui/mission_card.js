@@ -83,7 +83,7 @@
       const isMoving = mode === "auto";
       attr(this.done, "data-value", seconds ?? "");
       attr(this.done, "data-age-ms", Math.round(ageMs));
-      text(this.done, mission.status === "done" ? "Done" : seconds === null || seconds === undefined ? "–" : isMoving ? words.wall(new Date(Date.now() - ageMs + seconds * 1000)) : STANDING[mode] || "Paused");
+      text(this.done, mission.status === "done" ? "Done" : seconds === null || seconds === undefined ? "–" : isMoving ? words.day(new Date(Date.now() - ageMs + seconds * 1000)) : STANDING[mode] || "Paused");
       text(this.leftTime, mission.status === "done" ? "–" : words.left(seconds));
     }
   }

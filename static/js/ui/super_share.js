@@ -58,9 +58,11 @@
       });
       const hatch = svg("pattern", { id: "s-hatch", width: 6, height: 6, patternUnits: "userSpaceOnUse", patternTransform: "rotate(45)" }, svg("rect", { width: 6, height: 6, class: "ground" }), svg("rect", { width: 2, height: 6, class: "ink" }));
       const big = svg("text", { class: "big", y: -2, "text-anchor": "middle" });
-      big.textContent = HL.chartFacts.span(data.wall_s);
+      const isMission = HL.superTimes.span === "mission";
+      // the robot may have told of less than the span asked for: what is counted here is what it told
+      big.textContent = HL.chartFacts.span(isMission ? data.wall_s : data.share.reduce((sum, one) => sum + one.s, 0));
       const small = svg("text", { class: "small", y: 17, "text-anchor": "middle" });
-      small.textContent = HL.superTimes.span === "mission" ? "in mission" : "by the clock";
+      small.textContent = isMission ? "in mission" : "told of";
       this.body.replaceChildren(
         svg("svg", { class: "s-ring", viewBox: "-90 -90 180 180", role: "img", "aria-label": `Time by subsystem: ${data.share.map((one, i) => `${one.label} ${whole[i]} %`).join(", ")}` }, svg("defs", {}, hatch), ...parts, big, small),
         el("table", { class: "s-legend" }, el("tbody", {}, ...data.share.map((one, i) => {

@@ -29,8 +29,14 @@
 
   const pad = (number) => String(number).padStart(2, "0");
   const wall = (date) => `${pad(date.getHours())}:${pad(date.getMinutes())}`;
+  // 14:36 today, Tue 14:36 on another day of the week to come, 24.11. 14:36 later
+  function day(date) {
+    const days = Math.round((new Date(date).setHours(0, 0, 0, 0) - new Date().setHours(0, 0, 0, 0)) / 86400000);
+    if (days === 0) return wall(date);
+    return `${days > 0 && days < 7 ? date.toLocaleDateString("en-GB", { weekday: "short" }) : `${date.getDate()}.${date.getMonth() + 1}.`} ${wall(date)}`;
+  }
   const wallSeconds = (date) => `${wall(date)}:${pad(date.getSeconds())}`;
   const initials = (name) => name.split(/\s+/).filter(Boolean).map((part) => part[0]).slice(0, 2).join("").toUpperCase() || "?";
 
-  Object.assign(HL, { words: { age, since, clock, left, wall, wallSeconds, initials } });
+  Object.assign(HL, { words: { age, since, clock, left, wall, day, wallSeconds, initials } });
 })();
