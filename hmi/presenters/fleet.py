@@ -15,7 +15,6 @@ from hmi.presenters.units import heading_deg, milliseconds
 from hmi.presenters.words import FAULT_LEVELS, has_mission, mode_of, mode_text
 
 LINK_LOST_LEVEL, STOPPED_LEVEL = 2, 3
-_ROWS = {Family.PLANTER: "Tree"}
 _NO_CONTEXT = Context()
 
 
@@ -105,7 +104,7 @@ def _work(robot: Robot) -> str:
     family = robot.factsheet.family if robot.factsheet else Family.OTHER
     is_between = any(word.lower().startswith(("transit", "drive to", "turn")) for word in path)
     if order is not None and order.row > 0 and not is_between and family is not Family.UAV:
-        return f"{_ROWS.get(family, 'Row')} {order.row}/{order.rows}"
+        return f"Row {order.row}/{order.rows}"
     return path[-1] if path else "Running"
 
 

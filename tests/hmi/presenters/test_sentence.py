@@ -101,7 +101,7 @@ def test_a_hold_that_clears_itself_waits_for_nobody() -> None:
     ("robot", "words"),
     [
         (r.RUNNING, "Row 37/84"),
-        (of(r.RUNNING, Family.PLANTER), "Tree 37/84"),
+        (of(r.RUNNING, Family.PLANTER), "Row 37/84"),
         (r.with_state(of(r.RUNNING, Family.UAV), path=("Mission", "Searching")), "Searching"),
         (r.with_state(r.RUNNING, path=("Mission", "Transit")), "Transit"),
         (r.GOING_HOME, "Return home"),
