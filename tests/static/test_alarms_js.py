@@ -1,4 +1,4 @@
-"""The rules of alarm tones, of the order of the alarm list and of what gives way to STOP, run in node."""
+"""The rules of alarm tones, of the order of the alarm list, of what gives way to STOP and of words for times, in node."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ HERE = Path(__file__).parent
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
-@pytest.mark.parametrize("name", ["alarm_tones", "alarm_order", "stop_sound", "stop_press"])
+@pytest.mark.parametrize("name", ["alarm_tones", "alarm_order", "stop_sound", "stop_press", "words"])
 def test_the_rules_of_the_browser_hold(name: str) -> None:
     node = shutil.which("node")
     assert node is not None
