@@ -1,4 +1,4 @@
-"""The rules of alarm tones, of the order of the alarm list, of what gives way to STOP and of words for times, in node."""
+"""The rules of alarm tones, of the order of the alarm list, of what gives way to STOP, of words for times; in node."""
 
 from __future__ import annotations
 
