@@ -1,4 +1,7 @@
-"""``make screens``: every screen in sizes and themes, from a running demo, into ``docs/screens``."""
+"""``make screens``: every screen in sizes and themes, from a running demo, into ``docs/screens``.
+
+``python -m bench.screens twin supervisor`` takes the screens named and nothing else.
+"""
 
 from __future__ import annotations
 
@@ -41,8 +44,9 @@ def main() -> int:
             path = find_browser()
             options: dict[str, Any] = {"executable_path": path} if path else {}
             browser = playwright.chromium.launch(args=[*BROWSER_FLAGS, *SOFTWARE_GL], **options)
-            for name in (one for part in PARTS for one in part(browser, running)):
-                print(name, flush=True)
+            for part in PARTS if len(sys.argv) == 1 else (_screens,):
+                for name in part(browser, running):
+                    print(name, flush=True)
             browser.close()
         finally:
             running.end()
@@ -58,12 +62,15 @@ def _signed_out(browser: Browser, running: Installation) -> Iterator[str]:
 
 def _screens(browser: Browser, running: Installation) -> Iterator[str]:
     for name, (who, path, prepare) in SCREENS.items():
-        someone = _come(browser, running, who, "landscape")
-        someone.sign_in()
-        someone.open(path if path != WORKING else f"/operate/{_working(someone)}")
-        prepare(someone)
-        yield from _all_looks(someone, name)
-        someone.context.close()
+        if len(sys.argv) > 1 and name not in sys.argv:
+            continue
+        for sizes in (("landscape", "portrait"), ("desk",)) if name in WIDE else (tuple(SIZES),):
+            someone = _come(browser, running, who, sizes[0])
+            someone.sign_in()
+            someone.open(path if path != WORKING else f"/operate/{_working(someone)}")
+            prepare(someone)
+            yield from _all_looks(someone, name, sizes)
+            someone.context.close()
 
 
 def _map_builder(browser: Browser, running: Installation) -> Iterator[str]:
@@ -96,9 +103,10 @@ def _map_builder(browser: Browser, running: Installation) -> Iterator[str]:
     pieter.context.close()
 
 
-def _all_looks(someone: Person, name: str) -> Iterator[str]:
+def _all_looks(someone: Person, name: str, sizes: tuple[str, ...]) -> Iterator[str]:
     """Shoot a screen as it stands in each size and theme; nothing of it is opened anew."""
-    for size, (width, height) in SIZES.items():
+    for size in sizes:
+        width, height = SIZES[size]
         someone.page.set_viewport_size({"width": width, "height": height})
         for theme in THEMES:
             while someone.state("theme") != theme:
@@ -186,7 +194,14 @@ def _shoot(someone: Person, name: str) -> str:
     return f"{name}.png"
 
 
+def _twin(someone: Person) -> None:
+    someone.sees("twin", "live", within_s=90)
+    someone.page.wait_for_timeout(15_000)  # the model and its surroundings come after the first picture
+
+
 WORKING = "a weeder at work"
+WIDE = ("supervisor", "twin")
+"""Screens that a mouse on a desk shows otherwise than a finger does."""
 SCREENS: dict[str, tuple[str, str, Prepare]] = {
     "fleet": ("supervisor", "/fleet", _as_it_opens),
     "alarms": ("supervisor", "/alarms", _alarms),
@@ -196,6 +211,7 @@ SCREENS: dict[str, tuple[str, str, Prepare]] = {
     "plan": ("planner", "/missions", _plan),
     "queue": ("planner", "/missions", _queue),
     "supervisor": ("admin", "/supervisor/planter-01", _as_it_opens),
+    "twin": ("admin", "/twin/planter-03", _twin),
     "admin": ("admin", "/admin", _as_it_opens),
 }
 """Screen to who opens it, where, and what they do there before it is shown."""
