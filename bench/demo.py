@@ -70,7 +70,7 @@ def _start() -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         times = []
         for _ in range(3):
-            running = Installation.start(Path(folder) / "data", fleet="full")
+            running = Installation.start(Path(folder) / "data", fleet="full", has_media=True)
             times.append(running.ready_s)
             running.end()
     return _figure("demo_ready_s", min(times[1:]), "s", f"24 robots, second start; the first {times[0]:.1f} s")

@@ -39,7 +39,7 @@ def main() -> int:
     """Write the pictures; return an exit code."""
     OUT.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
-        running = Installation.start(Path(folder) / "data", fleet="full")
+        running = Installation.start(Path(folder) / "data", fleet="full", has_media=True)
         try:
             path = find_browser()
             options: dict[str, Any] = {"executable_path": path} if path else {}

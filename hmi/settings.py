@@ -61,6 +61,10 @@ class Settings(BaseSettings):
     demo_fleet: Literal["full", "small"] = Field(
         "full", description="Robots of the demo: full is a farm of 24 at work, small three weeders that wait for you."
     )
+    media: bool = Field(
+        True,
+        description="Run the media process, which draws the 3D twin. Off, the twin's screen shows the map instead.",
+    )
     secret: str = Field(
         DEFAULT_SECRET,
         min_length=8,

@@ -53,7 +53,7 @@ def run_demo(on_ready: OnReady, *, is_tls: bool = False) -> None:
         dies_with_keeper=True,
     )  # fmt: skip
     groups = [[demo_broker(data, broker_port)], [_console(settings), _stop(settings), simulator]]
-    Keeper(groups, data, [_media(settings)]).run(lambda: on_ready(_url(settings)))
+    Keeper(groups, data, _later(settings)).run(lambda: on_ready(_url(settings)))
 
 
 def run_serve(on_ready: OnReady, *, is_tls: bool = False) -> None:
@@ -76,7 +76,7 @@ def run_serve(on_ready: OnReady, *, is_tls: bool = False) -> None:
     os.environ["HEADLAND_DATA"] = str(data)
     # STOP first: whatever else fails to start, it is there
     groups = [[_stop(settings)], [_console(settings)]]
-    Keeper(groups, data, [_media(settings)]).run(lambda: on_ready(_url(settings)))
+    Keeper(groups, data, _later(settings)).run(lambda: on_ready(_url(settings)))
 
 
 def _use_certificate(data: Path) -> None:
@@ -105,6 +105,10 @@ def _console(settings: Settings) -> PartSpec:
         url=_url(settings),
         dies_with_keeper=settings.demo,
     )
+
+
+def _later(settings: Settings) -> list[PartSpec]:
+    return [_media(settings)] if settings.media else []
 
 
 def _media(settings: Settings) -> PartSpec:

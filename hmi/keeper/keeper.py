@@ -18,6 +18,7 @@ from hmi.keeper.part import Part, PartSpec
 
 WATCH_S = 0.1
 START_LIMIT_S = 60.0
+LATER_S = 5.0  # whoever waited for the start signs in now; what can wait leaves them the machine
 END_LIMIT_S = 2.0  # with a second to spare for the promise of three
 
 
@@ -52,9 +53,10 @@ class Keeper:
                 self._start(group)
             if not self._end.is_set():
                 on_ready()
-                for part in self._later:
-                    part.start()
+            later_s = time.monotonic() + LATER_S
             while not self._end.wait(WATCH_S):
+                if not self._is_complete and time.monotonic() >= later_s:
+                    self._start_later()
                 self._watch()
         finally:
             self._end_all()
@@ -62,6 +64,14 @@ class Keeper:
     def end(self) -> None:
         """Let ``run`` return after ending all parts."""
         self._end.set()
+
+    @property
+    def _is_complete(self) -> bool:
+        return all(part.state != "stopped" for part in self._later)
+
+    def _start_later(self) -> None:
+        for part in self._later:
+            part.start()
 
     def _start(self, group: list[Part]) -> None:
         for part in group:

@@ -19,7 +19,7 @@ SIZES = {"landscape": (1280, 800), "portrait": (800, 1280), "desk": (1920, 1080)
 def installation(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Installation]:
     """A demo that runs for the whole session; ends with Ctrl+C."""
     host = os.environ.get("HEADLAND_TEST_HOST", "127.0.0.1")
-    running = Installation.start(tmp_path_factory.mktemp("demo") / "data", host=host)
+    running = Installation.start(tmp_path_factory.mktemp("demo") / "data", host=host, has_media=True)
     yield running
     running.end()
 

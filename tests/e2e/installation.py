@@ -35,12 +35,14 @@ class Installation:
     ready_s: float
 
     @classmethod
-    def start(cls, data: Path, *options: str, host: str = "127.0.0.1", fleet: str = "small") -> Installation:
-        """Start the demo with its data in ``data`` and wait until it says that it is ready."""
+    def start(
+        cls, data: Path, *options: str, host: str = "127.0.0.1", fleet: str = "small", has_media: bool = False
+    ) -> Installation:
+        """Start the demo with its data in ``data`` and wait until it says that it is ready; the twin on demand."""
         port = free_port()
         env = {k: v for k, v in os.environ.items() if not k.startswith("HEADLAND_")}
         env |= {"HEADLAND_HOST": host, "HEADLAND_PORT": str(port), "HEADLAND_DATA": str(data)}
-        env["HEADLAND_DEMO_FLEET"] = fleet
+        env |= {"HEADLAND_DEMO_FLEET": fleet, "HEADLAND_MEDIA": str(has_media).lower()}
         started_s = time.monotonic()
         process = subprocess.Popen(
             [sys.executable, "-m", "hmi", "demo", *options],

@@ -44,7 +44,7 @@ def test_a_tablet_that_trusts_the_farm_operates_and_stops_by_https(safe: Install
     martha.operate("weeder-01")
     assert martha.page.evaluate("window.isSecureContext") is True
     martha.hook("lease-request").click()
-    wait_for(lambda: "You have control" in martha.hook("lease-owner").inner_text(), within_s=5, what="control")
+    wait_for(lambda: "You have control" in martha.hook("lease-owner").inner_text(), within_s=20, what="control")
     martha.press_stop()
     martha.sees("stop", "standstill")
     assert safe.world("weeder-01")["latched"]
