@@ -252,7 +252,7 @@ def test_a_file_that_is_no_map_is_refused_with_what_to_do(data: bytes, code: str
     assert words in caught.value.text
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_too_many_shapes_and_corners_are_refused() -> None:
     with pytest.raises(BadMapFile, match="20,000"):
         read("a.json", collection(*[shape("Point", [5, 52])] * 20_001))

@@ -115,6 +115,7 @@ def test_old_data_turns_grey_and_says_since_when(look: Look, planter: Callable[.
     assert state(page, "hold").locator(".time").text_content() == said
 
 
+@pytest.mark.long
 def test_durations_and_shares_are_of_what_was_recorded(look: Look, planter: Callable[..., None]) -> None:
     page = look(PATH)
     gantt = page.get_by_test_id("chart-gantt")
