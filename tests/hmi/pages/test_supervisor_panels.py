@@ -133,10 +133,9 @@ def until_jogs(machine: Theatre, count: int) -> list[dict[str, float]]:
 
 
 def hold(page: Page, hook: str) -> None:
-    """Press a pad and keep it."""
-    box = page.get_by_test_id(hook).bounding_box()
-    assert box is not None
-    page.mouse.move(box["x"] + 30, box["y"] + 30)
+    """Press a pad, once it stands still and may be pressed, and keep it."""
+    expect(page.get_by_text("Hold a pad to move")).to_be_visible()
+    page.get_by_test_id(hook).hover()  # waits until the sheet has come to rest
     page.mouse.down()
 
 
