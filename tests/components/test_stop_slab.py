@@ -47,9 +47,12 @@ class Farm:
             self.gateway.start()
         for robot in self.robots:
             robot.is_silent = robot.is_deaf = robot.is_runaway = False
-            robot.speed_mps, robot.ack_after_s = 0.4, 0.0
             for stop_id in list(robot.presses):
                 robot.reset(stop_id)
+            robot.speed_mps, robot.ack_after_s = (
+                0.4,
+                0.0,
+            )  # after the reset: who moves while stopped stays NOT CONFIRMED
             robot.stops_by_mqtt.clear()
             robot.stops_by_http.clear()
 
