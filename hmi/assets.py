@@ -56,8 +56,8 @@ class CompressedAssets:
         key = f"{scope['path']}?{scope['query_string'].decode('latin-1')}"
         asset = self._assets.get(key)
         if asset is None:
-            fetched = await self._fetch(scope, receive)
-            if fetched[0]["status"] != 200:
+            fetched = await self._fetch(scope)
+            if fetched[0]["status"] != 200 or not _is_whole(fetched):
                 for message in fetched:
                     await send(message)
                 return
@@ -76,14 +76,18 @@ class CompressedAssets:
             return False
         return "range" not in Headers(scope=scope)
 
-    async def _fetch(self, scope: Scope, receive: Receive) -> list[Message]:
+    async def _fetch(self, scope: Scope) -> list[Message]:
+        """Fetch a whole file, though the browser that asked for it first may leave meanwhile.
+
+        Told of a leaving browser, the inner app would stop in the middle, and every later one would get that half.
+        """
         plain = [(k, v) for k, v in scope["headers"] if k not in (b"accept-encoding", b"if-none-match")]
         messages: list[Message] = []
 
         async def collect(message: Message) -> None:
             messages.append(message)
 
-        await self._app({**scope, "method": "GET", "headers": plain}, receive, collect)
+        await self._app({**scope, "method": "GET", "headers": plain}, _never_leaves(), collect)
         return messages
 
     async def _improve(self, asset: Asset) -> None:
@@ -97,6 +101,28 @@ class CompressedAssets:
         self._assets[key] = asset
         self._bytes += size
         return True
+
+
+def _never_leaves() -> Receive:
+    """Return the receiving side of a request without a body whose browser stays."""
+    is_first = True
+
+    async def receive() -> Message:
+        nonlocal is_first
+        if is_first:
+            is_first = False
+            return {"type": "http.request", "body": b"", "more_body": False}
+        message: Message = await asyncio.get_running_loop().create_future()  # cancelled with the request at the latest
+        return message
+
+    return receive
+
+
+def _is_whole(messages: list[Message]) -> bool:
+    """Say whether a file came to its end: what is kept for good must be all of it."""
+    promised = dict(messages[0]["headers"]).get(b"content-length")
+    length = sum(len(m.get("body", b"")) for m in messages[1:])
+    return not messages[-1].get("more_body", False) and promised in (None, b"%d" % length)
 
 
 def _compress(messages: list[Message]) -> Asset:

@@ -21,6 +21,17 @@ class Person:
         self.context = context
         self.installation = installation
         self.page: Page = context.new_page()
+        self._note_troubles()
+
+    def _note_troubles(self) -> None:
+        """Print what goes wrong in the browser: shown with a test that fails."""
+        self.page.on("pageerror", lambda error: print(f"[{self.name}'s page] {error}"))
+        self.page.on("requestfailed", lambda request: print(f"[{self.name} lost] {request.url}: {request.failure}"))
+        self.page.on("framenavigated", lambda frame: print(f"[{self.name} at] {time.monotonic():.1f} {frame.url}"))
+        self.page.on(
+            "response",
+            lambda answer: answer.status < 400 or print(f"[{self.name} refused] {answer.status} {answer.url}"),
+        )
 
     def sign_in(self) -> None:
         """Sign in with name and password, which are the same in the demo."""

@@ -100,3 +100,31 @@ async def test_other_paths_pass_untouched(client: httpx.AsyncClient) -> None:
     async with client:
         answer = await client.get("/api/x.js")
     assert "content-encoding" not in answer.headers
+
+
+async def test_a_browser_that_leaves_half_way_does_not_halve_the_file_for_the_next() -> None:
+    async def origin(scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve in pieces, and stop in the middle when the browser is said to have left."""
+        await receive()
+        gone = asyncio.ensure_future(receive())
+        headers = [(b"content-type", b"text/javascript"), (b"content-length", b"%d" % len(SCRIPT))]
+        await send({"type": "http.response.start", "status": 200, "headers": headers})
+        for at in range(0, len(SCRIPT), 500):
+            await asyncio.sleep(0)
+            if gone.done():
+                break
+            await send({"type": "http.response.body", "body": SCRIPT[at : at + 500], "more_body": True})
+        await send({"type": "http.response.body", "body": b"", "more_body": False})
+        gone.cancel()
+
+    async def left() -> dict[str, str]:
+        return {"type": "http.disconnect"}
+
+    async def nowhere(message: object) -> None:
+        pass
+
+    assets = CompressedAssets(origin, ("/static/",))
+    scope = {"type": "http", "method": "GET", "path": "/static/a.js", "query_string": b"", "headers": []}
+    await assets(scope, left, nowhere)
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(app=assets), base_url="http://test") as client:
+        assert (await client.get("/static/a.js")).content == SCRIPT

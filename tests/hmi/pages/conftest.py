@@ -99,11 +99,20 @@ def theatre() -> Iterator[Theatre]:
 
 @pytest.fixture
 def look(plain_browser: Browser, theatre: Theatre) -> Iterator[Callable[..., Page]]:
-    """Give a page: ``look("/fleet", role="operator", size="portrait")``; script errors fail the test."""
+    """Give a page: ``look("/fleet", role="operator", size="portrait")``; script errors fail the test.
+
+    ``may_break`` is for tests that break the page themselves.
+    """
     contexts = []
     problems: list[str] = []
 
-    def open_page(path: str = "/operate/weeder-07", *, role: str = "operator", size: str = "landscape") -> Page:
+    def open_page(
+        path: str = "/operate/weeder-07",
+        *,
+        role: str = "operator",
+        size: str = "landscape",
+        may_break: bool = False,
+    ) -> Page:
         width, height = SIZES[size]
         context = plain_browser.new_context(
             viewport={"width": width, "height": height}, has_touch=size != "desk", base_url=theatre.url
@@ -112,7 +121,8 @@ def look(plain_browser: Browser, theatre: Theatre) -> Iterator[Callable[..., Pag
         if role:
             context.add_cookies([{"name": "stage", "value": role, "url": theatre.url}])
         page = context.new_page()
-        page.on("pageerror", lambda error: problems.append(str(error)))
+        if not may_break:
+            page.on("pageerror", lambda error: problems.append(str(error)))
         page.goto(path)
         return page
 

@@ -133,8 +133,10 @@ def test_keys_walk_the_list_and_the_row_menu_stops_this_robot_alone(
     page.keyboard.press("/")
     expect(page.get_by_test_id("fleet-search")).to_be_focused()
     page.keyboard.press("Escape")
-    for _ in range(3):
-        page.keyboard.press("j")
+    page.keyboard.press("j")
+    page.keyboard.press("j")
+    expect(page.locator("[data-testid^=fleet-row-]").nth(1)).to_have_attribute("aria-current", "true")
+    page.get_by_test_id("fleet-row-weeder-07").click()
     expect(page.get_by_test_id("fleet-row-weeder-07")).to_have_attribute("aria-current", "true")
     page.keyboard.press("x")
     expect(page.get_by_test_id("fleet-chosen")).to_have_text("1 selected")

@@ -219,7 +219,7 @@ def drives(theatre: Theatre) -> list[dict[str, float]]:
 def open_drive(page: Page) -> None:
     """Open manual driving."""
     page.get_by_test_id("drive-open").click()
-    expect(page.get_by_test_id("drive-forward")).to_be_visible()
+    expect(page.get_by_test_id("drive-forward")).to_have_attribute("data-state", "idle")
 
 
 @pytest.mark.parametrize("size", TABLETS)

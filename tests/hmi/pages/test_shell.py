@@ -202,3 +202,18 @@ def test_the_lost_server_is_said_and_no_press_acts_later(look: Look, theatre: Th
     page.get_by_test_id("nav-fleet").click()
     expect(page.get_by_test_id("toast")).to_contain_text("Not sent")
     expect(page.get_by_test_id("value-speed")).to_be_visible()
+
+
+def test_a_page_whose_script_was_lost_says_so_and_comes_by_itself(look: Look) -> None:
+    page = look(may_break=True)
+    page.route("**/nicegui.js", lambda route: route.abort())
+    page.reload()
+    notice = page.locator("#h-unloaded")
+    expect(notice).to_contain_text("This screen did not load completely. STOP has a way of its own")
+    expect(page.get_by_test_id("stop")).to_be_visible()
+    notice.get_by_role("button", name="Load again now").click()
+    page.wait_for_function("sessionStorage.getItem('headland.load_tries') === '1'")
+    expect(notice).to_contain_text("Loading again in")
+    page.unroute("**/nicegui.js")
+    expect(page.get_by_test_id("value-speed")).to_be_visible()  # after five seconds, by itself
+    expect(notice).to_have_count(0)
