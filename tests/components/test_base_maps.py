@@ -118,6 +118,7 @@ def test_a_photo_lies_at_its_place_under_the_field_without_webgl(plain_browser: 
     page.close()
 
 
+@pytest.mark.long
 def test_a_photo_lies_at_its_place_under_the_field(page: Page, map_server: MapServer) -> None:
     middle = serve_photo(map_server)
     the_map = chosen(page, map_server)

@@ -16,7 +16,7 @@ from tests.components.screen_pixels import is_close
 
 pytestmark = pytest.mark.browser
 
-ENGINES = ["auto", "canvas"]
+ENGINES = ["auto", pytest.param("canvas", marks=pytest.mark.long)]
 SIZE: ViewportSize = {"width": 720, "height": 520}  # software GL pays for every pixel
 CENTRE = (360, 260)
 MISSION = f"/api/v1/robots/{ROBOT}/mission.geojson"

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, BrowserContext
 
-from tests.e2e.installation import Installation
+from tests.e2e.installation import ROBOTS, Installation
 from tests.e2e.person import Person
 
 SIZES = {"landscape": (1280, 800), "portrait": (800, 1280), "desk": (1920, 1080)}
@@ -26,10 +26,11 @@ def installation(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Installat
 
 @pytest.fixture
 def calm(installation: Installation) -> Iterator[Installation]:
-    """The demo with healthy robots that stand still and are not stopped, before and after the test."""
+    """The demo with healthy robots that stand still and are not stopped; faults end with the test."""
     installation.calm()
     yield installation
-    installation.calm()
+    for robot in ROBOTS:
+        installation.mend(robot)
 
 
 @pytest.fixture

@@ -46,6 +46,7 @@ def test_ctrl_c_ends_everything_and_leaves_no_process_and_no_port(tmp_path: Path
         httpx.get(running.url, trust_env=False)
 
 
+@pytest.mark.long
 def test_a_killed_console_comes_back_and_health_remembers(calm: Installation) -> None:
     before = calm.keeper()["console"]
     os.kill(before["pid"], signal.SIGKILL)

@@ -18,7 +18,7 @@ from hmi.pages.bundle import STATIC
 expect.set_options(timeout=15_000)  # a busy machine is late, not wrong
 ARRIVAL_S = 15.0
 SIZES = {"landscape": (1280, 800), "portrait": (800, 1280), "desk": (1920, 1080)}
-TABLETS = ["landscape", "portrait", pytest.param("desk", marks=pytest.mark.long)]
+TABLETS = ["landscape", *(pytest.param(size, marks=pytest.mark.long) for size in ("portrait", "desk"))]
 
 
 ICONS = (STATIC / "icons" / "icons.txt").read_text("utf-8").split()

@@ -249,7 +249,9 @@ ENDS = {
 }
 
 
-@pytest.mark.parametrize("end", ENDS)
+@pytest.mark.parametrize(
+    "end", ["lost focus", *(pytest.param(end, marks=pytest.mark.long) for end in ENDS if end != "lost focus")]
+)
 def test_whatever_ends_the_touch_gives_zero_at_once(look: Look, theatre: Theatre, end: str) -> None:
     theatre.play("manual")
     page = look()
