@@ -15,12 +15,14 @@ from hmi.clock import Clock
 from hmi.commands.alarm_desk import AlarmDesk
 from hmi.domain.alarm.alarm import AlarmState
 from hmi.domain.alarm.catalogue import catalogue
+from hmi.domain.alarm.life import MAX_SHELF
 from hmi.domain.alarm.live_alarm import LiveAlarm
 from hmi.presenters.alarms import entry, epoch_ms, words
 from hmi.store.alarms import AlarmStore
 
 ID = r"^[a-z0-9][a-z0-9._-]{0,180}\z"
 AlarmId = Annotated[str, Path(pattern=ID)]
+MAX_SHELF_MIN = int(MAX_SHELF.total_seconds() // 60)
 _ASIDE = (AlarmState.SHELVED, AlarmState.SUPPRESSED, AlarmState.OUT_OF_SERVICE)
 
 
@@ -33,7 +35,7 @@ class Ids(Body):
 class ShelveBody(Body):
     """How long, and why."""
 
-    minutes: Literal[15, 60, 240] | None = None
+    minutes: Annotated[int, Field(ge=1, le=MAX_SHELF_MIN)] | None = None
     until_shift_end: bool = False
     reason: Reason
 

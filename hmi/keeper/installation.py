@@ -51,9 +51,10 @@ def run_demo(on_ready: OnReady, *, is_tls: bool = False) -> None:
         is_ready=lambda: answers("127.0.0.1", simulator_port),
         url=f"http://127.0.0.1:{simulator_port}",
         dies_with_keeper=True,
+        after=("broker", "stop"),  # the console takes longest to start: it shall not share its core with everybody
     )  # fmt: skip
-    groups = [[demo_broker(data, broker_port)], [_console(settings), _stop(settings), simulator]]
-    Keeper(groups, data, _later(settings)).run(lambda: on_ready(_url(settings)))
+    parts = [demo_broker(data, broker_port), _console(settings), _stop(settings, after=("broker",)), simulator]
+    Keeper(parts, data, _later(settings)).run(lambda: on_ready(_url(settings)))
 
 
 def run_serve(on_ready: OnReady, *, is_tls: bool = False) -> None:
@@ -75,8 +76,8 @@ def run_serve(on_ready: OnReady, *, is_tls: bool = False) -> None:
     require_free(settings.host, settings.stop_port, "HEADLAND_STOP_PORT")
     os.environ["HEADLAND_DATA"] = str(data)
     # STOP first: whatever else fails to start, it is there
-    groups = [[_stop(settings)], [_console(settings)]]
-    Keeper(groups, data, _later(settings)).run(lambda: on_ready(_url(settings)))
+    parts = [_stop(settings), _console(settings, after=("stop",))]
+    Keeper(parts, data, _later(settings)).run(lambda: on_ready(_url(settings)))
 
 
 def _use_certificate(data: Path) -> None:
@@ -87,23 +88,25 @@ def _use_certificate(data: Path) -> None:
     os.environ |= {"HEADLAND_TLS_CERT": str(made.cert), "HEADLAND_TLS_KEY": str(made.key)}
 
 
-def _stop(settings: Settings) -> PartSpec:
+def _stop(settings: Settings, after: tuple[str, ...] = ()) -> PartSpec:
     return PartSpec(
         "stop",
         (sys.executable, "-m", "hmi.stop_gateway"),
         is_ready=lambda: answers(_near(settings.host), settings.stop_port),
         url=settings.stop_public_url or _address(settings, settings.stop_port),
         dies_with_keeper=settings.demo,
+        after=after,
     )
 
 
-def _console(settings: Settings) -> PartSpec:
+def _console(settings: Settings, after: tuple[str, ...] = ()) -> PartSpec:
     return PartSpec(
         "console",
         (sys.executable, "-m", "hmi.app"),
         is_ready=lambda: answers(_near(settings.host), settings.port),
         url=_url(settings),
         dies_with_keeper=settings.demo,
+        after=after,
     )
 
 

@@ -28,15 +28,15 @@ class Keeper:
     Its view goes to ``run/keeper.json``, where the console reads it for health and the screens.
 
     Args:
-        groups: parts in start order; parts of one group start together once the group before is ready.
+        parts: what to run; each starts as soon as those it comes ``after`` serve. They end in reverse order.
         later: parts nobody waits for; they start once everything else serves.
     """
 
-    def __init__(self, groups: Sequence[Sequence[PartSpec]], data: Path, later: Sequence[PartSpec] = ()) -> None:
+    def __init__(self, parts: Sequence[PartSpec], data: Path, later: Sequence[PartSpec] = ()) -> None:
         self._data = data
-        self._groups = [[Part(spec, data / "logs") for spec in group] for group in groups]
+        self._first = [Part(spec, data / "logs") for spec in parts]
         self._later = [Part(spec, data / "logs") for spec in later]
-        self._parts = [*(part for group in self._groups for part in group), *self._later]
+        self._parts = [*self._first, *self._later]
         self._end = threading.Event()
 
     def run(self, on_ready: Callable[[], None]) -> None:
@@ -49,8 +49,7 @@ class Keeper:
             signal.signal(number, self._signalled)
         end_left_overs(self._data)
         try:
-            for group in self._groups:
-                self._start(group)
+            self._start()
             if not self._end.is_set():
                 on_ready()
             later_s = time.monotonic() + LATER_S
@@ -73,18 +72,24 @@ class Keeper:
         for part in self._later:
             part.start()
 
-    def _start(self, group: list[Part]) -> None:
-        for part in group:
-            part.start()
-        self._write()
+    def _start(self) -> None:
         deadline_s = time.monotonic() + START_LIMIT_S
-        while not self._end.is_set() and any(part.state != "ok" for part in group):
+        while not self._end.is_set() and any(part.state != "ok" for part in self._first):
+            self._start_due()
             self._watch()
-            fallen = next((p for p in group if p.restarts > 2), None)
-            late = next((p for p in group if p.state != "ok"), None) if time.monotonic() > deadline_s else None
+            fallen = next((p for p in self._first if p.restarts > 2), None)
+            late = next((p for p in self._first if p.state != "ok"), None) if time.monotonic() > deadline_s else None
             if failed := fallen or late:
                 raise StartError(f"{failed.spec.name} does not start. Its log ends with:\n{failed.log_tail()}")
             self._end.wait(0.03)
+
+    def _start_due(self) -> None:
+        serving = {part.spec.name for part in self._first if part.state == "ok"}
+        due = [part for part in self._first if part.state == "stopped" and serving.issuperset(part.spec.after)]
+        for part in due:
+            part.start()
+        if due:
+            self._write()
 
     def _watch(self) -> None:
         # a part that was not started yet is "stopped" and is not missed

@@ -28,6 +28,7 @@ class PartSpec:
         argv: command and arguments.
         is_ready: says whether it serves; asked until true at each start.
         url: where it can be reached, for health and people; ``None`` if nowhere.
+        after: names of the parts that have to serve before this one is started for the first time.
     """
 
     name: str
@@ -36,6 +37,7 @@ class PartSpec:
     is_ready: Callable[[], bool] = lambda: True
     url: str | None = None
     dies_with_keeper: bool = False
+    after: tuple[str, ...] = ()
 
 
 class Part:

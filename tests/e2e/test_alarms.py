@@ -83,6 +83,27 @@ def test_a_shelved_alarm_leaves_the_list_and_comes_back(person: Come, calm: Inst
 
 
 @pytest.mark.long
+@pytest.mark.timeout(240)
+def test_a_shelf_ends_by_itself_and_the_alarm_is_new_again(person: Come, calm: Installation, boss: Caller) -> None:
+    robot, alarm = "weeder-01", "link-lost.weeder-01"
+    anna = person("supervisor")
+    calm.fault(robot, "silence", http=True)
+    anna.open("/alarms")
+    anna.hook(f"alarm-row-{alarm}").click()
+    boss.post(f"/alarms/{alarm}/acknowledge", {}).raise_for_status()
+    boss.post(f"/alarms/{alarm}/shelve", {"minutes": 1, "reason": "Radio is being mended"}).raise_for_status()
+    expect(anna.hook(f"alarm-row-{alarm}")).to_have_count(0)
+    anna.hook("alarms-tab-shelved").click()
+    expect(anna.hook(f"alarm-row-{alarm}")).to_contain_text("Shelved by")
+    expect(anna.hook(f"alarm-row-{alarm}")).to_have_count(0, timeout=75_000)
+    anna.hook("alarms-tab-active").click()
+    anna.sees(f"alarm-row-{alarm}", "unacknowledged")  # though it was acknowledged before
+    calm.mend(robot)
+    anna.hook(f"alarm-ack-{alarm}").click()
+    expect(anna.hook(f"alarm-row-{alarm}")).to_have_count(0, timeout=20_000)
+
+
+@pytest.mark.long
 def test_an_operator_answers_on_operate_without_leaving_the_robot(
     person: Come, calm: Installation, boss: Caller
 ) -> None:

@@ -71,14 +71,14 @@ def test_a_part_that_keeps_falling_waits_longer_each_time(data: Path) -> None:
 
 
 def test_keeper_says_why_a_part_does_not_start(data: Path) -> None:
-    keeper = Keeper([[PartSpec("faller", FALLER, is_ready=lambda: False)]], data)
+    keeper = Keeper([PartSpec("faller", FALLER, is_ready=lambda: False)], data)
     with pytest.raises(StartError, match="the reason"):
         keeper.run(lambda: None)
     assert not (data / "run" / "keeper.json").exists()
 
 
 def test_keeper_ends_every_process_when_told(data: Path) -> None:
-    keeper = Keeper([[PartSpec("one", SLEEPER)], [PartSpec("two", SLEEPER)]], data)
+    keeper = Keeper([PartSpec("one", SLEEPER), PartSpec("two", SLEEPER, after=("one",))], data)
     pids: list[int] = []
 
     def ready() -> None:
@@ -91,9 +91,25 @@ def test_keeper_ends_every_process_when_told(data: Path) -> None:
     assert not any(psutil.pid_exists(pid) for pid in pids)
 
 
+def test_a_part_starts_only_when_those_before_it_serve(data: Path) -> None:
+    serving: list[str] = []
+    seen: list[tuple[object, ...]] = []
+
+    def is_first_ready() -> bool:
+        parts = read_json(data / "run" / "keeper.json")["parts"]
+        seen.append((parts["first"]["pid"] is None, parts["second"]["pid"] is None, parts["beside"]["pid"] is None))
+        serving.append("first")
+        return len(serving) > 3
+
+    first = PartSpec("first", SLEEPER, is_ready=is_first_ready)
+    keeper = Keeper([PartSpec("second", SLEEPER, after=("first",)), first, PartSpec("beside", SLEEPER)], data)
+    keeper.run(keeper.end)
+    assert seen[:3] == [(False, True, False)] * 3
+
+
 def test_a_second_keeper_of_the_same_data_folder_is_refused(data: Path) -> None:
     refusals: list[str] = []
-    keeper = Keeper([[PartSpec("one", SLEEPER)]], data)
+    keeper = Keeper([PartSpec("one", SLEEPER)], data)
     earlier = start_sleeper()
     try:
         (data / "run" / "keeper.json").write_text(f'{{"pid": {earlier.pid}, "parts": {{}}}}')
@@ -110,7 +126,7 @@ def test_left_overs_of_a_killed_keeper_are_ended_first(data: Path) -> None:
     orphan = start_sleeper()
     record = f'{{"pid": null, "parts": {{"one": {{"pid": {orphan.pid}}}}}}}'
     (data / "run" / "keeper.json").write_text(record)
-    keeper = Keeper([[PartSpec("one", SLEEPER)]], data)
+    keeper = Keeper([PartSpec("one", SLEEPER)], data)
     keeper.run(keeper.end)
     assert not orphan.is_running()
 
