@@ -17,6 +17,9 @@ PLACE = {"datum_lat_deg": 52.0, "datum_lon_deg": 5.0, "y_m": -2.0, "theta_rad": 
 
 
 @pytest.mark.parametrize(
+    "broker", ["mosquitto", pytest.param("amqtt", marks=pytest.mark.long)], indirect=True, scope="session"
+)
+@pytest.mark.parametrize(
     ("robot", "family", "is_lean"),
     [("planter-01", "planter", False), ("uav-01", "uav", False), ("lean-0001", "weeder", True)],
 )

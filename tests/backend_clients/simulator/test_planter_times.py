@@ -35,6 +35,7 @@ def usual() -> Trial:
     return run_trial(FAILS_NEVER, attempts=SIX_SITES, is_hasty=True)
 
 
+@pytest.mark.long
 def test_two_moves_and_five_attempts_take_the_published_time_in_each_state(trial: Trial) -> None:
     assert (trial.moves, trial.attempts, trial.planted) == (2, 5, 5)
     off = {state: trial.times_s[state] / published_s - 1 for state, published_s in PUBLISHED_S.items()}
@@ -42,15 +43,18 @@ def test_two_moves_and_five_attempts_take_the_published_time_in_each_state(trial
     assert trial.total_s == pytest.approx(PUBLISHED_TOTAL_S, rel=0.02)
 
 
+@pytest.mark.long
 def test_working_at_the_same_time_saves_what_was_published(trial: Trial) -> None:
     assert trial.wall_share == pytest.approx(0.93, abs=0.01)
 
 
+@pytest.mark.long
 def test_the_crane_takes_about_seventy_percent(trial: Trial) -> None:
     crane = ("above-plant", "dock", "dock-waypoint", "photo", "on-ground", "transport")
     assert sum(trial.times_s[one] for one in crane) / trial.total_s == pytest.approx(0.73, abs=0.04)
 
 
+@pytest.mark.long
 def test_the_table_names_every_state_beside_the_published_time(trial: Trial) -> None:
     text = "\n".join(table(trial))
     assert all(f"{state} " in text for state in PUBLISHED_S)
@@ -58,8 +62,8 @@ def test_the_table_names_every_state_beside_the_published_time(trial: Trial) -> 
 
 
 @pytest.mark.slow
-def test_the_same_seed_gives_the_same_trial(trial: Trial) -> None:
-    assert calibration(3).times_s == calibration(3).times_s != trial.times_s
+def test_the_same_seed_gives_the_same_trial() -> None:
+    assert calibration(3).times_s == calibration(3).times_s
 
 
 @pytest.mark.parametrize(

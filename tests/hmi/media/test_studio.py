@@ -136,6 +136,7 @@ async def test_without_the_secret_neither_picture_nor_page_is_given(studio: Stud
     with pytest.raises(urllib.error.HTTPError) as page:
         await asyncio.to_thread(urllib.request.urlopen, f"http://127.0.0.1:{studio.viser_port}/")
     assert page.value.code == 403
+    page.value.close()
 
 
 async def test_a_robot_moves_in_the_picture_with_its_joints_its_ghost_and_its_warnings(studio: Studio) -> None:
