@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 
 from hmi.clock import Clock
 from hmi.domain.robot import Robot
-from hmi.store.fleet import FleetStore, Part
+from hmi.store.fleet import FleetStore
+from hmi.store.robot_record import Part
 
 FAST = frozenset({Part.TELEMETRY, Part.LINK})
 LOOK_S = 0.5  # telemetry and heartbeats come 15 times a second and robot; a sample a second is kept

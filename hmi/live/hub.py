@@ -19,7 +19,8 @@ from hmi.live.outbox import Outbox
 from hmi.live.topics import AlarmsTopic, FleetTopic, PosesTopic, RobotNumbers, RobotTopic
 from hmi.presenters.operate import Context, MissionTitle
 from hmi.presenters.start_checks import MissionFacts
-from hmi.store.fleet import ALL_PARTS, FleetStore, Part
+from hmi.store.fleet import FleetStore
+from hmi.store.robot_record import ALL_PARTS, Part
 
 log = logging.getLogger(__name__)
 

@@ -9,7 +9,7 @@ from hmi.domain.robot import Robot
 from hmi.live.frames import INSIDE
 from hmi.live.topics import Groups
 from hmi.presenters import functions, inside, nodes, state_chart
-from hmi.store.fleet import ALL_PARTS, Part
+from hmi.store.robot_record import ALL_PARTS, Part
 
 REVIEW_S = 1.0
 """Nodes fall silent and functions go off without a message, or by a gauge that moves all the time."""

@@ -10,7 +10,8 @@ from hmi.domain.robot import Pose, Robot
 from hmi.live.frames import ALARMS, FLEET, POSES, ROBOT, piece
 from hmi.presenters import fleet, operate
 from hmi.presenters.units import heading_deg, milliseconds
-from hmi.store.fleet import Beat, Part
+from hmi.store.fleet import Beat
+from hmi.store.robot_record import Part
 
 GROUPS_OF: dict[Part, tuple[str, ...]] = {
     Part.REGISTRY: ("id", "tiles", "why", "actions", "body"),

@@ -6,77 +6,18 @@ once read never changes.
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
-from enum import StrEnum
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from hmi.domain import robot as domain
-from hmi.domain.freshness import LOST_S
 from hmi.domain.machine import Body, Worksite
+from hmi.store.robot_record import Part, Registered, RobotRecord
 
 UNREGISTERED_LIMIT = 200  # robots heard but not in the registry; more would let a hostile wire fill memory
 UNREGISTERED_KEPT_S = 60.0  # one that was silent this long makes room for a new one
 NODE_LIMIT = 64  # software nodes a robot may report
 RTT_WINDOW_S = 60.0
 REMOVED_KEPT = 1000
-
-
-class Part(StrEnum):
-    """The pieces of a robot that change apart from each other."""
-
-    REGISTRY = "registry"
-    LINK = "link"
-    FACTSHEET = "factsheet"
-    TELEMETRY = "telemetry"
-    STATE = "state"
-    SAFETY = "safety"
-    NODES = "nodes"
-    BODY = "body"
-    WORKSITE = "worksite"
-
-
-ALL_PARTS = frozenset(Part)
-
-
-class Registered(Protocol):
-    """What the store reads of a registry entry; the database row fits as it is."""
-
-    @property
-    def id(self) -> str:
-        """Id on the wire."""
-        ...
-
-    @property
-    def farm_id(self) -> str:
-        """Farm it belongs to."""
-        ...
-
-    @property
-    def name(self) -> str:
-        """Name people call it."""
-        ...
-
-    @property
-    def http_url(self) -> str | None:
-        """Address of its own HTTP endpoint."""
-        ...
-
-    @property
-    def http_token(self) -> str | None:
-        """Bearer token for it."""
-        ...
-
-    @property
-    def contact_name(self) -> str | None:
-        """Whom to call about it."""
-        ...
-
-    @property
-    def contact_phone(self) -> str | None:
-        """Their number."""
-        ...
 
 
 class RobotAddress(NamedTuple):
@@ -102,34 +43,6 @@ class Beat(NamedTuple):
     rtt_s: float | None
 
 
-@dataclass(slots=True)
-class _Record:
-    """Everything of one robot, mutable; ``built`` is the frozen copy handed out."""
-
-    id: str
-    entry: Registered | None = None
-    heard_s: float | None = None
-    active_s: float = 0.0
-    challenge: str | None = None
-    boot: str | None = None
-    is_online: bool = False
-    is_gone: bool = False
-    said_goodbye: bool = False
-    rtt_s: float | None = None
-    rtt_at_s: float | None = None
-    wall_offset_s: float | None = None
-    rtts: deque[tuple[float, float]] = field(default_factory=deque)
-    factsheet: domain.Factsheet | None = None
-    telemetry: domain.Telemetry | Callable[[], domain.Telemetry] | None = None
-    state: domain.RobotState | None = None
-    safety: domain.SafetyState | None = None
-    nodes: dict[str, domain.Node] = field(default_factory=dict)
-    body: Body | Callable[[], Body] | None = None
-    worksite: Worksite | None = None
-    revisions: dict[Part, int] = field(default_factory=dict)
-    built: domain.Robot | None = None
-
-
 class FleetStore:
     """Live state of all robots of one console.
 
@@ -140,7 +53,7 @@ class FleetStore:
 
     def __init__(self, mono_s: Callable[[], float], farm_id: str = "farm") -> None:
         self._mono_s, self._farm_id = mono_s, farm_id
-        self._records: dict[str, _Record] = {}
+        self._records: dict[str, RobotRecord] = {}
         self._registered: tuple[str, ...] = ()
         self._changed: dict[str, int] = {}  # robot -> newest revision, in order of change
         self._removed: dict[str, int] = {}
@@ -151,12 +64,12 @@ class FleetStore:
     def robot(self, robot_id: str) -> domain.Robot | None:
         """Return one robot as it is known now."""
         record = self._records.get(robot_id)
-        return None if record is None else self._build(record)
+        return None if record is None else record.robot(self._farm_id, is_broker_up=self._is_broker_up)
 
     def robots(self) -> list[domain.Robot]:
         """Return every robot, registered ones first, by id."""
         records = sorted(self._records.values(), key=lambda r: (r.entry is None, r.id))
-        return [self._build(r) for r in records]
+        return [r.robot(self._farm_id, is_broker_up=self._is_broker_up) for r in records]
 
     def registration(self, robot_id: str) -> Registered | None:
         """Return the registry entry; ``None`` for a robot that is only heard."""
@@ -208,12 +121,12 @@ class FleetStore:
                 break
             record = self._records[robot_id]
             if record.revisions.get(Part.TELEMETRY, 0) > revision:
-                moved.append((robot_id, self._fast(record).pose))
+                moved.append((robot_id, record.fast().pose))
         return moved
 
     def places(self) -> list[tuple[str, domain.Pose]]:
         """Return where every robot was last, silent ones too."""
-        return [(r.id, self._fast(r).pose) for r in self._records.values() if r.telemetry is not None]
+        return [(r.id, r.fast().pose) for r in self._records.values() if r.telemetry is not None]
 
     def beats_since(self, revision: int) -> list[Beat]:
         """Return when the robots were heard whose link changed after ``revision``; cheap for a thousand of them."""
@@ -319,7 +232,7 @@ class FleetStore:
         record.boot, record.challenge, record.heard_s = boot, challenge, heard_s
         record.active_s = self._mono_s()
         record.is_gone = record.said_goodbye = False
-        record.is_online = self._is_heard(record)
+        record.is_online = record.is_heard(self._mono_s())
         self._touch(record, Part.LINK)
 
     def put_round_trip(self, robot_id: str, rtt_s: float) -> None:
@@ -338,7 +251,7 @@ class FleetStore:
         record.said_goodbye = is_shutdown and not is_online
         if record.is_gone == is_online:
             record.is_gone = not is_online
-            record.is_online = self._is_heard(record)
+            record.is_online = record.is_heard(self._mono_s())
             self._touch(record, Part.LINK)
 
     def set_broker(self, *, is_up: bool) -> None:
@@ -353,18 +266,15 @@ class FleetStore:
         """Judge again who is heard; call a few times a second, since silence makes no message."""
         has_changed = False
         for record in self._records.values():
-            is_online = self._is_heard(record)
+            is_online = record.is_heard(self._mono_s())
             if is_online != record.is_online:
                 record.is_online, has_changed = is_online, True
                 self._touch(record, Part.LINK)
         if has_changed:
             self.announce()
 
-    def _is_heard(self, record: _Record) -> bool:
-        return not record.is_gone and record.heard_s is not None and self._mono_s() - record.heard_s < LOST_S
-
-    def _add(self, robot_id: str) -> _Record:
-        record = self._records[robot_id] = _Record(robot_id, active_s=self._mono_s())
+    def _add(self, robot_id: str) -> RobotRecord:
+        record = self._records[robot_id] = RobotRecord(robot_id, active_s=self._mono_s())
         self._removed.pop(robot_id, None)
         return record
 
@@ -376,58 +286,9 @@ class FleetStore:
         if len(self._removed) > REMOVED_KEPT:
             del self._removed[next(iter(self._removed))]
 
-    def _touch(self, record: _Record, part: Part) -> None:
+    def _touch(self, record: RobotRecord, part: Part) -> None:
         self.revision += 1
         record.revisions[part] = self.revision
         record.built = None
         self._changed.pop(record.id, None)
         self._changed[record.id] = self.revision
-
-    def _fast(self, record: _Record) -> domain.Telemetry:
-        """Return telemetry that is there, made from the wire at the first look."""
-        value = record.telemetry
-        assert value is not None
-        if not isinstance(value, domain.Telemetry):
-            value = record.telemetry = value()
-        return value
-
-    @staticmethod
-    def _body(record: _Record) -> Body | None:
-        value = record.body
-        if value is not None and not isinstance(value, Body):
-            value = record.body = value()
-        return value
-
-    def _build(self, record: _Record) -> domain.Robot:
-        if record.built is None:
-            entry, sheet = record.entry, record.factsheet
-            record.built = domain.Robot(
-                id=record.id,
-                is_registered=entry is not None,
-                name=entry.name if entry else (sheet.name if sheet and sheet.name else record.id),
-                farm_id=entry.farm_id if entry else self._farm_id,
-                link=self._link(record),
-                factsheet=sheet,
-                telemetry=None if record.telemetry is None else self._fast(record),
-                state=record.state,
-                safety=record.safety,
-                nodes=record.nodes,
-                body=self._body(record),
-                worksite=record.worksite,
-            )
-        return record.built
-
-    def _link(self, record: _Record) -> domain.LinkHealth:
-        return domain.LinkHealth(
-            is_online=record.is_online,
-            heard_s=record.heard_s,
-            challenge=record.challenge,
-            challenge_s=record.heard_s,
-            boot=record.boot,
-            rtt_s=record.rtt_s,
-            rtt_max_s=max((rtt for _, rtt in record.rtts), default=None),
-            is_broker_up=self._is_broker_up,
-            rtt_at_s=record.rtt_at_s,
-            wall_offset_s=record.wall_offset_s,
-            said_goodbye=record.said_goodbye,
-        )

@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from hmi.clock import FakeClock
 from hmi.domain.robot import Node, Stamp
-from hmi.store.fleet import NODE_LIMIT, UNREGISTERED_KEPT_S, UNREGISTERED_LIMIT, FleetStore, Part
+from hmi.store.fleet import NODE_LIMIT, UNREGISTERED_KEPT_S, UNREGISTERED_LIMIT, FleetStore
+from hmi.store.robot_record import Part
 from tests.hmi.ingest.wire import Entry
 from tests.hmi.presenters.robots import FAST, SAFE, SHEET, STATE
 
