@@ -37,12 +37,19 @@ def calm(installation: Installation) -> Iterator[Installation]:
 def person(request: pytest.FixtureRequest, calm: Installation) -> Iterator[Callable[..., Person]]:
     """Give people with their own browsers: ``person("operator")``, ``person("viewer", size="portrait")``.
 
+    They are signed in, with ``by_form`` as a person does it.
     Their tablets have no WebGL unless ``has_webgl`` is said: drawing it in software takes a core.
     """
     contexts: list[BrowserContext] = []
 
     def come(
-        name: str, *, size: str = "landscape", sign_in: bool = True, has_webgl: bool = False, **options: Any
+        name: str,
+        *,
+        size: str = "landscape",
+        sign_in: bool = True,
+        by_form: bool = False,
+        has_webgl: bool = False,
+        **options: Any,
     ) -> Person:
         width, height = SIZES[size]
         browser: Browser = request.getfixturevalue("browser" if has_webgl else "plain_browser")
@@ -51,8 +58,10 @@ def person(request: pytest.FixtureRequest, calm: Installation) -> Iterator[Calla
         )
         contexts.append(context)
         someone = Person(name, context, calm)
-        if sign_in:
+        if sign_in and by_form:
             someone.sign_in()
+        elif sign_in:
+            someone.come_in()
         return someone
 
     yield come

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.browser
 
 def test_operate_and_stop_from_another_address(person: Callable[..., Person], calm: Installation) -> None:
     assert "127.0.0.1" not in calm.url
-    martha = person("operator")
+    martha = person("operator", by_form=True)
     martha.operate("weeder-01")
     assert martha.page.evaluate("window.isSecureContext") is False
     martha.sees("value-speed", "fresh|late")

@@ -36,7 +36,7 @@ def send_mission(someone: Person, mission: str = MISSION) -> None:
 @pytest.mark.parametrize("size", ["landscape", pytest.param("portrait", marks=pytest.mark.long)])
 def test_a_farmer_weeds_pauses_drives_by_hand_and_stops(person: Come, calm: Installation, size: str) -> None:
     calm.simulator("POST", "/_world", {"speed": 10})
-    martha = person("operator", size=size, has_webgl=size == "landscape")
+    martha = person("operator", size=size, by_form=True, has_webgl=size == "landscape")
     send_mission(martha)
     assert calm.world(ROBOT)["standstill"]
 

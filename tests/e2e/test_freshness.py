@@ -60,7 +60,7 @@ def test_a_burst_of_held_messages_does_not_look_fresh(person: Come, calm: Instal
 
 
 def test_signing_out_closes_every_page_of_the_session(person: Come, calm: Installation) -> None:
-    martha = person("operator")
+    martha = person("operator", by_form=True)
     martha.operate(ROBOT)
     second = martha.context.new_page()
     second.goto("/fleet")

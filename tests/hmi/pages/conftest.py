@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from hmi.pages.bundle import STATIC
 
@@ -97,13 +97,30 @@ def theatre() -> Iterator[Theatre]:
     process.stdout.close()
 
 
+@pytest.fixture(scope="session")
+def tablets(plain_browser: Browser, theatre: Theatre) -> Iterator[dict[str, BrowserContext]]:
+    """Browsers by size that stay open for all tests: what they fetched and compiled once, they keep."""
+    kept: dict[str, BrowserContext] = {}
+    yield kept
+    for context in kept.values():
+        context.close()
+
+
+def take(browser: Browser, size: str, url: str) -> BrowserContext:
+    """Return a new browser of a size."""
+    width, height = SIZES[size]
+    return browser.new_context(viewport={"width": width, "height": height}, has_touch=size != "desk", base_url=url)
+
+
 @pytest.fixture
-def look(plain_browser: Browser, theatre: Theatre) -> Iterator[Callable[..., Page]]:
+def look(plain_browser: Browser, theatre: Theatre, tablets: dict[str, BrowserContext]) -> Iterator[Callable[..., Page]]:
     """Give a page: ``look("/fleet", role="operator", size="portrait")``; script errors fail the test.
 
-    ``may_break`` is for tests that break the page themselves.
+    ``may_break`` is for tests that break the page themselves. ``is_new`` is for those that change the browser itself;
+    another one of the same size in the same test is always new.
     """
-    contexts = []
+    new: list[BrowserContext] = []
+    pages: dict[str, Page] = {}
     problems: list[str] = []
 
     def open_page(
@@ -112,23 +129,30 @@ def look(plain_browser: Browser, theatre: Theatre) -> Iterator[Callable[..., Pag
         role: str = "operator",
         size: str = "landscape",
         may_break: bool = False,
+        is_new: bool = False,
     ) -> Page:
-        width, height = SIZES[size]
-        context = plain_browser.new_context(
-            viewport={"width": width, "height": height}, has_touch=size != "desk", base_url=theatre.url
-        )
-        contexts.append(context)
+        if is_new or size in pages:
+            new.append(take(plain_browser, size, theatre.url))
+            page = new[-1].new_page()
+        else:
+            if size not in tablets:
+                tablets[size] = take(plain_browser, size, theatre.url)
+            page = pages[size] = tablets[size].new_page()
+            page.context.clear_cookies()
+            page.goto("/stage-heard")  # any answer of this origin: its stores are emptied
+            page.evaluate("localStorage.clear(), sessionStorage.clear()")
         if role:
-            context.add_cookies([{"name": "stage", "value": role, "url": theatre.url}])
-        page = context.new_page()
+            page.context.add_cookies([{"name": "stage", "value": role, "url": theatre.url}])
         if not may_break:
             page.on("pageerror", lambda error: problems.append(str(error)))
         page.goto(path)
         return page
 
     yield open_page
-    for context in contexts:
-        for page in context.pages:
-            problems.extend(f"no icon {name}" for name in page.evaluate(ICONS_SHOWN) if name not in ICONS)
+    opened = [*pages.values(), *(page for context in new for page in context.pages)]
+    for page in [page for page in opened if not page.is_closed()]:
+        problems.extend(f"no icon {name}" for name in page.evaluate(ICONS_SHOWN) if name not in ICONS)
+        page.close()
+    for context in new:
         context.close()
     assert problems == []

@@ -57,10 +57,10 @@ def stand_in(route: Route) -> None:
 def show(look: Look, theatre: Theatre) -> Show:
     """Open the maps screen of a map that was set first."""
 
-    def open_screen(*, role: str = "planner", size: str = "landscape", **wish: Any) -> Page:
+    def open_screen(*, role: str = "planner", size: str = "landscape", is_new: bool = False, **wish: Any) -> Page:
         theatre.play("running")
         theatre.play_map(anew=True, **wish)
-        page = look("/fleet", role=role, size=size)
+        page = look("/fleet", role=role, size=size, is_new=is_new)
         page.route("**/editor/*", stand_in)
         page.get_by_test_id("nav-maps").click()
         return page

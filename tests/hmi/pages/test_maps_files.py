@@ -135,7 +135,7 @@ def test_a_format_that_leaves_something_out_says_so_first(show: Show) -> None:
 
 @pytest.mark.long
 def test_the_tablet_s_own_position_walks_an_edge_with_its_accuracy(show: Show, theatre: Theatre) -> None:
-    page = show()
+    page = show(is_new=True)
     page.context.grant_permissions(["geolocation"])
     page.context.set_geolocation({"latitude": 48.1375, "longitude": 11.5755, "accuracy": 6})
     editing(page)

@@ -340,7 +340,7 @@ WAKE_LOCK = """window.locks = []; Object.defineProperty(navigator, 'wakeLock', {
 @pytest.mark.long
 def test_the_screen_stays_on_exactly_while_one_has_control(look: Look, theatre: Theatre) -> None:
     theatre.play("paused", owner="operator")
-    page = look()
+    page = look(is_new=True)
     page.context.add_init_script(WAKE_LOCK)
     page.reload()
     expect(page.get_by_test_id("lease-owner")).to_have_text("You have control")

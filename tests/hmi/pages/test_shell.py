@@ -194,7 +194,7 @@ def test_every_admin_section_opens(look: Look, theatre: Theatre) -> None:
 
 def test_the_lost_server_is_said_and_no_press_acts_later(look: Look, theatre: Theatre) -> None:
     theatre.play("running")
-    page = look()
+    page = look(is_new=True)
     expect(page.get_by_test_id("value-speed")).to_have_attribute("data-state", "fresh")
     page.wait_for_load_state("networkidle")  # the map fetches its parts late
     page.context.set_offline(True)
