@@ -43,7 +43,7 @@ class BatchOutcome:
 
     def unknown(self) -> list[EntityRef]:
         """Return those of which nobody knows whether they took effect."""
-        return [ref for ref, error in self.failed.items() if getattr(error, "is_outcome_unknown", False)]
+        return [ref for ref, error in self.failed.items() if error.is_outcome_unknown]
 
 
 async def run(connection: Connection, action: Action, entities: Sequence[Entity]) -> BatchOutcome:
@@ -129,5 +129,5 @@ def _ends_all(error: NgsiError) -> bool:
     return isinstance(error, NotAllowed | Overloaded) or error.status >= 500
 
 
-def _not_sent(error: NgsiError) -> NgsiError:
+def _not_sent(error: NgsiError) -> Unreachable:
     return Unreachable(f"not sent, since an earlier part failed: {error}")

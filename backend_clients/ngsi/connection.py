@@ -152,7 +152,7 @@ class Connection:
         """
         content = _content(call.body)
         correlator = str(uuid.uuid4())
-        begin_s, attempt = self._mono_s(), 0
+        begin_s, attempt, is_unknown = self._mono_s(), 0, False
         self._budget.called()
         while True:
             attempt += 1
@@ -160,9 +160,10 @@ class Connection:
                 reply = await self._with_token(call, content, correlator)
                 return Reply(reply.status, reply.headers, reply.content, attempt)
             except NgsiError as error:
+                is_unknown = call.method != "GET" and (is_unknown or _is_unknown(error))
+                error.attempts, error.is_outcome_unknown = attempt, is_unknown
                 pause_s = self._pause_s(call, error, attempt, self._mono_s() - begin_s)
                 if pause_s is None:
-                    error.attempts = attempt
                     raise
                 log.info("ngsi.again", method=call.method, path=call.path, attempt=attempt, correlator=correlator,
                          because=type(error).__name__, pause_s=round(pause_s, 2))  # fmt: skip
@@ -206,7 +207,6 @@ class Connection:
 
     async def _exchange(self, call: Call, request: httpx.Request) -> Reply:
         what = f"{call.method} {call.path}"
-        may_have_worked = call.method != "GET"
         try:
             async with asyncio.timeout(self.broker.timeout_s):  # a byte now and then must not hold a call for ever
                 response = await self._client.send(request, stream=True)
@@ -218,11 +218,11 @@ class Connection:
             raise Unreachable(f"{what}: no connection: {_reason(error)}") from error
         except (httpx.TimeoutException, TimeoutError) as error:
             text = f"{what}: no answer in {self.broker.timeout_s:g} s"
-            raise NoAnswer(text, is_outcome_unknown=may_have_worked) from error
+            raise NoAnswer(text, is_outcome_unknown=True) from error
         except httpx.DecodingError as error:
             raise Unreadable(f"{what}: the answer cannot be decoded") from error
         except httpx.HTTPError as error:
-            raise Unreachable(f"{what}: {_reason(error)}", is_outcome_unknown=may_have_worked) from error
+            raise Unreachable(f"{what}: {_reason(error)}", is_outcome_unknown=True) from error
 
     async def _read(self, response: httpx.Response, what: str) -> bytes:
         if response.headers.get("content-encoding", "identity") != "identity":
@@ -233,6 +233,11 @@ class Connection:
             if len(content) > self.broker.max_response:
                 raise TooLong(f"{what}: more than {self.broker.max_response} bytes")
         return bytes(content)
+
+
+def _is_unknown(error: NgsiError) -> bool:
+    """Say whether a write that ended so may have taken effect."""
+    return error.is_outcome_unknown or isinstance(error, Unreadable)
 
 
 def _content(body: Any) -> bytes | None:

@@ -32,10 +32,12 @@ class NgsiError(ClientError):
     Attributes:
         mend: one sentence for whoever has to repair it.
         attempts: how often the request was sent.
+        is_outcome_unknown: a write may have taken effect, now or in an earlier attempt.
     """
 
     mend = "Look at the broker's log with the correlator of this request."
     attempts = 1
+    is_outcome_unknown = False
 
 
 class BadInput(NgsiError, ValueError):
@@ -156,6 +158,7 @@ class BrokerFailed(BrokerRefused):
     """The broker, its database or a proxy before it failed; whether a write took effect is unknown."""
 
     mend = "Check the broker and its database."
+    is_outcome_unknown = True
 
 
 def refusal(status: int, error: str, description: str, correlator: str) -> BrokerRefused:

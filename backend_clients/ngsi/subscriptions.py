@@ -9,7 +9,7 @@ from typing import Any, Literal
 from urllib.parse import quote
 
 from backend_clients.ngsi.connection import Call, Connection
-from backend_clients.ngsi.errors import NotFound, TooLong, Unreachable, Unreadable
+from backend_clients.ngsi.errors import NgsiError, NotFound, TooLong, Unreadable
 from backend_clients.ngsi.identifier import check_id
 from backend_clients.ngsi.moment import moment_text
 from backend_clients.ngsi.subscription import Subscription, Wanted, check_key, read_mark, read_subscription
@@ -99,7 +99,7 @@ class Subscriptions:
         body = wanted.body(self._owner, until)
         try:
             reply = await self._connection.send(Call("POST", "v2/subscriptions", body=body))
-        except Unreachable as error:
+        except NgsiError as error:
             if not error.is_outcome_unknown:
                 raise
             made = [item async for item in self.mine() if item.mark and item.mark.key == wanted.key]
