@@ -8,7 +8,7 @@ from itertools import permutations
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import SecretStr
 
@@ -98,12 +98,19 @@ def test_memory_is_bounded() -> None:
     assert intake.judge(said(-1, 1, name="a"), NOW) is Verdict.NEW
 
 
-@given(st.binary(max_size=200) | st.recursive(
-    st.none() | st.booleans() | st.floats() | st.text(max_size=8),
-    lambda inner: st.lists(inner, max_size=3)
-    | st.dictionaries(st.sampled_from(["subscriptionId", "data", "id", "type", "value", "x"]), inner, max_size=4),
-    max_leaves=12,
-).map(lambda value: json.dumps(value).encode()))  # fmt: skip
+SCALARS = st.none() | st.booleans() | st.sampled_from([0, -1.5, float("nan"), 1e308, "", "r1", "Robot", "\ud800"])
+MEMBERS = st.sampled_from(["subscriptionId", "data", "id", "type", "value", "metadata", "x"])
+CONTENT = st.recursive(
+    SCALARS,
+    lambda inner: st.lists(inner, max_size=2) | st.dictionaries(MEMBERS, inner, max_size=4),
+    max_leaves=8,
+)
+ENTITY = st.fixed_dictionaries({"id": SCALARS, "type": SCALARS, "x": CONTENT})
+POSTED = CONTENT | st.fixed_dictionaries({"subscriptionId": SCALARS, "data": st.lists(ENTITY, max_size=2)})
+
+
+@given(st.binary(max_size=50) | POSTED.map(lambda value: json.dumps(value).encode()))
+@settings(max_examples=60)
 def test_nothing_that_is_posted_gets_further_than_an_error(body: bytes) -> None:
     try:
         found = read_notification(body, {})

@@ -63,9 +63,9 @@ class Rig:
         status, said = self.ask("POST", "/v2/entities?options=keyValues", {"id": which, "type": "Robot", **values})
         assert status == 201, said
 
-    def put(self, name: str, **values: Any) -> None:
+    def put(self, which: str, **values: Any) -> None:
         """Write plain values."""
-        assert self.ask("POST", f"/v2/entities/{name}/attrs?options=keyValues", values)[0] == 204
+        assert self.ask("POST", f"/v2/entities/{which}/attrs?options=keyValues", values)[0] == 204
 
     def subscribe(self, condition: dict[str, Any] | None = None, entities: Any = None, **more: Any) -> str:
         """Subscribe to robots; ``notification`` among ``more`` is added to the way it goes."""
