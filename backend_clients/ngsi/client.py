@@ -181,7 +181,7 @@ class NgsiClient:
 
 
 def _path(ref: EntityRef) -> str:
-    return f"v2/entities/{quote(check_ref(ref).id, safe='')}"
+    return f"v2/entities/{quote(check_ref(ref).id, safe=':')}"
 
 
 def _typed(ref: EntityRef, options: str = "") -> dict[str, str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import ssl
 import time
 import uuid
 from collections.abc import Awaitable, Callable, Mapping
@@ -23,6 +24,7 @@ from backend_clients.ngsi.errors import (
     TooLong,
     Unreachable,
     Unreadable,
+    Untrusted,
     refusal,
 )
 from backend_clients.ngsi.retry import RetryBudget, RetryPolicy, is_passing
@@ -130,8 +132,7 @@ class Connection:
             # identity, since a small compressed answer can be a large one
             headers={**broker.tenant.headers(), "Accept": "application/json", "Accept-Encoding": "identity"},
             timeout=httpx.Timeout(broker.timeout_s, connect=min(CONNECT_S, broker.timeout_s)),
-            # loading the authorities takes 30 ms and more, for nothing without TLS
-            verify=broker.verify if broker.url.startswith("https:") else False,
+            verify=_trust(broker),
             follow_redirects=False,  # a redirect would carry the token elsewhere
             trust_env=False,
             transport=transport,
@@ -215,6 +216,8 @@ class Connection:
                 finally:
                     await response.aclose()
         except (httpx.ConnectError, httpx.ConnectTimeout, httpx.PoolTimeout) as error:
+            if _is_distrust(error):
+                raise Untrusted(f"{what}: {_reason(error)}") from error
             raise Unreachable(f"{what}: no connection: {_reason(error)}") from error
         except (httpx.TimeoutException, TimeoutError) as error:
             text = f"{what}: no answer in {self.broker.timeout_s:g} s"
@@ -233,6 +236,25 @@ class Connection:
             if len(content) > self.broker.max_response:
                 raise TooLong(f"{what}: more than {self.broker.max_response} bytes")
         return bytes(content)
+
+
+def _trust(broker: Broker) -> ssl.SSLContext | bool:
+    if not broker.url.startswith("https:"):
+        return False  # loading the authorities takes 30 ms and more, for nothing without TLS
+    if not isinstance(broker.verify, str):
+        return broker.verify
+    try:
+        return ssl.create_default_context(cafile=broker.verify)
+    except OSError as error:  # an SSLError is one, too
+        raise BadInput(f"no file of authorities: {broker.verify}") from error
+
+
+def _is_distrust(error: BaseException | None) -> bool:
+    while error is not None:
+        if isinstance(error, ssl.SSLCertVerificationError):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
 
 
 def _is_unknown(error: NgsiError) -> bool:

@@ -5,7 +5,8 @@
     NgsiError
     ├── BadInput               refused here, nothing was sent
     ├── Unreachable            no connection, or it broke
-    │   └── NoAnswer           no answer in time
+    │   ├── NoAnswer           no answer in time
+    │   └── Untrusted          its certificate is not to be trusted
     ├── NoToken                the token service gave none
     ├── Unreadable             the answer, or a notification, is not what NGSI-v2 promises
     │   └── TooLong            it is longer than the limit
@@ -65,6 +66,12 @@ class NoAnswer(Unreachable):
     """The broker did not answer in time."""
 
     mend = "Check the load of the broker and its database, and the delay of the network."
+
+
+class Untrusted(Unreachable):
+    """The broker's certificate is not to be trusted; nothing was sent."""
+
+    mend = "Check the certificate's name and dates, or name its authority in the settings."
 
 
 class NoToken(NgsiError):

@@ -42,7 +42,7 @@ def escape_value(value: JsonValue, depth: int = 0) -> JsonValue:
     if isinstance(value, list):
         return [escape_value(item, depth + 1) for item in value]
     if isinstance(value, dict):
-        return {_escape_key(key): escape_value(item, depth + 1) for key, item in value.items()}
+        return {escape_key(key): escape_value(item, depth + 1) for key, item in value.items()}
     return value
 
 
@@ -57,6 +57,7 @@ def unescape_value(value: JsonValue) -> JsonValue:
     return value
 
 
-def _escape_key(key: str) -> str:
+def escape_key(key: str) -> str:
+    """Return the name of a member without forbidden characters, and not looking like an update operator."""
     escaped = escape(key)
     return _KEY_CODES["$"] + escaped[1:] if escaped.startswith("$") else escaped

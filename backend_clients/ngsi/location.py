@@ -64,7 +64,7 @@ class GeoQuery:
 
 
 def near(at: Position, *, max_m: float | None = None, min_m: float | None = None) -> GeoQuery:
-    """Ask for what is at least and at most so far from a point, nearest first; one limit is needed."""
+    """Ask for what is at least and at most so far from a point; one limit is needed."""
     limits = {"maxDistance": max_m, "minDistance": min_m}
     given = {name: limit for name, limit in limits.items() if limit is not None}
     if not given or not all(math.isfinite(limit) and limit >= 0 for limit in given.values()):

@@ -9,13 +9,14 @@ from datetime import datetime
 from typing import TypeAlias
 
 from backend_clients.ngsi.errors import BadInput
-from backend_clients.ngsi.escaping import FORBIDDEN, escape
+from backend_clients.ngsi.escaping import FORBIDDEN, escape, escape_key
 from backend_clients.ngsi.identifier import check_id
 from backend_clients.ngsi.location import GeoQuery
 from backend_clients.ngsi.moment import moment_text
 
 Literal: TypeAlias = str | float | bool | datetime | None
 Path: TypeAlias = str | tuple[str, ...]  # an attribute, or an attribute and members of its value
+DISTANCE = "geo:distance"
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,6 +117,8 @@ class Query:
         """Return the query string's parameters, not yet percent-encoded; raises ``BadInput``."""
         if self.ids and self.id_pattern:
             raise BadInput("ids and id_pattern cannot be combined")
+        if DISTANCE in self.order_by and len(self.order_by) > 1:
+            raise BadInput(f"{DISTANCE} orders alone or not at all")
         parts = {
             "type": _names(self.types),
             "id": _names(self.ids),
@@ -130,7 +133,14 @@ class Query:
         return {name: text for name, text in parts.items() if text} | place
 
     def steady(self) -> Query:
-        """Return the query with an order that has no ties: without it, pages overlap or leave out."""
+        """Return the query with an order that has no ties: without it, pages overlap or leave out.
+
+        What is near comes nearest first; a broker knows no tie-breaker there.
+        """
+        if self.place is not None and self.place.georel.startswith("near") and not self.order_by:
+            return replace(self, order_by=(DISTANCE,))
+        if DISTANCE in self.order_by:
+            return self
         ordered = {key.removeprefix("!") for key in self.order_by}
         return replace(self, order_by=(*self.order_by, *(key for key in ("id", "type") if key not in ordered)))
 
@@ -144,7 +154,7 @@ def _names(names: tuple[str, ...]) -> str:
 
 def _path(path: Path) -> str:
     first, *rest = (path,) if isinstance(path, str) else path
-    return ".".join([_step(check_id(first)), *(_step(escape(step)) for step in rest)])
+    return ".".join([_step(check_id(first)), *(_step(escape_key(step)) for step in rest)])
 
 
 def _step(step: str) -> str:

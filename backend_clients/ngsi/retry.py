@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 from dataclasses import dataclass
 
-from backend_clients.ngsi.errors import BrokerFailed, NgsiError, Overloaded, Unreachable
+from backend_clients.ngsi.errors import BrokerFailed, NgsiError, Overloaded, Unreachable, Untrusted
 
 PASSING = (500, 502, 503, 504)
 
@@ -60,5 +60,5 @@ class RetryBudget:
 def is_passing(error: NgsiError) -> bool:
     """Say whether the same request may succeed a little later."""
     if isinstance(error, Unreachable | Overloaded):
-        return True
+        return not isinstance(error, Untrusted)
     return isinstance(error, BrokerFailed) and error.status in PASSING

@@ -11,7 +11,6 @@ from backend_clients.simulator.context_broker.entity import Entity
 from backend_clients.simulator.context_broker.expression import Expression
 from backend_clients.simulator.context_broker.json_text import Json
 from backend_clients.simulator.context_broker.place import GeoFilter
-from backend_clients.simulator.context_broker.refusal import bad_request
 from backend_clients.simulator.context_broker.tenancy import Scope
 
 DISTANCE = "geo:distance"
@@ -57,24 +56,24 @@ class Selection:
         return place is not None and self.geo.matches(place)
 
     def pick(self, entities: Iterable[Entity], scope: Scope) -> list[Entity]:
-        """Return those that are meant and seen, oldest first; of a ``near`` query nearest first."""
-        found = [entity for entity in entities if scope.sees(entity.key.path) and self.means(entity)]
-        if self.geo is not None and self.geo.relation == "near":
-            found.sort(key=self._distance_m)
-        return found
+        """Return those that are meant and seen, oldest first."""
+        return [entity for entity in entities if scope.sees(entity.key.path) and self.means(entity)]
 
     def sort(self, entities: list[Entity], keys: tuple[str, ...]) -> list[Entity]:
-        """Return them ordered by attributes; ``!`` turns one round, what has none comes first."""
+        """Return them ordered by attributes; ``!`` turns one round, what has none comes first.
+
+        ``geo:distance`` works alone and with a ``near`` query; elsewhere it is an attribute that nobody has.
+        """
+        if keys == (DISTANCE,) and self.geo is not None and self.geo.relation == "near":
+            return sorted(entities, key=self._distance_m)
         for key in reversed(keys):
-            name, is_down = key.removeprefix("!"), key.startswith("!")
-            rank = self._distance_m if name == DISTANCE else _Rank(name)
-            entities = sorted(entities, key=rank, reverse=is_down)
+            entities = sorted(entities, key=_Rank(key.removeprefix("!")), reverse=key.startswith("!"))
         return entities
 
     def _distance_m(self, entity: Entity) -> float:
         place = entity.location()
-        if self.geo is None or place is None:
-            raise bad_request("geo:distance needs a near query")
+        assert self.geo is not None
+        assert place is not None  # of entities that a near query means
         return self.geo.distance_m(place)
 
 

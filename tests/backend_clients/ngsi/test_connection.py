@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
+import ssl
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import httpx
@@ -22,6 +25,7 @@ from backend_clients.ngsi.query import Query
 from backend_clients.ngsi.retry import RetryBudget, RetryPolicy
 from backend_clients.ngsi.tenant import Tenant
 from backend_clients.ngsi.token import FixedHeader, OAuth2Settings, OAuth2Tokens, TokenSource
+from hmi.keeper.certificates import make_certificates
 
 REF = EntityRef("r1", "Robot")
 ROBOT = Entity(ref=REF, attributes={"speed": make.number(1)})
@@ -260,3 +264,30 @@ def test_every_error_is_of_the_tree_and_says_how_to_mend_it() -> None:
     ours = [kind for kind in kinds if kind is not ClientError]
     assert all(issubclass(kind, errors.NgsiError) and kind.mend.endswith(".") for kind in ours)
     assert all(kind.__name__ in (errors.__doc__ or "") for kind in ours)
+
+
+async def test_a_certificate_that_nobody_vouches_for_is_told_apart_and_not_tried_again(tmp_path: Path) -> None:
+    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        await reader.readuntil(b"\r\n\r\n")
+        writer.write(b'HTTP/1.1 200 OK\r\nContent-Length: 12\r\n\r\n{"orion":{}}')
+        await writer.drain()
+        writer.close()
+
+    made = make_certificates(["localhost"], tmp_path, days=1)
+    context = ssl.create_default_context(ssl.Purpose.CLIENT_AUTH)
+    context.load_cert_chain(made.cert, made.key)
+    async with await asyncio.start_server(serve, "127.0.0.1", 0, ssl=context) as server:
+        url = f"https://localhost:{server.sockets[0].getsockname()[1]}"
+        async with NgsiClient(Broker(url)) as client:
+            with pytest.raises(errors.Untrusted) as caught:
+                await client.version()
+        assert caught.value.attempts == 1
+        async with NgsiClient(Broker(url, verify=str(made.ca))) as client:
+            assert await client.version() == "orion"
+
+
+def test_a_file_of_authorities_that_is_none_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "empty.pem").write_text("nothing")
+    for file in (tmp_path / "empty.pem", tmp_path / "missing.pem"):
+        with pytest.raises(errors.BadInput):
+            NgsiClient(Broker("https://broker", verify=str(file)))

@@ -159,6 +159,8 @@ async def test_a_place_is_asked_for_in_the_order_of_its_names(client: NgsiClient
     assert await names(client, Query(place=location.related("disjoint", around))) == ["v"]
     assert await names(client, Query(place=location.near(madrid, max_m=1000))) == ["m"]
     assert await names(client, Query(place=location.near(madrid, min_m=1000))) == ["v"]
+    at_valencia = Query(place=location.near(valencia, min_m=0))
+    assert await names(client, at_valencia, page=1) == ["v", "m"]
     assert location.read_point((await client.get(ref_for("AgriRobot", "m"))).attributes["location"]) == madrid
 
 

@@ -54,7 +54,7 @@ def test_adding_to_a_text_is_an_error_of_the_store() -> None:
     ("query", "found"),
     [("georel=near;maxDistance:1000&geometry=point&coords=40.31,-3.48", ["here"]),
      ("georel=near;minDistance:1000&geometry=point&coords=40.31,-3.48", ["far"]),
-     ("georel=near;minDistance:0&geometry=point&coords=39.5,-0.4", ["far", "here"]),
+     ("georel=near;minDistance:0&geometry=point&coords=39.5,-0.4&orderBy=geo:distance", ["far", "here"]),
      ("georel=coveredBy&geometry=polygon&coords=40,-4;40,-3;41,-3;41,-4;40,-4", ["here"]),
      ("georel=coveredBy&geometry=box&coords=40,-4;41,-3", ["here"]),
      ("georel=disjoint&geometry=box&coords=40,-4;41,-3", ["far"]),
@@ -85,7 +85,7 @@ def test_a_distance_is_that_on_the_sphere() -> None:
     ["georel=near&geometry=point&coords=1,1", "georel=near;maxDistance:x&geometry=point&coords=1,1",
      "georel=near;maxDistance:1&geometry=line&coords=1,1;2,2", "georel=coveredBy&geometry=polygon&coords=1,1;2,2;3,1",
      "georel=coveredBy&geometry=point", "georel=coveredBy&coords=1,1", "georel=above&geometry=point&coords=1,1",
-     "georel=equals&geometry=point&coords=91,0", "georel=equals&geometry=circle&coords=1,1", "orderBy=geo:distance"],
+     "georel=equals&geometry=point&coords=91,0", "georel=equals&geometry=circle&coords=1,1"],
 )  # fmt: skip
 def test_a_place_that_makes_no_sense_is_refused(query: str) -> None:
     rig = Rig()
