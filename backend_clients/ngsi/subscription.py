@@ -6,7 +6,7 @@ import hashlib
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Any, Literal
 from urllib.parse import urlsplit
@@ -39,7 +39,7 @@ class Wanted:
     """
 
     key: str
-    url: str
+    url: str = field(repr=False)
     types: tuple[str, ...]
     id_pattern: str = ".*"
     watch: tuple[str, ...] = ()

@@ -129,21 +129,31 @@ class OAuth2Tokens:
         await self._client.aclose()
 
     async def _fetch(self) -> None:
-        settings = self._settings
-        secrets = (settings.client_id, settings.client_secret.get_secret_value())
+        content = await self._answer()
         try:
-            response = await self._client.post(
-                settings.url, data=settings.form(), auth=secrets, headers={"Accept": "application/json"}
-            )
-        except httpx.HTTPError as error:
-            raise NoToken(f"the token service cannot be reached: {type(error).__name__}") from error
-        if response.status_code != 200:  # the body may repeat what was sent: it is not shown
-            raise NoToken(f"the token service answered {response.status_code}")
-        if len(response.content) > MAX_ANSWER:
-            raise NoToken("the token service answered at too great length")
-        try:
-            grant = _Grant.model_validate_json(response.content)
+            grant = _Grant.model_validate_json(content)
         except ValidationError:
             raise NoToken("the token service answered without a usable token") from None
         self._token = grant.access_token
         self._until_s = self._mono_s() + max(grant.expires_in - EARLY_S, grant.expires_in / 2)
+
+    async def _answer(self) -> bytes:
+        settings, content = self._settings, bytearray()
+        secrets = (settings.client_id, settings.client_secret.get_secret_value())
+        headers = {"Accept": "application/json", "Accept-Encoding": "identity"}
+        try:
+            async with (
+                asyncio.timeout(TIMEOUT_S),
+                self._client.stream("POST", settings.url, data=settings.form(), auth=secrets, headers=headers) as reply,
+            ):
+                if reply.status_code != 200:  # the body may repeat what was sent: it is not shown
+                    raise NoToken(f"the token service answered {reply.status_code}")
+                if reply.headers.get("content-encoding", "identity") != "identity":
+                    raise NoToken("the token service answered compressed although nobody asked for it")
+                async for piece in reply.aiter_bytes():
+                    content += piece
+                    if len(content) > MAX_ANSWER:
+                        raise NoToken("the token service answered at too great length")
+        except (httpx.HTTPError, httpx.InvalidURL, TimeoutError) as error:
+            raise NoToken(f"the token service cannot be reached: {type(error).__name__}") from error
+        return bytes(content)

@@ -233,6 +233,7 @@ async def test_a_password_grant_names_the_user() -> None:
 
 
 @pytest.mark.parametrize("answer", [httpx.Response(401), httpx.Response(200, content=b"x"), httpx.ReadTimeout("s"),
+                                    httpx.Response(200, content=b" " * 70_000),
                                     httpx.Response(200, json={"access_token": "a\nb"})])  # fmt: skip
 async def test_without_a_token_nothing_is_sent(answer: Any) -> None:
     def service(_request: httpx.Request) -> httpx.Response:

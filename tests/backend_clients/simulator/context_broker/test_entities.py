@@ -211,3 +211,20 @@ def test_no_request_makes_the_broker_stumble(method: str, path: str, body: Any, 
     if answer.status >= 400:
         assert set(json.loads(answer.body)) == {"error", "description"}
     assert rig.ask("GET", "/v2/entities?limit=5")[0] == 200
+
+
+def test_options_come_in_one_list_or_in_several() -> None:
+    rig = Rig()
+    rig.make("a", n=1)
+    for query in ("options=count,keyValues", "options=count&options=keyValues"):
+        answer = rig.full("GET", f"/v2/entities?{query}")
+        assert json.loads(answer.body) == [{"id": "a", "type": "Robot", "n": 1}]
+        assert answer.headers["Fiware-Total-Count"] == "1"
+    assert rig.ask("GET", "/v2/entities?options=keyValues,values")[0] == 400
+
+
+def test_other_methods_are_refused_with_those_that_are_there() -> None:
+    rig = Rig()
+    for method in ("HEAD", "OPTIONS", "DELETE"):
+        answer = rig.full(method, "/v2/entities")
+        assert (answer.status, answer.headers["Allow"]) == (405, "POST, GET")

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import socket
+import sys
 from collections.abc import AsyncIterator
 from typing import Any
 
@@ -20,6 +22,7 @@ from backend_clients.ngsi.query import Query
 from backend_clients.ngsi.retry import RetryPolicy
 from backend_clients.ngsi.tenant import Tenant
 from backend_clients.ngsi.token import FixedHeader
+from backend_clients.simulator.context_broker import __main__ as program
 from backend_clients.simulator.context_broker.faults import Faults
 from backend_clients.simulator.context_broker.server import Served, serve
 
@@ -138,3 +141,22 @@ async def test_many_writes_at_once_are_all_taken(served: Served) -> None:
         await robot.create(ROBOT)
         await asyncio.gather(*(robot.increment(REF, "speed", 1) for _ in range(20)))
         assert (await robot.get(REF)).value("speed") == 21
+
+
+async def test_a_body_over_a_megabyte_is_refused_and_nothing_of_it_is_kept(served: Served) -> None:
+    body = b'{"id":"big","n":{"value":"' + b"x" * 1_048_576 + b'"}}'
+    async with httpx.AsyncClient(base_url=served.url, verify=False) as tester:
+        answer = await tester.post("/v2/entities", content=body, headers={"Content-Type": "application/json"})
+        assert (answer.status_code, answer.json()["error"]) == (413, "RequestEntityTooLarge")
+        assert str(len(body)) in answer.json()["description"]
+        assert (await tester.get("/v2/entities")).json() == []
+
+
+def test_a_taken_port_is_said_and_ends_the_program(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = str(taken.getsockname()[1])
+        monkeypatch.setattr(sys, "argv", ["context_broker", "--port", port])
+        assert program.main() == 2
+    assert port in capsys.readouterr().err
