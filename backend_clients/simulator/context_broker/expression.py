@@ -171,13 +171,10 @@ def _alike(found: Json, wanted: Json) -> tuple[Json, Json]:
 
 
 def _value_at(entity: Entity, path: tuple[str, ...]) -> Json:
-    built_in = {
-        "dateCreated": moment.text_of(entity.created),
-        "dateModified": moment.text_of(entity.modified),
-        "servicePath": entity.key.path,
-    }
-    if path[0] in built_in:
-        return built_in[path[0]]
+    if path[0] in ("dateCreated", "dateModified"):
+        return moment.text_of(entity.created if path[0] == "dateCreated" else entity.modified)
+    if path[0] == "servicePath":
+        return entity.key.path
     attribute = entity.attributes.get(path[0])
     return ABSENT if attribute is None else _inside(attribute.value, path[1:])
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 from backend_clients.simulator.context_broker import moment
@@ -113,12 +113,17 @@ class _Rank:
         return (2, value) if isinstance(value, str) else (3, str(value))
 
     def _value(self, entity: Entity) -> Json:
-        built_in = {
-            "id": entity.key.id,
-            "type": entity.key.type,
-            "servicePath": entity.key.path,
-            "dateCreated": moment.text_of(entity.created),
-            "dateModified": moment.text_of(entity.modified),
-        }
         attribute = entity.attributes.get(self._name)
-        return built_in.get(self._name) if attribute is None else attribute.value
+        if attribute is not None:
+            return attribute.value
+        built_in = _BUILT_IN.get(self._name)
+        return built_in(entity) if built_in else None
+
+
+_BUILT_IN: dict[str, Callable[[Entity], str]] = {
+    "id": lambda entity: entity.key.id,
+    "type": lambda entity: entity.key.type,
+    "servicePath": lambda entity: entity.key.path,
+    "dateCreated": lambda entity: moment.text_of(entity.created),
+    "dateModified": lambda entity: moment.text_of(entity.modified),
+}

@@ -9,7 +9,6 @@ from backend_clients.simulator.context_broker.attribute import Attribute, Given,
 from backend_clients.simulator.context_broker.entity import Entity, Key, check_one_location
 from backend_clients.simulator.context_broker.operators import apply_operator
 from backend_clients.simulator.context_broker.refusal import ambiguous, no_entity
-from backend_clients.simulator.context_broker.selection import Naming
 from backend_clients.simulator.context_broker.subscription import Subscription
 from backend_clients.simulator.context_broker.tenancy import Scope
 from backend_clients.simulator.context_broker.update import Action, How, Outcome
@@ -29,9 +28,10 @@ class Change:
 
 @dataclass(slots=True)
 class Tenant:
-    """One tenant's entities, oldest first, and its subscriptions."""
+    """One tenant's entities, oldest first, their keys by id, and its subscriptions."""
 
     entities: dict[Key, Entity] = field(default_factory=dict)
+    by_id: dict[str, set[Key]] = field(default_factory=dict)
     subscriptions: dict[str, Subscription] = field(default_factory=dict)
 
 
@@ -63,8 +63,9 @@ class Store:
 
     def one(self, scope: Scope, name: str, types: tuple[str, ...]) -> Entity:
         """Return the one entity of that id, or refuse: none, or several."""
-        naming = Naming((name,), types)
-        found = [entity for entity in self.seen(scope) if naming.names(entity)]
+        tenant = self.tenant(scope.tenant)
+        keys = [key for key in tenant.by_id.get(name, ()) if scope.sees(key.path) and (not types or key.type in types)]
+        found = [tenant.entities[key] for key in keys]
         if not found:
             raise no_entity()
         if len(found) > 1:
@@ -77,6 +78,7 @@ class Store:
         check_one_location(attributes)
         entity = Entity(key, attributes, how.now, how.now)
         self.tenant(tenant).entities[key] = entity
+        self.tenant(tenant).by_id.setdefault(key.id, set()).add(key)
         names = frozenset(attributes)
         self._on_change(tenant, Change("entityCreate", entity, names, names))
 
@@ -95,7 +97,11 @@ class Store:
 
     def delete(self, tenant: str, entity: Entity) -> None:
         """Forget an entity."""
-        del self.tenant(tenant).entities[entity.key]
+        kept = self.tenant(tenant)
+        del kept.entities[entity.key]
+        kept.by_id[entity.key.id].discard(entity.key)
+        if not kept.by_id[entity.key.id]:
+            del kept.by_id[entity.key.id]
         names = frozenset(entity.attributes)
         self._on_change(tenant, Change("entityDelete", entity, names, names))
 
