@@ -54,7 +54,7 @@ class BrokerEndpoint:
     async def _served(self, request: Request) -> ASGIApp:
         if request.url.path == FAULTS_PATH:
             return await self._switched(request)
-        faults = self._switch.next()
+        faults = self._switch.next(request.method)
         try:
             body = await _body(request, faults.max_body)
         except Refusal as problem:

@@ -15,6 +15,7 @@ class Faults(BaseModel):
         delay_s: each answer waits that long.
         status: answered instead of the real answer, e.g. 503 or 413; 0 is off.
         times: so many requests are hit, then the faults are over; ``None`` is until switched off.
+        methods: only requests with these methods are hit, e.g. ``POST``; none is all.
         takes_effect: with ``status``, the request is done all the same, as when a proxy loses the answer.
         half_open: takes the request and never answers; ``takes_effect`` holds here too.
         cut: sends only so many bytes of an answer's body, then the connection breaks.
@@ -28,6 +29,7 @@ class Faults(BaseModel):
     delay_s: Annotated[float, Field(ge=0, le=600)] = 0.0
     status: Annotated[int, Field(ge=0, le=599)] = 0
     times: Annotated[int | None, Field(ge=1)] = None
+    methods: tuple[str, ...] = ()
     takes_effect: bool = False
     half_open: bool = False
     cut: Annotated[int | None, Field(ge=0)] = None
@@ -47,10 +49,10 @@ class FaultSwitch:
         """Put other faults in force."""
         self.faults, self.hits = faults, 0
 
-    def next(self) -> Faults:
+    def next(self, method: str) -> Faults:
         """Return the faults for one request."""
-        limit = self.faults.times
-        if limit is not None and self.hits >= limit:
+        limit, methods = self.faults.times, self.faults.methods
+        if (limit is not None and self.hits >= limit) or (methods and method not in methods):
             return Faults(max_body=self.faults.max_body, token=self.faults.token)
         self.hits += 1
         return self.faults

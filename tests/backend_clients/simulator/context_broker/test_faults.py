@@ -6,6 +6,7 @@ import asyncio
 import socket
 import sys
 from collections.abc import AsyncIterator
+from datetime import UTC, datetime, timedelta
 from typing import Any
 
 import httpx
@@ -15,11 +16,13 @@ from pydantic import SecretStr
 from backend_clients.ngsi import entity as make
 from backend_clients.ngsi import errors
 from backend_clients.ngsi.client import NgsiClient
-from backend_clients.ngsi.connection import Broker
+from backend_clients.ngsi.connection import Broker, Call
 from backend_clients.ngsi.entity import Entity
 from backend_clients.ngsi.identifier import EntityRef
 from backend_clients.ngsi.query import Query
 from backend_clients.ngsi.retry import RetryPolicy
+from backend_clients.ngsi.subscription import Wanted
+from backend_clients.ngsi.subscriptions import Subscriptions
 from backend_clients.ngsi.tenant import Tenant
 from backend_clients.ngsi.token import FixedHeader
 from backend_clients.simulator.context_broker import __main__ as program
@@ -160,3 +163,51 @@ def test_a_taken_port_is_said_and_ends_the_program(
         monkeypatch.setattr(sys, "argv", ["context_broker", "--port", port])
         assert program.main() == 2
     assert port in capsys.readouterr().err
+
+
+async def test_a_subscription_whose_answer_was_lost_is_found_and_not_made_twice(served: Served) -> None:
+    wanted = Wanted("robots", "http://127.0.0.1:9/notify", ("Robot",))
+    async with client(served) as robot:
+        ours = Subscriptions(robot.connection, "console-1")
+        assert [item async for item in ours.mine()] == []
+        served.switch.set(Faults(status=504, methods=("POST",), takes_effect=True))
+        made = await ours.ensure(wanted, datetime.now(UTC))
+        assert [item.id async for item in ours.mine()] == [made.id]
+
+
+async def test_doubles_of_a_subscription_are_deleted_and_the_oldest_is_kept(served: Served) -> None:
+    wanted, now = Wanted("robots", "http://127.0.0.1:9/notify", ("Robot",)), datetime.now(UTC)
+    async with client(served) as robot:
+        ours = Subscriptions(robot.connection, "console-1")
+        first = await ours.ensure(wanted, now)
+        for _ in range(2):
+            double = Call("POST", "v2/subscriptions", body=wanted.body("console-1", now + timedelta(hours=24)))
+            await robot.connection.send(double)
+        assert (await ours.ensure(wanted, now)).how == "adopted"
+        assert [item.id async for item in ours.mine()] == [first.id]
+
+
+async def test_a_subscription_that_was_switched_off_or_ran_out_is_mended(served: Served) -> None:
+    wanted, now = Wanted("robots", "http://127.0.0.1:9/notify", ("Robot",)), datetime.now(UTC)
+    async with client(served) as robot:
+        ours = Subscriptions(robot.connection, "console-1")
+        made = await ours.ensure(wanted, now)
+        for change in ({"status": "inactive"}, {"expires": "2020-01-01T00:00:00Z"}):
+            await robot.connection.send(Call("PATCH", f"v2/subscriptions/{made.id}", body=change))
+            assert not (await ours.get(made.id)).delivers()
+            assert (await ours.ensure(wanted, now)).how == "mended"
+            assert (await ours.get(made.id)).delivers()
+
+
+async def test_a_deaf_receiver_is_told_by_the_subscription(served: Served) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        nobody = f"http://127.0.0.1:{listener.getsockname()[1]}/notify"
+    async with client(served) as robot:
+        ours = Subscriptions(robot.connection, "console-1")
+        made = await ours.ensure(Wanted("robots", nobody, ("Robot",)), datetime.now(UTC))
+        await robot.create(ROBOT)
+        await served.broker.notifier.settle()
+        told = await ours.get(made.id)
+        assert (told.fails, told.times_sent) == (1, 1)
+        assert "ConnectError" in told.last_failure_reason
+        assert not told.delivers()
