@@ -12,6 +12,8 @@ PURE = {"hmi.domain", "hmi.planning", "hmi.clock", "hmi.settings"}
 EVERYTHING = {"hmi", "components", "backend_clients", "nicegui"}
 ALLOWED: dict[str, set[str]] = {
     "backend_clients.simulator": {"backend_clients", "hmi.domain", "hmi.planning", "hmi.clock"},
+    "backend_clients.simulator.context_broker": {"backend_clients.simulator.context_broker", "hmi.clock"},
+    "backend_clients.ngsi": {"backend_clients.ngsi", "backend_clients.errors"},
     "backend_clients": {"backend_clients"},
     "hmi.domain": PURE,
     "hmi.planning": PURE,

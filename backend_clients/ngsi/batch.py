@@ -1,0 +1,133 @@
+"""Many entities in few requests, and what became of each."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from backend_clients.ngsi.connection import MAX_REQUEST, Call, Connection
+from backend_clients.ngsi.entity import Entity
+from backend_clients.ngsi.errors import (
+    BadInput,
+    BrokerRefused,
+    NgsiError,
+    NotAllowed,
+    NotFound,
+    Overloaded,
+    Unreachable,
+)
+from backend_clients.ngsi.identifier import EntityRef
+
+Action = Literal["append", "appendStrict", "update", "delete", "replace"]
+MAX_ENTITIES = 200  # keeps one request, and what a failure leaves open, small
+ROOM = 200  # for what surrounds the entities
+
+
+@dataclass(slots=True)
+class BatchOutcome:
+    """What became of each entity of a batch.
+
+    Args:
+        done: these took effect as a whole.
+        failed: these did not, or not wholly, or nobody knows; each with its reason.
+    """
+
+    done: list[EntityRef] = field(default_factory=list)
+    failed: dict[EntityRef, NgsiError] = field(default_factory=dict)
+
+    def is_complete(self) -> bool:
+        """Say whether everything took effect."""
+        return not self.failed
+
+    def unknown(self) -> list[EntityRef]:
+        """Return those of which nobody knows whether they took effect."""
+        return [ref for ref, error in self.failed.items() if error.is_outcome_unknown]
+
+
+async def run(connection: Connection, action: Action, entities: Sequence[Entity]) -> BatchOutcome:
+    """Do one action on all entities; a refused part is halved until it is known which ones the broker refuses.
+
+    Once the broker cannot be reached or lets nobody in, the rest fails with that reason without being sent.
+    ``appendStrict`` is never sent twice: a refused part of it fails as a whole.
+    """
+    outcome = BatchOutcome()
+    wire = _checked(entities, outcome)
+    stop: NgsiError | None = None
+    waiting = list(_parts(wire))
+    while waiting:
+        part = waiting.pop(0)
+        refs = [ref for ref, _ in part]
+        if stop is not None:
+            outcome.failed.update(dict.fromkeys(refs, stop))
+            continue
+        error = await _send(connection, action, [body for _, body in part])
+        if error is None:
+            outcome.done += refs
+        elif _ends_all(error):
+            outcome.failed.update(dict.fromkeys(refs, error))
+            stop = _not_sent(error)
+        elif len(part) == 1 or action == "appendStrict":
+            outcome.failed.update(dict.fromkeys(refs, error))
+        else:
+            middle = len(part) // 2
+            waiting[:0] = [part[:middle], part[middle:]]
+    return outcome
+
+
+_Part = list[tuple[EntityRef, bytes]]
+
+
+def _checked(entities: Iterable[Entity], outcome: BatchOutcome) -> _Part:
+    wire: _Part = []
+    seen: set[EntityRef] = set()
+    for entity in entities:
+        if entity.ref in seen:
+            raise BadInput(f"twice in one batch: {entity.ref.id}")
+        seen.add(entity.ref)
+        try:
+            body = json.dumps(entity.to_wire(), ensure_ascii=False, allow_nan=False).encode()
+            if len(body) > MAX_REQUEST - ROOM:
+                raise BadInput(f"{entity.ref.id}: {len(body)} bytes are more than a broker takes at once")
+        except BadInput as error:
+            outcome.failed[entity.ref] = error
+        else:
+            wire.append((entity.ref, body))
+    return wire
+
+
+def _parts(wire: _Part) -> Iterable[_Part]:
+    part: _Part = []
+    size = ROOM
+    for ref, body in wire:
+        if part and (len(part) == MAX_ENTITIES or size + len(body) + 1 > MAX_REQUEST):
+            yield part
+            part, size = [], ROOM
+        part.append((ref, body))
+        size += len(body) + 1
+    if part:
+        yield part
+
+
+async def _send(connection: Connection, action: Action, bodies: list[bytes]) -> NgsiError | None:
+    body = {"actionType": action, "entities": [json.loads(item) for item in bodies]}
+    try:
+        await connection.send(Call("POST", "v2/op/update", body=body, is_repeatable=action != "appendStrict"))
+    except NotFound as error:
+        if action == "delete" and len(bodies) == 1 and error.attempts > 1:
+            return None  # after a lost answer it is gone because we deleted it
+        return error
+    except NgsiError as error:
+        return error
+    return None
+
+
+def _ends_all(error: NgsiError) -> bool:
+    if not isinstance(error, BrokerRefused):
+        return True
+    return isinstance(error, NotAllowed | Overloaded) or error.status >= 500
+
+
+def _not_sent(error: NgsiError) -> Unreachable:
+    return Unreachable(f"not sent, since an earlier part failed: {error}")
