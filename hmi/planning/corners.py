@@ -22,6 +22,9 @@ from hmi.planning.plan import headings
 from hmi.planning.projection import Floats
 
 WORTH_M2 = 0.5  # a smaller tip is not worth the way of a loop
+# a large field has many holes: a tip there is worked if it is that much of what a row as long as the detour works,
+WORTH_SHARE = 0.6
+WORTH_FIELD = 4e-4  # or that much of the field
 _LEAST_RAD, _MOST_RAD = math.radians(30), math.radians(150)  # blunter leaves no tip; sharper ones have no end nearby
 _BEND_RAD = math.radians(0.5)
 _PIECE = 0.3  # of the radius: pieces of an arc are shorter, straight ones between two arcs longer
@@ -81,7 +84,7 @@ class Corners:
         done: list[Stretch] = []
         line, at = points, 0  # what is left of the lap begins with ``line[0]``, then ``points[at:]``
         for corner in _corners(points, self._radius_m):
-            found = self._worked_out(points, corner, near) if corner.first >= at else None
+            found = self._worked_out(points, corner, near, is_inner=lap.is_inner) if corner.first >= at else None
             if found is None:
                 continue
             end, loop, start = found
@@ -100,7 +103,7 @@ class Corners:
         return bool(np.dot(start - points[corner.last], corner.after) > 0)
 
     def _worked_out(
-        self, points: Floats, corner: _Corner, near: Sequence[BaseGeometry]
+        self, points: Floats, corner: _Corner, near: Sequence[BaseGeometry], *, is_inner: bool
     ) -> tuple[Floats, Floats, Floats] | None:
         """Return where the tool goes off, the way from there and where it goes on; ``None`` to round the corner."""
         slope = math.tan(abs(corner.turn_rad) / 2)
@@ -111,12 +114,17 @@ class Corners:
         if np.dot(beyond - start, corner.after) < 0.1:
             return None
         sides = [np.vstack([points[corner.first], end]), np.vstack([start, beyond])]
-        if self._gain_m2(points, corner, sides, near) < WORTH_M2:
+        gain_m2 = self._gain_m2(points, corner, sides, near)
+        if gain_m2 < WORTH_M2:
             return None
         if not all(self._linker.ground.fits(side) for side in sides):
             return None
         loop = self._way(end, start, corner)
-        return None if loop is None else (end, loop, start)
+        if loop is None:
+            return None
+        detour_m = sum(map(_length, (*sides, loop))) - _length(points[corner.first : corner.last + 2])
+        least_m2 = min(WORTH_SHARE * self._width_m * detour_m, WORTH_FIELD * self._wanted.area) if is_inner else 0.0
+        return (end, loop, start) if gain_m2 >= least_m2 else None
 
     def _gain_m2(self, points: Floats, corner: _Corner, sides: Sequence[Floats], near: Sequence[BaseGeometry]) -> float:
         """Return how much more is worked when both sides are driven to their ends."""

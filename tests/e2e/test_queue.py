@@ -101,8 +101,8 @@ def test_a_queue_runs_two_missions_and_stop_ends_it(person: Come, calm: Installa
 def test_a_mission_nobody_started_is_taken_off_the_robot_in_the_queue_and_on_operate(
     person: Come, calm: Installation, boss: Caller
 ) -> None:
-    waiting = unattended_copy(boss, "After the strip")
-    boss.post(f"/robots/{ROBOT}/mission", {"mission_id": MISSION}).raise_for_status()
+    waiting, sent = unattended_copy(boss, "After the strip"), unattended_copy(boss, "Sent by hand")
+    boss.post(f"/robots/{ROBOT}/mission", {"mission_id": sent}).raise_for_status()
     boss.post("/queue/entries", {"mission_id": waiting}).raise_for_status()
     martha = person("operator")
     martha.open("/missions")
@@ -112,7 +112,7 @@ def test_a_mission_nobody_started_is_taken_off_the_robot_in_the_queue_and_on_ope
     wait_for(lambda: held(boss) == waiting, within_s=30, what="the queue sends its own")
 
     # sent once more it is wanted again, and the card on Operate offers the same
-    boss.post(f"/robots/{ROBOT}/mission", {"mission_id": MISSION}).raise_for_status()
+    boss.post(f"/robots/{ROBOT}/mission", {"mission_id": sent}).raise_for_status()
     martha.operate(ROBOT)
     hold = martha.hook("mission-hold")
     expect(hold).to_contain_text("After the strip waits in the queue", timeout=30_000)
