@@ -13,10 +13,13 @@ from backend_clients.simulator.profile import Profile
 from backend_clients.simulator.uav_profile import UAV
 from backend_clients.simulator.weeder_profile import WEEDER
 from hmi.domain.family import Family
+from hmi.domain.mission_plan import PlanWish
 from hmi.planning.energy import energy_of
 from hmi.planning.estimate import effort, pivot_time
 from hmi.planning.machine import PLANT_S, RobotProfile
+from hmi.planning.mission import plan_mission
 from hmi.planning.plan import Leg, LegKind
+from tests.hmi.missions.rig import FRAME, parcel_geometry
 from tests.hmi.presenters.robots import SHEET
 
 MACHINE = RobotProfile(accel_mps2=0.5, yaw_rate_radps=0.5)
@@ -91,3 +94,25 @@ def test_a_planter_takes_more_for_the_same_row_than_a_weeder_and_says_what_is_as
     assert effort(row, planter).energy_j > 10 * effort(row, weeder).energy_j
     assert "129 kW" in planter.energy.basis
     assert "Do not rely" in RobotProfile.from_factsheet(replace(SHEET, family=Family.OTHER)).energy.basis
+
+
+@pytest.mark.parametrize(
+    ("battery_wh", "says"), [(None, "Tank of 600 kWh assumed."), (450_000.0, "Tank of 450 kWh from its factsheet.")]
+)
+def test_the_numbers_of_a_plan_name_the_figures_they_count_with(battery_wh: float | None, says: str) -> None:
+    planter = replace(SHEET, family=Family.PLANTER, battery_wh=battery_wh)
+    wish = PlanWish(
+        mission_id="m-1",
+        name="Home field",
+        robot_id="planter-01",
+        field_name="Home field",
+        parcel=parcel_geometry(40.0),
+        width_m=4.0,
+        datum_lat_deg=FRAME.lat_deg,
+        datum_lon_deg=FRAME.lon_deg,
+        robot=planter,
+    )
+    told = plan_mission(wish).statistics
+    assert told["is_tank"] is True
+    assert told["energy_basis"].endswith(says)
+    assert told["energy_basis"].startswith("Assumed for a 10 t planter")
