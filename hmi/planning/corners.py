@@ -82,25 +82,20 @@ class Corners:
         """Return a lap's line, as it is driven, with a loop in each corner that is worth one."""
         near = [strip for other, strip in self._strips.items() if other != id(lap)]
         done: list[Stretch] = []
-        line, at = points, 0  # what is left of the lap begins with ``line[0]``, then ``points[at:]``
+        begin, following = points[0], 1  # of what is left of the lap: where it begins, and its next vertex
         for corner in _corners(points, self._radius_m):
-            found = self._worked_out(points, corner, near, is_inner=lap.is_inner) if corner.first >= at else None
+            found = self._worked_out(points, corner, near, is_inner=lap.is_inner)
             if found is None:
                 continue
             end, loop, start = found
-            head = np.vstack([line[:1], points[max(at, 1) : corner.first + 1], end])
-            done += [Stretch(_distinct(head)), Stretch(loop, is_worked=False)]
-            line, at = np.vstack([start, points[corner.last :]]), corner.last
-            at += self._is_beyond(corner, start, points)
-        tail = np.vstack([line[:1], points[max(at, 1) :]]) if done else points
-        done.append(Stretch(_distinct(tail)))
+            side = np.vstack([begin, points[following : corner.first + 1], end])
+            done += [Stretch(_distinct(side)), Stretch(loop, is_worked=False)]
+            is_beyond = np.dot(start - points[corner.last], corner.after) > 0  # beyond where the round corner ends
+            begin, following = start, corner.last + int(is_beyond)
+        done.append(Stretch(_distinct(np.vstack([begin, points[following:]]))))
         worked = shapely.MultiLineString([one.points for one in done if one.is_worked])
         self._strips[id(lap)] = worked.buffer(self._width_m / 2, cap_style="flat")  # the next lap leaves no more tips
         return done
-
-    def _is_beyond(self, corner: _Corner, start: Floats, points: Floats) -> bool:
-        """Say whether the work begins again beyond where the round corner ended."""
-        return bool(np.dot(start - points[corner.last], corner.after) > 0)
 
     def _worked_out(
         self, points: Floats, corner: _Corner, near: Sequence[BaseGeometry], *, is_inner: bool
