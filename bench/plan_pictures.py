@@ -20,6 +20,7 @@ from hmi.planning.drawing import drawing
 from hmi.planning.job import Job
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import Plan
+from hmi.planning.projection import LocalFrame
 from hmi.planning.treatment import DoseMap
 from tests.e2e.installation import ROOT
 from tests.hmi.planning.grounds import given_field, square
@@ -27,6 +28,7 @@ from tests.hmi.planning.grounds import given_field, square
 OUT = ROOT / "docs" / "plans"
 PANEL, MARGIN, TEXT, FINER = 520, 24, 62, 2
 COLOURS = 64
+FRAME = LocalFrame(52.0, 5.5)  # where on earth does not show
 NAMES = {
     Pattern.SHORTEST: "Shortest",
     Pattern.ROW_BY_ROW: "Row by row",
@@ -64,7 +66,7 @@ def _sheets() -> Iterator[tuple[str, list[tuple[str, Job]]]]:
 
 def _panel(title: str, job: Job) -> Image.Image:
     plan = plan_coverage(job)
-    drawn = drawing(job, plan)
+    drawn = drawing(job, plan, FRAME)
     left, low, right, high = job.parcel.bounds
     scale = (PANEL - 2 * MARGIN) / max(right - left, high - low) * FINER
     picture = Image.new("RGB", (PANEL * FINER, (PANEL + TEXT) * FINER), "white")

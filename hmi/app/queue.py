@@ -10,6 +10,7 @@ from fastapi import APIRouter
 
 from hmi.api.queue import QueueRoutes, queue_routes
 from hmi.api.queue_view import QueueView, ViewParts
+from hmi.app.demo import DemoWeather
 from hmi.app.records import Records
 from hmi.clock import Clock
 from hmi.commands.desk import CommandDesk
@@ -58,6 +59,7 @@ class QueueDesk:
         self._zone = farm_zone(settings.time_zone)
         self.store = QueueStore(records.database, settings.farm_id, clock)
         self.weather = WeatherBoard(clock, authorize, settings.farm_id)
+        self._demo_weather = DemoWeather(self.weather, clock) if settings.demo else None
         gate = Gate(fleet, ticks, clock, authorize)
         self.arming = self._make_arming(gate)
         self.freeze = QueueFreeze(
@@ -195,9 +197,13 @@ class QueueDesk:
     def start(self) -> None:
         """Begin to work through the queues."""
         self.runner.start()
+        if self._demo_weather is not None:
+            self._demo_weather.start()
 
     async def stop(self) -> None:
         """Disarm everything and end."""
+        if self._demo_weather is not None:
+            await self._demo_weather.stop()
         await self.runner.close()
         await self.arming.close()
 

@@ -90,7 +90,7 @@ def wish_for(
         datum_lat_deg=round(origin[1], 7),
         datum_lon_deg=round(origin[0], 7),
         robot=sheet,
-        angle_rad=_row_angle(order, field),
+        angle_rad=_row_angle(order, field, features),
         headland_passes=order.headland_passes,
         home=home,
         returns_home=order.returns_home,
@@ -117,10 +117,28 @@ def _treatment(order: PlanOrder, features: Sequence[Feature]) -> Treatment:
     return Treatment(tuple(areas), order.rest_dose, order.lead_in_m, order.lead_out_m)
 
 
-def _row_angle(order: PlanOrder, field: Feature) -> float | None:
-    """Return the ENU angle of the rows: as asked, else along the crop rows of the map, else to be searched."""
+def _row_angle(order: PlanOrder, field: Feature, features: Sequence[Feature]) -> float | None:
+    """Return the ENU angle of the rows: as asked, else as the map says of the field, else to be searched."""
     bearing = order.row_bearing_deg if order.row_bearing_deg is not None else field.properties.get("row_bearing_deg")
-    return None if bearing is None else math.pi / 2 - math.radians(float(bearing))
+    return _drawn_angle(field, features) if bearing is None else math.pi / 2 - math.radians(float(bearing))
+
+
+def _drawn_angle(field: Feature, features: Sequence[Feature]) -> float | None:
+    """Return the mean direction of the rows drawn or recorded in a field, longer ones weigh more; ``None`` if none."""
+    east = north = 0.0
+    for one in features:
+        if one.kind != "rows" or one.properties.get("parcel_id") != field.id:
+            continue
+        lines = (
+            one.geometry["coordinates"] if one.geometry["type"] == "MultiLineString" else [one.geometry["coordinates"]]
+        )
+        for line in lines:
+            (x0, y0), (x1, y1) = line[0][:2], line[-1][:2]
+            dx, dy = (x1 - x0) * math.cos(math.radians(y0)), y1 - y0
+            angle, length = math.atan2(dy, dx), math.hypot(dx, dy)
+            # a row has no beginning: doubled angles of opposite directions are the same
+            east, north = east + length * math.cos(2 * angle), north + length * math.sin(2 * angle)
+    return math.atan2(north, east) / 2 if east or north else None
 
 
 def _home(features: Sequence[Feature], order: PlanOrder, place: tuple[float, float]) -> tuple[float, float] | None:

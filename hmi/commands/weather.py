@@ -41,11 +41,15 @@ class WeatherBoard:
             OrderRefused: measured in the future, or older than what is known.
         """
         self._authorize(session, Permission.SEND_MISSION)
+        measured = Weather(at or self._clock.utc(), rain_mm_h, wind_mps, station)
+        self.take(measured)
+        return measured
+
+    def take(self, measured: Weather) -> None:
+        """Take what a station of the console's own measured; raises as ``report``."""
         now = self._clock.utc()
-        measured = at or now
-        if measured > now + AHEAD:
+        if measured.at > now + AHEAD:
             raise OrderRefused("from_the_future", "This was measured in the future. Set the station's clock.")
-        if self._latest is not None and measured < self._latest.at and self._latest.at <= now + AHEAD:
+        if self._latest is not None and measured.at < self._latest.at and self._latest.at <= now + AHEAD:
             raise OrderRefused("older", "A newer report is known already.")
-        self._latest = Weather(measured, rain_mm_h, wind_mps, station)
-        return self._latest
+        self._latest = measured

@@ -22,6 +22,7 @@ from hmi.domain.mission_document import mission_sha256
 from hmi.domain.mission_plan import PlannedMission, PlanWish, Surroundings
 from hmi.domain.robot import Factsheet, Family
 from hmi.ingest import translate
+from hmi.planning.energy import UAV
 from hmi.planning.machine import RobotProfile
 from hmi.planning.mission import plan_mission
 from hmi.planning.projection import LocalFrame
@@ -131,6 +132,8 @@ def _flyer() -> RobotProfile:
         yaw_rate_radps=1.5,
         lead_in_m=0.0,
         lead_out_m=0.0,
+        energy=UAV,
+        battery_j=UAV.store_j,
     )
 
 

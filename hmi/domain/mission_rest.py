@@ -213,12 +213,16 @@ def pieces_of(document: Mapping[str, Any], progress: Progress) -> list[Piece]:
 
 
 def _laps(segments: Sequence[Segment]) -> list[int]:
-    """Return for each segment which lap it is of, 0 off the laps; where the tool switches a lap goes on."""
+    """Return for each segment which lap it is of, 0 off the laps; where the tool switches a lap goes on.
+
+    So it does in its corners, on the spot too: two laps never follow one another with the tool off.
+    """
     found: list[int] = []
     count = 0
     for k, one in enumerate(segments):
         is_lap = one["kind"] == "headland"
-        goes_on = is_lap and k > 0 and found[k - 1] > 0 and not one.get("pivot")
+        is_corner = k > 0 and not (one.get("tool_on") and segments[k - 1].get("tool_on"))
+        goes_on = is_lap and k > 0 and found[k - 1] > 0 and (is_corner or not one.get("pivot"))
         count += is_lap and not goes_on
         found.append(count if is_lap else 0)
     return found

@@ -14,6 +14,7 @@ from shapely.geometry.base import BaseGeometry
 from hmi.domain.mission_plan import Pattern, PlanRefused
 from hmi.planning import headland as headlands
 from hmi.planning import swaths as rows_of
+from hmi.planning.corners import Corners
 from hmi.planning.dubins import Pose
 from hmi.planning.estimate import effort
 from hmi.planning.ground import Ground, erode
@@ -51,31 +52,48 @@ def plan_coverage(job: Job) -> Plan:
     cells = [[row for row in cell if job.doses.is_wanted_along(np.array([row.a, row.b]))] for cell in cells]
     if not any(cells):
         raise PlanRefused("nothing_to_treat", "No row crosses ground to be treated. Change the treatment.", "treatment")
-    return _Course(job, ground, division, cells).run(field, inner, angle)
+    return _Course(job, ground, division, cells, field, inner).run(angle)
 
 
 class _Course:
     """Drives through the field once, collecting legs and what had to be left out."""
 
-    def __init__(self, job: Job, ground: Ground, division: Headland, cells: list[list[Swath]]) -> None:
+    def __init__(
+        self,
+        job: Job,
+        ground: Ground,
+        division: Headland,
+        cells: list[list[Swath]],
+        field: BaseGeometry,
+        inner: BaseGeometry,
+    ) -> None:
         self.job, self.ground, self.division = job, ground, division
+        self.field, self.inner = field, inner
+        self.wanted = job.doses.wanted(field)
         self.linker = Linker(ground)
         self.cells = cells
         self.legs: list[Leg] = []
         self.notes: list[str] = []
         self.row = 0
-        self.laps: list[Lap] = []
         self.waiting = [lap for lap in headlands.laps(ground, division) if job.doses.is_wanted_along(lap.points)]
+        self.corners = Corners(
+            self.linker,
+            self.waiting,
+            inner,
+            self.wanted,
+            job.width_m,
+            may_pivot=job.pattern is not Pattern.SKIP_ROWS,  # chosen for arcs in place of turns on the spot
+        )
         self.done: list[Swath] = []
 
-    def run(self, field: BaseGeometry, inner: BaseGeometry, angle: float) -> Plan:
+    def run(self, angle: float) -> Plan:
         """Make the plan."""
-        self._rows(inner)
+        self._rows()
         self._headland()
         if self.job.home is not None:
             self._home()
         legs = self.job.doses.cut(_with_pivots(self.legs, self.job.machine))
-        figures = self._figures(legs, field, inner, angle)
+        figures = self._figures(legs, angle)
         missed = figures.missed_m2 / figures.wanted_m2
         if missed > _TOLD_MISSED:
             ground = "field" if self.job.doses.is_plain else "ground to be treated"
@@ -84,13 +102,13 @@ class _Course:
 
     # rows
 
-    def _rows(self, inner: BaseGeometry) -> None:
+    def _rows(self) -> None:
         groups = by_part([cell for cell in self.cells if cell], self.ground.turning)
         job, span = self.job, span_for(self.job.machine, self.job.width_m)
         driven = [
             row
             for group in groups
-            for cell in driving_order(job.pattern, group, inner, home=job.home, corner=job.corner, span=span)
+            for cell in driving_order(job.pattern, group, self.inner, home=job.home, corner=job.corner, span=span)
             for row in cell
         ]
         around = headlands.after_rows(
@@ -132,7 +150,6 @@ class _Course:
             lap = min(wanted, key=lambda lap: shapely.distance(shapely.LineString(lap.points), here))
             wanted = [other for other in wanted if other is not lap]
             if self._lap(lap):
-                self.laps.append(lap)
                 self.waiting = [other for other in self.waiting if other is not lap]
 
     def _lap(self, lap: Lap) -> bool:
@@ -141,9 +158,22 @@ class _Course:
         for points in sorted(headlands.beginnings(lap), key=lambda p: _entry_cost(here, p)):
             pose = (float(points[0][0]), float(points[0][1]), float(headings(points)[0]))
             if self.linker.can_leave(pose) and self._go(pose, self.job.machine.turn_speed_mps):
-                self.legs.append(Leg(LegKind.HEADLAND, points, self.job.machine.row_speed_mps, tool_on=True))
+                self.legs += self._around(lap, points)
                 return True
         return False
+
+    def _around(self, lap: Lap, points: Floats) -> list[Leg]:
+        machine = self.job.machine
+        return [
+            Leg(
+                LegKind.HEADLAND,
+                stretch.points,
+                machine.row_speed_mps if stretch.is_worked else machine.turn_speed_mps,
+                tool_on=stretch.is_worked,
+                is_continued=number > 0,
+            )
+            for number, stretch in enumerate(self.corners.stretches(lap, points))
+        ]
 
     # ways
 
@@ -195,13 +225,12 @@ class _Course:
             return
         self.legs += [Leg(LegKind.EXIT, p, self._way_speed(p, 0.6)) for p in back]
 
-    def _figures(self, legs: list[Leg], field: BaseGeometry, inner: BaseGeometry, angle: float) -> Figures:
+    def _figures(self, legs: list[Leg], angle: float) -> Figures:
         work = effort(legs, self.job.machine)
         strips = self._strips(legs)
         worked = shapely.union_all(strips, grid_size=_GRID_M)
-        covered = shapely.intersection(worked, field)
-        wanted = self.job.doses.wanted(field)
-        treated = covered if self.job.doses.is_plain else covered.intersection(wanted)
+        covered = shapely.intersection(worked, self.field)
+        treated = covered if self.job.doses.is_plain else covered.intersection(self.wanted)
         return Figures(
             length_m=work.length_m,
             working_length_m=work.working_length_m,
@@ -210,24 +239,25 @@ class _Course:
             rows=self.row,
             turns=work.turns,
             pivots=work.pivots,
-            area_m2=float(field.area),
+            area_m2=float(self.field.area),
             covered_m2=float(covered.area),
             overlap_m2=max(0.0, float(shapely.area(strips).sum() - worked.area)),
-            inner_m2=float(inner.area),
-            inner_covered_m2=float(covered.intersection(inner).area),
+            inner_m2=float(self.inner.area),
+            inner_covered_m2=float(covered.intersection(self.inner).area),
             energy_j=work.energy_j,
             battery_share=work.energy_j / self.job.machine.battery_j,
             angle_rad=angle % math.pi,
             headland_passes=len(self.division.offsets_m),
-            wanted_m2=float(wanted.area),
-            missed_m2=max(0.0, float(wanted.area - treated.area)),
+            wanted_m2=float(self.wanted.area),
+            missed_m2=max(0.0, float(self.wanted.area - treated.area)),
         )
 
     def _strips(self, legs: list[Leg]) -> list[BaseGeometry]:
         """Return the ground that each row, lap or treated piece of them works."""
         width = self.job.treated_width_m
         if self.job.doses.is_plain:
-            return [*rows_of.strips(self.done, width), *headlands.strips(self.laps, width)]
+            around = [leg for leg in legs if leg.kind is LegKind.HEADLAND]
+            return [*rows_of.strips(self.done, width), *worked_strips(around, width)]
         return worked_strips(legs, width)
 
 

@@ -33,7 +33,7 @@ def effort(legs: Sequence[Leg], machine: RobotProfile) -> Effort:
     working = sum(t for t, leg in zip(times, legs, strict=True) if leg.tool_on)
     # a lower dose takes less power; a higher one takes more time, and so the legs are slower
     dosed = sum(t * min(leg.dose, 1.0) for t, leg in zip(times, legs, strict=True) if leg.tool_on)
-    length = sum(lengths)
+    length, energy = sum(lengths), machine.energy
     return Effort(
         length_m=length,
         working_length_m=sum(m for m, leg in zip(lengths, legs, strict=True) if leg.tool_on),
@@ -41,7 +41,7 @@ def effort(legs: Sequence[Leg], machine: RobotProfile) -> Effort:
         working_s=working,
         turns=_turns(legs),
         pivots=len(pivoting),
-        energy_j=length * machine.drive_j_per_m + duration * machine.idle_w + dosed * machine.tool_w,
+        energy_j=length * energy.drive_j_per_m + duration * energy.idle_w + dosed * energy.tool_w,
     )
 
 

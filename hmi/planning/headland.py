@@ -18,6 +18,11 @@ from hmi.planning.projection import Floats
 from hmi.planning.swaths import Swath
 
 _ARC_STEPS = 12  # per quarter circle: 7.5 degrees a piece
+_FINE_STEPS = (
+    48  # circles that touch, as chords, miss each other by the bulge of a chord: their seam moves by decimetres
+)
+_BULGE = 0.002  # of the radius: what a chord over 7.5 degrees cuts off
+_BULGE_M = 0.003
 _MOST_PLACES = 12  # of a lap where joining it is tried
 _NEARLY = 0.99
 _LONG_M = 25.0  # pieces longer than this are joined near their ends too
@@ -78,12 +83,12 @@ def laps(ground: Ground, headland: Headland) -> list[Lap]:
     radius = max(ground.machine.turning_radius_m, 0.05)
     found: list[Lap] = []
     for offset in headland.offsets_m:
-        room = ground.allowed.buffer(-(offset + radius), quad_segs=_ARC_STEPS)
+        room = ground.allowed.buffer(-(offset + radius), quad_segs=_FINE_STEPS)
         # one part at a time: parts that meet when grown again would make a lap with a cusp
         for part in polygons_of(room):
-            for polygon in polygons_of(part.buffer(radius, quad_segs=_ARC_STEPS)):
+            for polygon in polygons_of(part.buffer(radius, quad_segs=_FINE_STEPS)):
                 for number, ring in enumerate(_wide(polygon, radius - offset, radius)):
-                    points = _clean(shapely.get_coordinates(ring))
+                    points = _clean(shapely.get_coordinates(ring), radius)
                     if len(points) >= 4 and _is_smooth(points) and ground.outside_m(points) == 0.0:
                         found.append(Lap(points, offset, is_inner=number > 0))
     return found
@@ -108,9 +113,9 @@ def _rounded(area: Polygon, wider_m: float, radius_m: float) -> Polygon | None:
     Growing narrows a bay by as much, and rounds a spike, where two branches of a lap meet, to a curve that is too
     tight but smooth.
     """
-    filled = area.buffer(wider_m + radius_m, quad_segs=_ARC_STEPS).buffer(-radius_m, quad_segs=_ARC_STEPS)
+    filled = area.buffer(wider_m + radius_m, quad_segs=_FINE_STEPS).buffer(-radius_m, quad_segs=_FINE_STEPS)
     spike_m = _NEARLY * radius_m  # arcs of the radius itself are sampled and must stay
-    cut = polygons_of(filled.buffer(-spike_m, quad_segs=_ARC_STEPS).buffer(spike_m, quad_segs=_ARC_STEPS))
+    cut = polygons_of(filled.buffer(-spike_m, quad_segs=_FINE_STEPS).buffer(spike_m, quad_segs=_FINE_STEPS))
     found = cut or polygons_of(filled)
     return found[0] if found else None
 
@@ -160,9 +165,9 @@ def _is_smooth(points: Floats) -> bool:
     return bool((np.abs(np.angle(np.exp(1j * np.diff(directions)))) <= GENTLE_RAD).all())
 
 
-def _clean(points: Floats) -> Floats:
-    """Drop points that add nothing: closer than a millimetre, or on the line of their neighbours."""
-    line = shapely.simplify(shapely.LineString(points), 0.001)
+def _clean(points: Floats, radius_m: float) -> Floats:
+    """Drop points that add nothing: closer than a millimetre, or nearly on the line of their neighbours."""
+    line = shapely.simplify(shapely.LineString(points), min(_BULGE * radius_m, _BULGE_M))
     kept = shapely.get_coordinates(line)
     steps = np.hypot(*np.diff(kept, axis=0).T)
     return np.asarray(kept[np.append(True, steps > 1e-3)], dtype=np.float64)

@@ -40,7 +40,7 @@ class Linker:
             return [] if self.machine.can_pivot or _turn(start[2], end[2]) < GENTLE_RAD else None
         smooth = self._rolled_out(start, end)
         if smooth is None:
-            smooth = self._dubins(start, end)
+            smooth = self.curve(start, end)
         if smooth is not None:
             return [smooth]
         way = self.ground.way(start[:2], end[:2])
@@ -56,7 +56,8 @@ class Linker:
         """Say whether a lap that ends here can be left again."""
         return self.ground.can_turn_at(pose[:2]) or bool(self._swings(pose, is_joining=False))
 
-    def _dubins(self, start: Pose, end: Pose, *, is_crop_free: bool = True) -> Floats | None:
+    def curve(self, start: Pose, end: Pose, *, is_crop_free: bool = True) -> Floats | None:
+        """Return the shortest Dubins turn between two poses that stays on the ground, ``None`` if there is none."""
         for path in self._hopeful(start, end):
             points = _distinct(path.sample(2.0)[:, :2])
             if len(points) < 2:
@@ -96,7 +97,7 @@ class Linker:
         stops: list[Pose] = [start, *middles, end]
         pieces = []
         for a, b in pairwise(stops):
-            piece = self._dubins(a, b, is_crop_free=False)
+            piece = self.curve(a, b, is_crop_free=False)
             if piece is None or _length(piece) > math.hypot(b[0] - a[0], b[1] - a[1]) * 1.5 + self._radius:
                 return None
             pieces.append(piece)
@@ -111,7 +112,7 @@ class Linker:
         for k in range(1, len(way) - 1):
             a: Pose = (*middles[k - 1], directions[k - 1])
             b: Pose = (*middles[k], directions[k])
-            corner = self._dubins(a, b, is_crop_free=False)
+            corner = self.curve(a, b, is_crop_free=False)
             if corner is not None and _length(corner) < _length(np.array([middles[k - 1], way[k], middles[k]])) + 0.1:
                 current.extend(corner)
             elif _turn(directions[k - 1], directions[k]) <= GENTLE_RAD:
@@ -152,7 +153,7 @@ class Linker:
                     if not self.ground.can_turn_at(place[:2]):
                         continue
                     a, b = (place, pose) if is_joining else (pose, place)
-                    points = self._dubins(a, b, is_crop_free=False)
+                    points = self.curve(a, b, is_crop_free=False)
                     if points is not None and _length(points) < 4 * math.hypot(px - x, py - y):
                         found.append((place, points))
                         break

@@ -10,6 +10,7 @@ import shapely
 
 from hmi.domain.mission_plan import PlanRefused
 from hmi.domain.robot import Factsheet
+from hmi.planning.energy import WEEDER, Energy, energy_of
 from hmi.planning.projection import Floats
 
 _LEAD_IN_M = {"laser": 0.3, "planter": 0.0}  # a laser sees weeds half a second before it fires at them
@@ -26,7 +27,7 @@ class RobotProfile:
     """What the planner needs to know of a robot. SI; the reference point ``base`` is what follows the path.
 
     ``margin_m`` is kept between outline and border: RTK noise, tracking error and the sampling of curves.
-    Energy figures are per metre driven, per second awake and per second of tool work. The tool is switched on
+    The tool is switched on
     ``lead_in_m`` before ground to be treated and off ``lead_out_m`` after it. ``stand_s_per_m`` is how long it stands
     for a metre of worked path: a planter plants where it stands.
     """
@@ -42,10 +43,8 @@ class RobotProfile:
     accel_mps2: float = 0.4
     yaw_rate_radps: float = 0.6
     margin_m: float = 0.1
-    battery_j: float = 12 * 3.6e6
-    drive_j_per_m: float = 1_600.0
-    idle_w: float = 180.0
-    tool_w: float = 1_500.0
+    energy: Energy = WEEDER
+    battery_j: float = WEEDER.store_j
     lead_in_m: float = 0.5
     lead_out_m: float = 0.2
     stand_s_per_m: float = 0.0
@@ -65,6 +64,7 @@ class RobotProfile:
     def from_factsheet(cls, sheet: Factsheet) -> RobotProfile:
         """Take the outline and motion limits the robot declares; speeds never above its own limit."""
         base = cls()
+        energy = energy_of(sheet.family)
         top = sheet.max_speed_mps
         return replace(
             base,
@@ -79,7 +79,8 @@ class RobotProfile:
             transit_speed_mps=min(base.transit_speed_mps, top),
             accel_mps2=min(base.accel_mps2, sheet.max_accel_mps2),
             yaw_rate_radps=min(base.yaw_rate_radps, sheet.max_yaw_rate_radps),
-            battery_j=base.battery_j if sheet.battery_wh is None else sheet.battery_wh * 3600,
+            energy=energy,
+            battery_j=energy.store_j if sheet.battery_wh is None else sheet.battery_wh * 3600,
             lead_in_m=_LEAD_IN_M.get(sheet.tool_kind, base.lead_in_m),
             lead_out_m=_LEAD_OUT_M.get(sheet.tool_kind, base.lead_out_m),
         )

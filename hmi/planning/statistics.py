@@ -25,6 +25,8 @@ def statistics(wish: PlanWish, job: Job, plan: Plan) -> dict[str, Any]:
         "notes": list(plan.notes),
         "pattern": wish.pattern.value,
         "battery_j": job.machine.battery_j,
+        "energy_basis": _energy_basis(wish, job),
+        "is_tank": job.machine.energy.is_tank,
         "reserve_share": round(_reserve_share(job, plan), 4),
     }
     if wish.robot is not None and wish.robot.charge_w is not None:
@@ -42,6 +44,13 @@ def statistics(wish: PlanWish, job: Job, plan: Plan) -> dict[str, Any]:
     return found
 
 
+def _energy_basis(wish: PlanWish, job: Job) -> str:
+    """Return with which figures energy is counted, and who says so."""
+    energy, holds = job.machine.energy, "Tank" if job.machine.energy.is_tank else "Battery"
+    says = "assumed" if wish.robot is None or wish.robot.battery_wh is None else "from its factsheet"
+    return f"{energy.basis} {holds} of {job.machine.battery_j / 3.6e6:.3g} kWh {says}."
+
+
 def _reserve_share(job: Job, plan: Plan) -> float:
     """Return the share of the battery to keep: it brings the robot home from the furthest point, or more."""
     if job.home is None:
@@ -49,5 +58,5 @@ def _reserve_share(job: Job, plan: Plan) -> float:
     points = np.concatenate([leg.points for leg in plan.legs])
     way_m = DETOUR * float(np.hypot(*(points - np.array(job.home)).T).max())
     machine = job.machine
-    way_j = way_m * machine.drive_j_per_m + way_m / machine.transit_speed_mps * machine.idle_w
+    way_j = way_m * machine.energy.drive_j_per_m + way_m / machine.transit_speed_mps * machine.energy.idle_w
     return max(LEAST_RESERVE, way_j / machine.battery_j)

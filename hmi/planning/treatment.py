@@ -80,7 +80,7 @@ class DoseMap:
                 tool_on=dose > 0,
                 dose=dose if dose > 0 else USUAL,
                 pivot=leg.pivot and number == 0,
-                is_continued=number > 0,
+                is_continued=leg.is_continued or number > 0,
             )
             pieces.append(piece)
         return pieces

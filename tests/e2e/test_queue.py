@@ -95,3 +95,33 @@ def test_a_queue_runs_two_missions_and_stop_ends_it(person: Come, calm: Installa
     expect(martha.hook("queue-frozen")).to_have_count(0)
     martha.sees(f"queue-armed-{ROBOT}", "off")
     assert calm.world(ROBOT)["standstill"]
+
+
+@pytest.mark.long
+def test_a_mission_nobody_started_is_taken_off_the_robot_in_the_queue_and_on_operate(
+    person: Come, calm: Installation, boss: Caller
+) -> None:
+    waiting, sent = unattended_copy(boss, "After the strip"), unattended_copy(boss, "Sent by hand")
+    boss.post(f"/robots/{ROBOT}/mission", {"mission_id": sent}).raise_for_status()
+    boss.post("/queue/entries", {"mission_id": waiting}).raise_for_status()
+    martha = person("operator")
+    martha.open("/missions")
+    martha.hook("missions-tab-queue").click()
+    martha.hook(f"queue-take-off-{ROBOT}").click(timeout=20_000)
+    expect(martha.hook(f"queue-take-off-{ROBOT}")).to_have_count(0, timeout=20_000)
+    wait_for(lambda: held(boss) == waiting, within_s=30, what="the queue sends its own")
+
+    # sent once more it is wanted again, and the card on Operate offers the same
+    boss.post(f"/robots/{ROBOT}/mission", {"mission_id": sent}).raise_for_status()
+    martha.operate(ROBOT)
+    hold = martha.hook("mission-hold")
+    expect(hold).to_contain_text("After the strip waits in the queue", timeout=30_000)
+    hold.get_by_role("button").click()
+    expect(hold).to_be_hidden(timeout=20_000)
+    wait_for(lambda: held(boss) == waiting, within_s=30, what="the queue sends its own again")
+    assert calm.world(ROBOT)["standstill"]
+
+
+def held(caller: Caller) -> str:
+    """Return the mission that lies on the robot."""
+    return str((caller.get(f"/robots/{ROBOT}").get("mission") or {}).get("id"))

@@ -3,6 +3,8 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { AreaLines, doseText, readAreas } from '../../static/js/map/areas.js';
+import { farmLabels } from '../../static/js/map/captions.js';
+import { asides } from '../../static/js/map/labels.js';
 import { readMission } from '../../static/js/map/mission.js';
 
 const row = (number, tool_on, dose) => ({
@@ -40,4 +42,13 @@ test('less is dashed and more is broad; outlines stay when rows are hidden', () 
   assert.deepEqual(lines.lines(3, ink, false).map((one) => one.colour), [3, 4]);
   lines.lay(null, { mx: 0.5, my: 0.33 });
   assert.deepEqual(lines.lines(3, ink, true), []);
+});
+
+test('the name of a field moves aside on its own ground only', () => {
+  const ring = [[4.26, 51.78], [4.264, 51.78], [4.264, 51.784], [4.26, 51.784], [4.26, 51.78]];
+  const [label] = farmLabels([{ properties: { kind: 'parcel', name: 'Oostveld' }, geometry: { type: 'Polygon', coordinates: [ring] } }]);
+  const worldPx = 50 / label.room[0]; // the field goes on for 50 px to the north
+  assert.ok(Math.abs(label.room[1] * worldPx - 50) < 0.1);
+  assert.deepEqual(asides(label, 1, worldPx), [0, -34, 34]);
+  assert.deepEqual(asides(label, 1, worldPx / 2), [0]);
 });

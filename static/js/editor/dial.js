@@ -123,6 +123,8 @@ export function paintDial(context, dial, palette, isChosen) {
   line(context, [[-7, 4], [0, -5], [7, 4]], palette.ink, 2.4);
   context.restore();
   disc(context, cx, cy, 5.5, { fill: palette.ink });
-  const isLeft = Math.sin(angle) < -0.5; // the text stands on the side the bar leaves free
-  haloText(context, isSet ? degreesText(bearing) : 'not set', kx + (isLeft ? -30 : 30), ky - 4, { palette, size: 18, weight: 700, align: isLeft ? 'right' : 'left' });
+  // inside the circle, above the bar: outside, corners and lengths of the field stand
+  const isLeft = kx < cx;
+  if (isSet) haloText(context, degreesText(bearing), kx + (isLeft ? 24 : -24), ky - 26, { palette, size: 18, weight: 700, align: isLeft ? 'left' : 'right' });
+  else haloText(context, 'Row direction not set', cx, cy + radius * 0.55, { palette, size: 14, weight: 650, align: 'center' });
 }

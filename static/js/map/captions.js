@@ -1,6 +1,6 @@
 // Which texts stand on the map: fields, homes, obstacles, and what is known about each robot.
 
-import { areaM2, boxOf, labelPoint, mercX, mercY, polygonParts } from './geometry.js';
+import { areaM2, boxOf, labelPoint, mercX, mercY, polygonParts, roomAround } from './geometry.js';
 import { clockTime, upTo } from './robots.js';
 
 const NAMED = new Set(['parcel', 'home', 'obstacle', 'building', 'no-go', 'no_go']);
@@ -28,7 +28,7 @@ export function farmLabels(features) {
       lines.push({ text: crop ? `${crop}, ${area}` : area, size: 13, weight: 550 });
     }
     const at = labelAt(feature, parts);
-    if (at) labels.push({ mx: mercX(at[0]), my: mercY(at[1]), lines, kind, name, priority: kind === 'parcel' ? 50 : 20, ...extent(feature) });
+    if (at) labels.push({ mx: mercX(at[0]), my: mercY(at[1]), lines, kind, name, priority: kind === 'parcel' ? 50 : 20, room: parts.length ? roomAround(parts[0][0], at) : null, ...extent(feature) });
   }
   return labels;
 }

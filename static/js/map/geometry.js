@@ -142,6 +142,20 @@ export function labelPoint(ring) {
   return best ? best.point : ring[0];
 }
 
+/** How far a ring goes on north and south of a point inside it: [up, down], mercator. */
+export function roomAround(ring, [lon, lat]) {
+  let [up, down] = [Infinity, Infinity];
+  for (let i = 0; i < ring.length; i += 1) {
+    const [ax, ay] = ring[i];
+    const [bx, by] = ring[(i + 1) % ring.length];
+    if (ax > lon === bx > lon) continue;
+    const off = mercY(lat) - mercY(ay + ((lon - ax) / (bx - ax)) * (by - ay));
+    if (off >= 0) up = Math.min(up, off);
+    else down = Math.min(down, -off);
+  }
+  return [up, down].map((room) => (Number.isFinite(room) ? room : 0));
+}
+
 /** Nearest place on a mercator polyline: {along, off} in mercator units. `line` is a flat [x, y, x, y, ...] array. */
 export function nearestOn(line, x, y) {
   let walked = 0;

@@ -2,7 +2,14 @@
 
 const MOST_LABELS = 80; // more cannot be read
 const HALO = 0.28; // of the type size
-const ASIDE_PX = [0, -60, 60, -104, 104]; // where the name of a place may go when something stands on it
+const ASIDE_PX = [0, -34, 34, -60, 60, -104, 104]; // where the name of a place may go when something stands on it
+
+/** Shifts of a place's name that leave it on its own ground: on the next field it would name that one. */
+export function asides(label, scale, worldPx) {
+  if (!label.kind) return [0];
+  const shifts = ASIDE_PX.map((shift) => shift * scale);
+  return label.room ? shifts.filter((shift) => Math.abs(shift) <= label.room[shift < 0 ? 0 : 1] * worldPx) : shifts;
+}
 
 /** The layer of texts; `draw` is called after each frame of the engine. */
 export class LabelLayer {
@@ -47,8 +54,8 @@ export class LabelLayer {
       if (count >= MOST_LABELS) break;
       const [x, y] = camera.project(label.mx, label.my);
       if (x < -200 || y < -100 || x > camera.width + 200 || y > camera.height + 100) continue;
-      const shifts = label.kind ? ASIDE_PX : [0];
-      const isDrawn = shifts.some((shift) => this.#one(label, x + (label.dx ?? 0), y + (label.dy ?? 0) + shift * palette.scale, palette, taken))
+      const shifts = asides(label, palette.scale, camera.worldPx);
+      const isDrawn = shifts.some((shift) => this.#one(label, x + (label.dx ?? 0), y + (label.dy ?? 0) + shift, palette, taken))
         || (label.pill && label.align === 'left' && this.#one({ ...label, align: 'right' }, x - label.dx, y + (label.dy ?? 0), palette, taken));
       if (isDrawn && label.lines.length) count += 1;
     }

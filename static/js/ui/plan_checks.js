@@ -12,11 +12,12 @@
   // statistics: of the plan; robot: entry of the fleet; ageMs: since it was heard
   function battery(statistics, robot, ageMs) {
     const has = robot?.soc;
-    if (has === null || has === undefined || ageMs > OLD_MS) return unknown("Battery is not known now");
+    const [store, charge, fill] = statistics.is_tank ? ["Tank", "tank", "Refuel"] : ["Battery", "charge", "Charge"];
+    if (has === null || has === undefined || ageMs > OLD_MS) return unknown(`${store} is not known now`);
     const needs = statistics.battery_share + (statistics.reserve_share ?? 0.15);
-    if (needs <= has) return good(`Battery is enough: ${percent(has)} now`);
-    if (needs > 1) return bad(`Not enough: needs ${percent(needs)} with reserve, has ${percent(has)}. One charge does not last.`);
-    return bad(`Not enough: needs ${percent(needs)}, has ${percent(has)}. Charge ${chargeTime(statistics, needs - has)}first.`);
+    if (needs <= has) return good(`${store} is enough: ${percent(has)} now`);
+    if (needs > 1) return bad(`Not enough: needs ${percent(needs)} with reserve, has ${percent(has)}. One ${charge} does not last.`);
+    return bad(`Not enough: needs ${percent(needs)}, has ${percent(has)}. ${fill} ${chargeTime(statistics, needs - has)}first.`);
   }
 
   // "1 h 10 ", rounded up to five minutes; nothing where the robot does not say how fast it charges

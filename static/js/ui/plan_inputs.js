@@ -43,7 +43,7 @@
       this.all = {
         field_id: select("plan-field", "field_id", options(places.fields)),
         robot_id: select("plan-robot", "robot_id", options(places.robots)),
-        home_id: select("plan-home", "home_id", [el("option", { value: "" }, "Its own, or the nearest"), ...options(places.homes)]),
+        home_id: select("plan-home", "home_id", [el("option", { value: "" }, "Own or nearest"), ...options(places.homes)]),
         width_m: number("plan-width", "width_m", { min: "0.05", max: "50", required: true, value: "3" }),
         row_speed_mps: number("plan-speed", "row_speed_mps", { min: "0.01", max: "20", placeholder: "usual" }),
         overlap: number("plan-overlap", "overlap", { min: "0", max: "50", placeholder: "0" }),

@@ -42,7 +42,8 @@
     return el("div", { class: "h-card p-energy", "data-testid": "plan-stat-energy", "data-value": s.energy_j, "data-state": isOver ? "over" : "enough" },
       el("div", { class: "h-h" }, "Energy", el("span", { class: "h-end h-t14 h-b p-ink" }, `${kwh(s.energy_j)} kWh of ${kwh(battery)}`)), bar,
       el("div", { class: "h-row h-t13 h-2 p-shares" }, el("span", {}, `mission ${Math.round(100 * s.battery_share)} %`), el("span", { class: "h-end" }, `reserve to get home ${Math.round(100 * reserve)} %`)),
-      isOver ? el("div", { class: "h-t13 h-b p-ink" }, `Takes ${Math.ceil(s.battery_share / Math.max(0.05, 1 - reserve))} battery charges. Split the field, or charge on the way.`) : "");
+      isOver ? el("div", { class: "h-t13 h-b p-ink" }, `Takes ${Math.ceil(s.battery_share / Math.max(0.05, 1 - reserve))} ${s.is_tank ? "tanks" : "battery charges"}. Split the field, or ${s.is_tank ? "refuel" : "charge"} on the way.`) : "",
+      s.energy_basis ? el("div", { class: "h-t12 h-2", "data-testid": "plan-energy-basis" }, s.energy_basis) : "");
   }
 
   // one line for each row order; a tap shows it

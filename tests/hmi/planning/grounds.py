@@ -126,4 +126,7 @@ def assert_drivable(job: Job, plan: Plan) -> None:
     assert pivots_without_room(field, job.machine, plan) == []
     assert widest_gap_m(plan) < 1e-6
     assert rows == list(range(1, len(rows) + 1)), "each row once, counted as driven"
-    assert all(leg.tool_on == (leg.kind in (LegKind.ROW, LegKind.HEADLAND)) for leg in plan.legs)
+    work = (LegKind.ROW, LegKind.HEADLAND)
+    assert all(leg.kind in work for leg in plan.legs if leg.tool_on)
+    loops = [leg for leg in plan.legs if leg.kind in work and not leg.tool_on]
+    assert all(leg.kind is LegKind.HEADLAND and leg.is_continued for leg in loops)

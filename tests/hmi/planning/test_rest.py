@@ -231,3 +231,18 @@ def test_leaving_out_everything_is_refused() -> None:
     with pytest.raises(PlanRefused) as caught:
         rest(progress, leave_out=everything)
     assert caught.value.code == "nothing_left"
+
+
+def test_a_lap_stays_one_lap_through_the_loops_in_its_corners() -> None:
+    laps = [one.lap for one in pieces_of(planned().document, at(0, 0.0)) if one.kind == "headland"]
+    assert set(laps) == set(range(1, planned().statistics["headland_passes"] + 1))
+    assert len(laps) > len(set(laps)), "corners are worked to the tip"
+
+
+def test_a_lap_goes_on_where_its_corner_is_turned_on_the_spot_and_another_lap_is_another() -> None:
+    def lap(*, is_on: bool, pivot: bool) -> dict[str, Any]:
+        return {"kind": "headland", "row": 0, "tool_on": is_on, "pivot": pivot, "points": [[0.0, 0.0], [9.0, 0.0]]}
+
+    corner = [lap(is_on=True, pivot=False), lap(is_on=False, pivot=True), lap(is_on=True, pivot=True)]
+    pieces = pieces_of({"segments": [*corner, lap(is_on=True, pivot=True)]}, at(0, 0.0))
+    assert [one.lap for one in pieces] == [1, 1, 2]
