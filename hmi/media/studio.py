@@ -21,6 +21,7 @@ from backend_clients.edge.topics import Up
 from hmi.clock import Clock
 from hmi.media import orders
 from hmi.media.door import SECRET_HEADER, VIEWER_HEADER, is_secret
+from hmi.media.ear import Ear
 from hmi.media.intake import Intake
 from hmi.media.status import status_of
 from hmi.twin.farm import Farm, FarmRobot, Plan
@@ -45,8 +46,8 @@ HEIGHT_GAUGES = ("height", "altitude")
 class Studio:
     """Intake, world and viewers. ``start`` and ``stop`` it on the event loop."""
 
-    def __init__(self, intake: Intake, uploads: Path, secret: str, clock: Clock) -> None:
-        self.intake, self._clock = intake, clock
+    def __init__(self, intake: Intake, uploads: Path, secret: str, clock: Clock, ear: Ear | None = None) -> None:
+        self.intake, self._clock, self._ear = intake, clock, ear
         self.library = Library(uploads)
         self.server = guarded_viser(lambda headers: is_secret(headers.get(SECRET_HEADER), secret))
         self.world = World(self.server)
@@ -95,6 +96,8 @@ class Studio:
     def enter(self, key: str, robot_id: str, *, may_replay: bool) -> asyncio.Queue[dict[str, Any]]:
         """Let a page in; what it is told comes by the queue that is returned."""
         before = self.viewers.get(key)
+        if self._ear is not None:
+            self._ear.look(self._clock.mono_s())
         viewer = Viewer(key, robot_id, may_replay)
         if before is not None and before.client is not None:
             before.show_replay(None)
@@ -144,11 +147,24 @@ class Studio:
         while True:
             began_s = self._clock.mono_s()
             try:
+                self.attend()
                 if any(viewer.client is not None for viewer in self.viewers.values()):
                     self.tick()
             except Exception:  # one bad picture must not end all others
                 log.exception("drawing failed")
             await asyncio.sleep(max(0.01, TICK_S - (self._clock.mono_s() - began_s)))
+
+    def attend(self) -> None:
+        """Listen while somebody looks; what was heard is forgotten with the last who did, for it gets old unseen."""
+        if self._ear is None:
+            return
+        now_s = self._clock.mono_s()
+        if self.viewers:
+            self._ear.look(now_s)
+        elif self._ear.rest(now_s):
+            self.intake.forget(but=())
+            for robot_id in self.world.robots():
+                self.world.remove(robot_id)
 
     def tick(self) -> None:
         """Draw once."""
