@@ -138,6 +138,8 @@ class Studio:
                 viewer.show_replay(None)
             case orders.Unmark():
                 viewer.mark(None, None)
+            case orders.Lift():
+                viewer.lift(order.height_m)
             case orders.Theme():
                 viewer.set_dark(is_dark=order.dark)
             case _:
@@ -304,9 +306,10 @@ class Studio:
 
     def _clicked(self, key: str, event: Any) -> None:
         if self._loop is not None:
-            self._loop.call_soon_threadsafe(self._tapped, key, event.ray_origin, event.ray_direction)
+            self._loop.call_soon_threadsafe(self.touch, key, event.ray_origin, event.ray_direction)
 
-    def _tapped(self, key: str, origin: tuple[float, float, float], direction: tuple[float, float, float]) -> None:
+    def touch(self, key: str, origin: tuple[float, float, float], direction: tuple[float, float, float]) -> None:
+        """Tell a page what lies under a ray in the site's plane, and mark the place."""
         from hmi.media.tap import ground_under, tapped
 
         viewer = self.viewers.get(key)

@@ -47,6 +47,7 @@ class Viewer:
     is_held: bool = False
     held_until_s: float = 0.0
     is_dark: bool = False
+    touched: tuple[tuple[float, float], Vector | None] | None = None
     _mover: Mover | None = None
     _base: Vector | None = None
     _overridden: set[str] = field(default_factory=set)
@@ -130,8 +131,14 @@ class Viewer:
 
     def mark(self, place: tuple[float, float] | None, base: Vector | None) -> None:
         """Show this viewer the place that was touched and the line to it; ``None`` takes it away."""
+        self.touched = None if place is None else (place, base)
         if self.client is not None:
             draw_touched(self.client.scene, place, base)
+
+    def lift(self, height_m: float) -> None:
+        """Show this viewer how high above the touched place the tool would stand."""
+        if self.client is not None and self.touched is not None:
+            draw_touched(self.client.scene, *self.touched, height_m)
 
     def set_dark(self, *, is_dark: bool) -> None:
         """Darken the ground for this viewer."""

@@ -2,8 +2,8 @@
 (() => {
   "use strict";
   const { el, icon, text, attr, style, toggle, LiveElement } = HL;
-  const RIGHT_OF = { pause: "pause", return_home: "return_home", tool_retract: "tool", skip_target: "tool", stock_refilled: "tool", jog: "drive" };
-  const NEEDS = { pause: "Pausing", return_home: "Sending it home", tool: "Moving its tool", drive: "Driving" };
+  const RIGHT_OF = { pause: "pause", return_home: "return_home", tool_retract: "tool", tool_go_to: "tool", go_to: "go_to", skip_target: "tool", stock_refilled: "tool", jog: "drive" };
+  const NEEDS = { pause: "Pausing", return_home: "Sending it home", tool: "Moving its tool", go_to: "Sending it somewhere", drive: "Driving" };
   const NO_CONTROL = new Set(["pause"]);
   const STOPPED = "Stopped. Reset the stop on Operate first."; // this page may know before the robot or the console says so
 

@@ -68,6 +68,7 @@
       for (const part of [this.layers.node, this.replay.node]) toggle(part, "gone", isMap);
       this.layers.paint();
       this.replay.paint();
+      this.details.paint();
       this.model.paint(this.link.status);
     }
   }
