@@ -68,8 +68,8 @@ def draw_reach(scene: viser.SceneApi, name: str, reach: Reach | None) -> None:
     arc = np.column_stack([xs, ys, np.full(len(angles), 0.02)]).astype(np.float32)
     lines = np.stack([arc[:-1], arc[1:]], axis=1)
     scene.add_line_segments(f"{name}/arc", lines, colors=INK, thickness=2.0, thickness_units="screen")
-    at = len(arc) // 4
-    scene.add_label(f"{name}/text", f"Reach {reach.radius_m:.1f} m", position=tuple(map(float, arc[at])))
+    x, y, z = (float(one) for one in arc[len(arc) // 4])
+    scene.add_label(f"{name}/text", f"Reach {reach.radius_m:.1f} m", position=(x, y, z))
 
 
 def _chain(form: Form) -> list[ModelJoint]:
