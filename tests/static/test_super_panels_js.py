@@ -1,4 +1,4 @@
-"""The rules of the panels and the dock of Supervisor, run in node."""
+"""The rules of Supervisor and Twin that need no page, run in node."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ HERE = Path(__file__).parent
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
-@pytest.mark.parametrize("name", ["super_panels", "super_dock"])
-def test_the_panels_and_the_dock_of_supervisor_keep_their_rules(name: str) -> None:
+@pytest.mark.parametrize("name", ["super_panels", "super_dock", "viser_frame"])
+def test_supervisor_and_twin_keep_their_rules(name: str) -> None:
     node = shutil.which("node")
     assert node is not None
     run = subprocess.run(
