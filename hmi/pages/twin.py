@@ -52,7 +52,7 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
         with ui.element("aside").classes("h-side t-side").props('aria-label="Joints and values"'):
             LiveElement("hl-twin-alarm", hook="twin-alarm", data_right=Permission.ACKNOWLEDGE_ALARM.value, hidden="")
             LiveElement("hl-twin-side", classes="t-sidebox")
-            LiveElement("hl-super-dock", classes="h-dockbar h-actions", role="group", aria_label="Actions")
+        LiveElement("hl-super-dock", classes="h-dockbar h-actions", role="group", aria_label="Actions")
 
 
 def pick(services: PageServices, session: SessionInfo) -> None:

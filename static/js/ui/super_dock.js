@@ -117,6 +117,14 @@
       attr(this, "data-state", names.includes("retract") ? "planter" : "generic");
       this.replaceChildren(...this.controls.map(([control]) => control.node), el("span", { class: "h-sp" }), this.hint);
     }
+    // one reason for everything stands alone, else the first names its control; the others say theirs when they are tapped
+    said(reasons) {
+      const first = reasons.findIndex(Boolean);
+      const reason = (reasons[first] ?? "").replace(" on Supervisor", "");
+      if (!reason || this.controls.every(([, action], i) => !action || reasons[i] === reasons[first])) return reason;
+      const [control] = this.controls[first];
+      return `${control.options?.button.label ?? control.word.textContent}: ${reason}`;
+    }
     paint() {
       const names = set();
       const isBusy = this.controls.some(([control]) => control.isBusy || control.spoken || control.state === "armed" || control.node.dataset.state === "pending");
@@ -127,10 +135,10 @@
         control.allow(reasons[i]);
         if (word) text(control.word, word());
       });
-      const [off] = reasons.filter(Boolean); // the others say theirs when they are tapped
+      const off = this.said(reasons);
       const isPlanter = names.includes("retract");
       toggle(this.hint, "off", Boolean(off));
-      text(this.hint, off ? off.replace(" on Supervisor", "") : isPlanter ? `Retract moves the ${tool()}. It asks for a slide first.` : "");
+      text(this.hint, off || (isPlanter ? `Retract moves the ${tool()}. It asks for a slide first.` : ""));
     }
   }
 

@@ -82,8 +82,9 @@
       this.list = el("div", {});
       this.card = el("section", { class: "h-card t-joints", "aria-label": "Joints", hidden: "" }, el("div", { class: "h-row" }, this.title, el("span", { class: "h-sp" }), this.age), this.list);
       this.gauges = el("div", { class: "t-gauges" });
+      this.gaugesAge = el("div", { class: "h-t12 h-2 t-gaugesage" });
       this.hint = el("p", { class: "h-t13 h-2 t-hint" }, "Drag turns, two fingers move, pinch zooms. ", el("span", { class: "h-key" }, "Arrows"), " turn, ", el("span", { class: "h-key" }, "+"), " ", el("span", { class: "h-key" }, "−"), " zoom, ", el("span", { class: "h-key" }, "0"), " resets.");
-      this.node = el("div", { class: "t-sidelist" }, this.card, this.gauges, this.hint);
+      this.node = el("div", { class: "t-sidelist" }, this.card, this.gauges, this.gaugesAge, this.hint);
       this.rows = new Map();
       this.tiles = new Map();
     }
@@ -102,7 +103,10 @@
       const gauges = past ? [] : inside.gauges?.gauges ?? [];
       this.keep(this.tiles, gauges, (one) => one.key, (one) => new Gauge(one), this.gauges);
       gauges.forEach((one) => this.tiles.get(one.key).paint(one));
-      toggle(this.gauges, "stale", ageMs !== null && ageMs > STALE_MS);
+      const gaugesMs = inside.gauges && !past ? HL.port.age(inside.gauges.t) : null; // a robot without joints has gauges too
+      toggle(this.gauges, "stale", gaugesMs !== null && gaugesMs > STALE_MS);
+      attr(this.gauges, "data-age-ms", gaugesMs === null || !Number.isFinite(gaugesMs) ? null : Math.round(gaugesMs));
+      text(this.gaugesAge, !gauges.length || !Number.isFinite(gaugesMs ?? NaN) ? "" : gaugesMs > STALE_MS ? `Values are ${HL.words.age(gaugesMs)} old` : `Values ${HL.words.age(gaugesMs)}`);
     }
 
     keep(kept, list, keyOf, make, place) {
