@@ -133,6 +133,10 @@
   // a canvas measured while the page around was still moving keeps its first size on a slow machine
   new ResizeObserver(() => setTimeout(() => dispatchEvent(new Event("resize")), 300)).observe(document.documentElement);
 
+  // a tablet takes the graphics away when it needs them itself, and what is left is an empty picture
+  addEventListener("webglcontextlost", () => tell({ kind: "lost" }), true);
+  addEventListener("webglcontextrestored", () => tell({ kind: "restored" }), true);
+
   // without WebGL the frame has nothing to show; the page around shows the map instead
   const canvas = make("canvas");
   if (!(canvas.getContext("webgl2") || canvas.getContext("webgl"))) tell({ kind: "no-webgl" });
