@@ -16,7 +16,8 @@ from hmi.twin.model import ModelJoint
 from hmi.twin.rotation import turned
 
 LOW_M, HIGH_M = -0.2, 1.7  # of the tip above the ground: what an arm works at
-POSTURES = 600  # tried at most
+POSTURES = 1000  # tried at most: a tenth of a second, once for a model
+MOST_MOVERS = 4  # with more joints so few postures would say too little
 NEGLIGIBLE_M = 0.01
 INK = (70, 84, 92)
 STEP_RAD = math.radians(4)
@@ -34,7 +35,7 @@ class Reach:
 
 
 def reach_of(form: Form, joints: list[Joint]) -> Reach | None:
-    """Return how far the tip comes within the soft limits; ``None`` for a machine whose tip turns about nothing."""
+    """Return how far the tip comes within the soft limits; ``None`` where that cannot be said."""
     soft = {one.name: one for one in joints}
     chain = [joint for joint in _chain(form) if joint.moves and joint.name in soft]
     if not chain or chain[0].kind == "prismatic" or abs(chain[0].axis[2]) < 0.9:
@@ -43,6 +44,8 @@ def reach_of(form: Form, joints: list[Joint]) -> Reach | None:
     rest = {joint.name: _nearest(0.0, _span(joint, soft)) for joint in chain}
     middle = form.kinematics.in_base(rest)[slew.child].xyz
     movers = [joint for joint in others if _moves_tip(form, rest, joint, _span(joint, soft))]
+    if len(movers) > MOST_MOVERS:
+        return None
     count = max(2, int(POSTURES ** (1 / max(1, len(movers)))))
     best = 0.0
     for values in itertools.product(*(np.linspace(*_span(joint, soft), count) for joint in movers)):

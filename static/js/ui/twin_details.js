@@ -4,6 +4,7 @@
   const { el, icon, text, attr } = HL;
   const SIGNS = { robot: "smart_toy", obstacle: "block", place: "trip_origin", ground: "my_location" };
   const HEIGHTS_M = [0.5, 1.0, 1.6]; // of the tool above the ground; 1.6 m clears what stands there
+  const SURE = 1.05; // the reach is found by trying postures; at its edge the robot decides
   const SENDS = [
     { action: "tool_go_to", label: "Slide to move the crane here", button: "Crane here", line: "The crane moves. Keep everyone away", isTool: true },
     { action: "go_to", label: "Slide to drive here", button: "Drive here", line: "It drives there by itself" },
@@ -73,7 +74,7 @@
       const off = HL.superDock.refusal(action);
       if (off) return off;
       const { arm_m: away, reach_m: reach } = this.said;
-      return isTool && reach && away > reach ? `Out of reach: ${away.toFixed(1)} m, it reaches ${reach.toFixed(1)} m.` : "";
+      return isTool && reach && away > reach * SURE ? `Out of reach: ${away.toFixed(1)} m, it reaches ${reach.toFixed(1)} m.` : "";
     }
 
     paint() {
