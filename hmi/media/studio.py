@@ -181,6 +181,8 @@ class Studio:
         now_s = self._clock.mono_s()
         for viewer in self.viewers.values():
             place = self._base(viewer.robot_id)
+            if viewer.client is not None and not viewer.is_aimed:
+                self._aim(viewer, viewer.view)  # its robot was not heard yet when it came
             if place is not None:
                 viewer.follow(place.xyz, now_s)
         if self._round % STATUS_EVERY == 0:

@@ -44,6 +44,7 @@ class Viewer:
     view: View = View.FOLLOW
     hidden: set[Group] = field(default_factory=lambda: set(HIDDEN_AT_FIRST))
     replay: list[tuple[str, Place]] | None = None
+    is_aimed: bool = False
     is_held: bool = False
     held_until_s: float = 0.0
     is_dark: bool = False
@@ -54,7 +55,7 @@ class Viewer:
 
     def join(self, client: viser.ClientHandle) -> None:
         """Take the picture that connected; it starts blank, so everything of this viewer is told again."""
-        self.client, self._base = client, None
+        self.client, self._base, self.is_aimed = client, None, False
         self._mover = Mover(client.scene)
         self._overridden = set()
         for group in Group:
@@ -100,6 +101,7 @@ class Viewer:
         self.view, self._base = view, base.xyz
         if self.client is None:
             return
+        self.is_aimed = True
         look, stand = _stand(view, base, size_m, head)
         with self.client.atomic():
             self.client.camera.up_direction = (0.0, 0.0, 1.0)

@@ -79,7 +79,7 @@
     skip: () => [button("target-skip", "keyboard_double_arrow_right", target(), order("skip_target")), "skip_target", target],
     refilled: (dock) => [slide(dock, { hook: "stock-refilled", icon: "done_all", label: "Slide: trays are full", line: "It may go on by itself. Keep clear", button: { icon: "done_all", label: "Trays full" }, act: order("stock_refilled") }), "stock_refilled"],
   };
-  const isWaitingForStock = () => (HL.port.inside(HL.view.robot).active?.states ?? []).some(([id]) => id === "refill" || id === "wait-person");
+  const isWaitingForStock = () => HL.port.robot(HL.view.robot).why?.code === "tray_empty" || (HL.port.inside(HL.view.robot).active?.states ?? []).some(([id]) => id === "refill");
 
   const BY_HAND = ["manual-tool", "manual-crane", "move-tool", "move-crane"];
   const movesByHand = () => (HL.port.inside(HL.view.robot).functions?.functions ?? []).some((one) => BY_HAND.includes(one.name));

@@ -157,6 +157,24 @@ async def test_a_robot_moves_in_the_picture_with_its_joints_its_ghost_and_its_wa
         assert "beyond soft limit" in str(marked)
 
 
+async def test_the_camera_stands_at_a_robot_that_was_not_heard_before_somebody_looked(studio: Studio) -> None:
+    studio.enter("k", ROBOT, may_replay=False)
+    async with await connect(studio, "k") as socket:
+        picture = Picture(socket)
+        await picture.look()
+        async with asyncio.timeout(5):
+            while (client := studio.viewers["k"].client) is None:  # noqa: ASYNC110 - viser's thread hands over
+                await asyncio.sleep(0.01)
+        planter = Planter(studio.intake)
+        planter.introduce()
+        planter.stand(160.0)
+        await picture.until(f"/machine/{ROBOT}", lambda node: node.get("position", [0])[0] == pytest.approx(160.0))
+        async with asyncio.timeout(5):
+            while abs(client.camera.position[0] - 160.0) > 15.0:
+                await asyncio.sleep(0.01)
+        assert client.camera.look_at[0] == pytest.approx(160.0, abs=1.0)
+
+
 async def test_a_place_is_shown_with_the_height_of_the_tool_and_says_how_far_the_arm_reaches(studio: Studio) -> None:
     planter = Planter(studio.intake)
     planter.introduce()
