@@ -65,10 +65,11 @@
     constructor(one) {
       this.value = el("b", { class: "h-t22 h-b" });
       this.bar = new Bar();
-      this.node = el("div", { class: "h-card t-gauge", "data-testid": `gauge-${one.key}` }, el("div", { class: "h-t13 h-2" }, one.label), el("div", {}, this.value, " ", el("span", { class: "h-t13 h-2" }, one.unit)), this.bar.node, el("div", { class: "h-t12 h-2" }, one.limit_text || ""));
+      this.node = el("div", { class: "h-card t-gauge", "data-testid": `gauge-${one.key}` }, el("div", { class: "h-t13 h-2 t-gaugehead" }, el("span", { class: "h-ell" }, one.label), (this.age = el("span", { class: "h-t12" }))), el("div", {}, this.value, " ", el("span", { class: "h-t13 h-2" }, one.unit)), this.bar.node, el("div", { class: "h-t12 h-2" }, one.limit_text || ""));
     }
-    paint(one) {
+    paint(one, ageMs) {
       text(this.value, shown(one.value, one.unit)[0]);
+      text(this.age, Number.isFinite(ageMs) ? HL.words.age(ageMs) : "");
       attr(this.node, "data-value", one.value ?? null);
       attr(this.node, "data-level", one.level ?? null);
       this.bar.paint(one, one.ok_lower, one.ok_upper, one.value);
@@ -82,9 +83,8 @@
       this.list = el("div", {});
       this.card = el("section", { class: "h-card t-joints", "aria-label": "Joints", hidden: "" }, el("div", { class: "h-row" }, this.title, el("span", { class: "h-sp" }), this.age), this.list);
       this.gauges = el("div", { class: "t-gauges" });
-      this.gaugesAge = el("div", { class: "h-t12 h-2 t-gaugesage" });
       this.hint = el("p", { class: "h-t13 h-2 t-hint" }, "Drag turns, two fingers move, pinch zooms. ", el("span", { class: "h-key" }, "Arrows"), " turn, ", el("span", { class: "h-key" }, "+"), " ", el("span", { class: "h-key" }, "−"), " zoom, ", el("span", { class: "h-key" }, "0"), " resets.");
-      this.node = el("div", { class: "t-sidelist" }, this.card, this.gauges, this.gaugesAge, this.hint);
+      this.node = el("div", { class: "t-sidelist" }, this.card, this.gauges, this.hint);
       this.rows = new Map();
       this.tiles = new Map();
     }
@@ -102,11 +102,10 @@
       attr(this.card, "data-age-ms", ageMs === null || !Number.isFinite(ageMs) ? null : Math.round(ageMs));
       const gauges = past ? [] : inside.gauges?.gauges ?? [];
       this.keep(this.tiles, gauges, (one) => one.key, (one) => new Gauge(one), this.gauges);
-      gauges.forEach((one) => this.tiles.get(one.key).paint(one));
+      gauges.forEach((one) => this.tiles.get(one.key).paint(one, HL.port.age(inside.gauges.t)));
       const gaugesMs = inside.gauges && !past ? HL.port.age(inside.gauges.t) : null; // a robot without joints has gauges too
       toggle(this.gauges, "stale", gaugesMs !== null && gaugesMs > STALE_MS);
       attr(this.gauges, "data-age-ms", gaugesMs === null || !Number.isFinite(gaugesMs) ? null : Math.round(gaugesMs));
-      text(this.gaugesAge, !gauges.length || !Number.isFinite(gaugesMs ?? NaN) ? "" : gaugesMs > STALE_MS ? `Values are ${HL.words.age(gaugesMs)} old` : `Values ${HL.words.age(gaugesMs)}`);
     }
 
     keep(kept, list, keyOf, make, place) {

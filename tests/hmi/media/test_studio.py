@@ -170,7 +170,7 @@ async def test_the_camera_stands_at_a_robot_that_was_not_heard_before_somebody_l
         planter.stand(160.0)
         await picture.until(f"/machine/{ROBOT}", lambda node: node.get("position", [0])[0] == pytest.approx(160.0))
         async with asyncio.timeout(5):
-            while abs(client.camera.position[0] - 160.0) > 15.0:
+            while abs(client.camera.position[0] - 160.0) > 15.0:  # noqa: ASYNC110 - set between two ticks
                 await asyncio.sleep(0.01)
         assert client.camera.look_at[0] == pytest.approx(160.0, abs=1.0)
 
