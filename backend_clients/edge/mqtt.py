@@ -101,6 +101,7 @@ class MqttLink:
         self._subscriptions = list(subscriptions)
         self._on_message, self._on_link, self._on_fault = on_message, on_link, on_fault
         self._state = LinkState.CONNECTING
+        self._has_subscribed = False
         self._lock = threading.Lock()
         # A clean session: the broker keeps nothing for us while we are away, so nothing arrives late.
         self._client = BufferedClient(
@@ -168,20 +169,31 @@ class MqttLink:
         """Add a subscription, now and at each later connect."""
         with self._lock:
             self._subscriptions.append((topic_filter, qos))
-        if self.is_up:
+            is_now = self._has_subscribed
+        if is_now:
             self._client.subscribe(topic_filter, qos)
+
+    def unsubscribe(self, topic_filter: str) -> None:
+        """Take a subscription away, now and for each later connect."""
+        with self._lock:
+            self._subscriptions = [one for one in self._subscriptions if one[0] != topic_filter]
+        if self.is_up:
+            self._client.unsubscribe(topic_filter)
 
     def _connected(self, client: paho.Client, _data: Any, _flags: Any, reason: ReasonCode, _props: Any) -> None:
         if reason.is_failure:
             self._set(LinkState.DOWN, f"broker refused: {reason}")
             return
-        with self._lock:
+        with self._lock:  # one that is added from now on is subscribed by itself
             subscriptions = list(self._subscriptions)
+            self._has_subscribed = True
         if subscriptions:
             client.subscribe(subscriptions)
         self._set(LinkState.UP, str(self.url))
 
     def _disconnected(self, _client: paho.Client, _data: Any, _flags: Any, reason: ReasonCode, _props: Any) -> None:
+        with self._lock:
+            self._has_subscribed = False
         self._set(LinkState.DOWN, str(reason))
 
     def _connect_failed(self, _client: paho.Client, _data: Any) -> None:

@@ -58,13 +58,19 @@ class Unmark(Struct, frozen=True, tag_field="k", tag="unmark"):
     """Take the mark of the place that was touched away."""
 
 
+class Lift(Struct, frozen=True, tag_field="k", tag="lift"):
+    """Show how high above the touched place the tool would stand."""
+
+    height_m: Annotated[float, Meta(ge=0, le=20)]
+
+
 class Theme(Struct, frozen=True, tag_field="k", tag="theme"):
     """Dark ground at night."""
 
     dark: bool
 
 
-Order = SetView | SetLayer | Hold | Zoom | Replay | Live | Unmark | Theme
+Order = SetView | SetLayer | Hold | Zoom | Replay | Live | Unmark | Lift | Theme
 _decoder: msgspec.json.Decoder[Order] = msgspec.json.Decoder(Order)
 
 

@@ -15,6 +15,7 @@ from backend_clients.edge.mqtt import MqttLink
 from hmi.clock import SystemClock
 from hmi.media.control import control_app
 from hmi.media.door import Note, shared_secret, write_note
+from hmi.media.ear import Ear
 from hmi.media.intake import SUBSCRIPTIONS, Intake
 from hmi.media.models import FOLDER, ModelShelf
 from hmi.media.studio import Studio
@@ -42,11 +43,10 @@ async def _serve(settings: Settings) -> None:
     link = MqttLink(
         settings.broker_url,
         f"headland-media-{secrets.token_hex(6)}",
-        subscriptions=SUBSCRIPTIONS,
         on_message=intake.take,
         ca_file=str(settings.broker_ca) if settings.broker_ca else None,
     )
-    studio = Studio(intake, settings.data / FOLDER, secret, clock)
+    studio = Studio(intake, settings.data / FOLDER, secret, clock, Ear(link, SUBSCRIPTIONS))
     listener = socket.create_server(("127.0.0.1", 0))
     config = uvicorn.Config(
         control_app(studio, ModelShelf(settings.data), secret),

@@ -39,6 +39,7 @@ def status_of(studio: Studio, viewer: Viewer, now_s: float) -> dict[str, Any]:
         "trees": None if site is None else _trees(site.surface),
         "trail": 0 if site is None else site.trail.points,
         "keep_out_m": None if factsheet is None else studio.keep_out_m(robot_id, factsheet[0]),
+        "reach_m": None if site is None or site.reach is None else round(site.reach.radius_m, 2),
         "view": viewer.view.value,
         "is_connected": viewer.client is not None,
     }

@@ -21,6 +21,7 @@ from backend_clients.edge.topics import Up
 from hmi.clock import Clock
 from hmi.media import orders
 from hmi.media.door import SECRET_HEADER, VIEWER_HEADER, is_secret
+from hmi.media.ear import Ear
 from hmi.media.intake import Intake
 from hmi.media.status import status_of
 from hmi.twin.farm import Farm, FarmRobot, Plan
@@ -45,8 +46,8 @@ HEIGHT_GAUGES = ("height", "altitude")
 class Studio:
     """Intake, world and viewers. ``start`` and ``stop`` it on the event loop."""
 
-    def __init__(self, intake: Intake, uploads: Path, secret: str, clock: Clock) -> None:
-        self.intake, self._clock = intake, clock
+    def __init__(self, intake: Intake, uploads: Path, secret: str, clock: Clock, ear: Ear | None = None) -> None:
+        self.intake, self._clock, self._ear = intake, clock, ear
         self.library = Library(uploads)
         self.server = guarded_viser(lambda headers: is_secret(headers.get(SECRET_HEADER), secret))
         self.world = World(self.server)
@@ -95,6 +96,8 @@ class Studio:
     def enter(self, key: str, robot_id: str, *, may_replay: bool) -> asyncio.Queue[dict[str, Any]]:
         """Let a page in; what it is told comes by the queue that is returned."""
         before = self.viewers.get(key)
+        if self._ear is not None:
+            self._ear.look(self._clock.mono_s())
         viewer = Viewer(key, robot_id, may_replay)
         if before is not None and before.client is not None:
             before.show_replay(None)
@@ -135,6 +138,8 @@ class Studio:
                 viewer.show_replay(None)
             case orders.Unmark():
                 viewer.mark(None, None)
+            case orders.Lift():
+                viewer.lift(order.height_m)
             case orders.Theme():
                 viewer.set_dark(is_dark=order.dark)
             case _:
@@ -144,11 +149,24 @@ class Studio:
         while True:
             began_s = self._clock.mono_s()
             try:
+                self.attend()
                 if any(viewer.client is not None for viewer in self.viewers.values()):
                     self.tick()
             except Exception:  # one bad picture must not end all others
                 log.exception("drawing failed")
             await asyncio.sleep(max(0.01, TICK_S - (self._clock.mono_s() - began_s)))
+
+    def attend(self) -> None:
+        """Listen while somebody looks; what was heard is forgotten with the last who did, for it gets old unseen."""
+        if self._ear is None:
+            return
+        now_s = self._clock.mono_s()
+        if self.viewers:
+            self._ear.look(now_s)
+        elif self._ear.rest(now_s):
+            self.intake.forget(but=())
+            for robot_id in self.world.robots():
+                self.world.remove(robot_id)
 
     def tick(self) -> None:
         """Draw once."""
@@ -163,6 +181,8 @@ class Studio:
         now_s = self._clock.mono_s()
         for viewer in self.viewers.values():
             place = self._base(viewer.robot_id)
+            if viewer.client is not None and not viewer.is_aimed:
+                self._aim(viewer, viewer.view)  # its robot was not heard yet when it came
             if place is not None:
                 viewer.follow(place.xyz, now_s)
         if self._round % STATUS_EVERY == 0:
@@ -288,9 +308,10 @@ class Studio:
 
     def _clicked(self, key: str, event: Any) -> None:
         if self._loop is not None:
-            self._loop.call_soon_threadsafe(self._tapped, key, event.ray_origin, event.ray_direction)
+            self._loop.call_soon_threadsafe(self.touch, key, event.ray_origin, event.ray_direction)
 
-    def _tapped(self, key: str, origin: tuple[float, float, float], direction: tuple[float, float, float]) -> None:
+    def touch(self, key: str, origin: tuple[float, float, float], direction: tuple[float, float, float]) -> None:
+        """Tell a page what lies under a ray in the site's plane, and mark the place."""
         from hmi.media.tap import ground_under, tapped
 
         viewer = self.viewers.get(key)

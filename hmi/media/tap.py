@@ -10,6 +10,7 @@ import numpy as np
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.topics import Up
 from hmi.twin.model import Vector
+from hmi.twin.rotation import turned
 
 if TYPE_CHECKING:
     from hmi.media.studio import Studio
@@ -102,7 +103,21 @@ def _at(studio: Studio, viewer: Viewer, ground: tuple[float, float] | None) -> d
     solid = studio.world.solid(viewer.robot_id)
     base = None if solid is None else studio.world.mover.place(solid.name).xyz
     away = None if base is None else round(math.dist(base[:2], ground), 2)
-    return {"x_m": round(ground[0] - shift[0], 3), "y_m": round(ground[1] - shift[1], 3), "distance_m": away}
+    place = {"x_m": round(ground[0] - shift[0], 3), "y_m": round(ground[1] - shift[1], 3), "distance_m": away}
+    return {**place, **_arm(studio, viewer, ground)}
+
+
+def _arm(studio: Studio, viewer: Viewer, ground: tuple[float, float]) -> dict[str, Any]:
+    """How far the place is from what the arm turns on, and how far the arm reaches; nothing for a robot without."""
+    site, solid = studio.site(viewer.robot_id), studio.world.solid(viewer.robot_id)
+    if site is None or site.reach is None or solid is None:
+        return {}
+    body = studio.world.mover.place(solid.name)
+    x, y, _ = turned(body.wxyz, (site.reach.x_m, site.reach.y_m, 0.0))
+    return {
+        "arm_m": round(math.dist((body.xyz[0] + x, body.xyz[1] + y), ground), 2),
+        "reach_m": round(site.reach.radius_m, 2),
+    }
 
 
 def _shift(studio: Studio, viewer: Viewer) -> tuple[float, float] | None:

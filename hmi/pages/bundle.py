@@ -19,7 +19,7 @@ STATIC = Path(__file__).resolve().parents[2] / "static"
 STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 """Cascade order of what every page carries: tokens first, screens last."""
 
-SCREEN_STYLES = ("maps", "plan", "queue", "alarms", "fleet", "demo", "supervisor", "twin")
+SCREEN_STYLES = ("maps", "plan", "queue", "alarms", "fleet", "demo", "supervisor", "twin", "machine_dock")
 """Styles that a screen fetches with its scripts."""
 STYLE_PARTS = {"supervisor": ("supervisor", "supervisor_panels")}
 """A screen's style that is more than one file."""
@@ -53,14 +53,18 @@ SCRIPTS = {
         "fleet_order", "fleet_data", "fleet_row", "fleet_scroll", "fleet_filter", "fleet_list", "fleet_results",
         "fleet_dock", "fleet_duty", "fleet_menu", "fleet_strip", "fleet_map", "fleet_wall", "fleet_screen",
     ),
+    "machine_dock": ("super_base", "super_jog", "super_dock"),
     "supervisor": (
-        "super_base", "super_times", "super_view", "super_chart_facts", "super_chart_draw", "super_chart_layout",
+        "super_times", "super_view", "super_chart_facts", "super_chart_draw", "super_chart_layout",
         "super_chart_lists", "super_chart_sheet", "super_chart", "super_gantt_rows", "super_gantt_export",
         "super_gantt", "super_share",
-        "super_nodes", "super_logs", "super_node_sheet", "super_functions", "super_jog", "super_dock", "super_screen",
+        "super_nodes", "super_logs", "super_node_sheet", "super_functions", "super_screen",
     ),
     "chart_layout": ("chart_placing", "chart_routing", "chart_worker"),
-    "twin": ("twin_link", "twin_layers", "twin_joints", "twin_replay", "twin_details", "twin_model", "twin_screen"),
+    "twin": (
+        "twin_link", "twin_layers", "twin_joints", "twin_replay", "twin_details", "twin_model",
+        "twin_alarm", "twin_screen",
+    ),
     "demo": ("demo_panel",),
     "run": ("field_picture", "start_checks", "rest_sheet", "queue_hold"),
     "draw": ("svg_view", "area_shape", "area_pen", "rest_map"),

@@ -32,12 +32,12 @@ def build(services: PageServices, session: SessionInfo, robot_id: str, mission_i
         data_robot=robot_id,
         data_title=robot.name,
         data_mission=mission_id if is_id(mission_id) else "",
-        data_code=bundle.script_url("supervisor"),
+        data_code=f"{bundle.script_url('machine_dock')} {bundle.script_url('supervisor')}",
         data_layout=bundle.script_url("chart_layout"),
-        data_super_style=bundle.screen_style_url("supervisor"),
+        data_screen_style=f"{bundle.screen_style_url('supervisor')} {bundle.screen_style_url('machine_dock')}",
     ):
         LiveElement("hl-super")
-        LiveElement("hl-super-dock", classes="h-dockbar h-actions")
+        LiveElement("hl-super-dock", classes="h-dockbar h-actions", role="group", aria_label="Actions")
 
 
 def pick(services: PageServices, session: SessionInfo) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from nicegui import ui
 
-from components.action_dock import ActionDock
 from components.live_element import LiveElement
 from components.live_map import LiveMap
 from hmi.domain.ids import is_id
@@ -35,8 +34,8 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
         data_screen="twin",
         data_robot=robot_id,
         data_title=robot.name,
-        data_code=f"{bundle.script_url('run')} {bundle.script_url('twin')}",
-        data_twin_style=bundle.screen_style_url("twin"),
+        data_code=f"{bundle.script_url('machine_dock')} {bundle.script_url('twin')}",
+        data_screen_style=f"{bundle.screen_style_url('twin')} {bundle.screen_style_url('machine_dock')}",
     ):
         with ui.element("section").classes("t-picture").props('aria-label="3D picture"'):
             LiveElement(
@@ -51,8 +50,9 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
             with ui.element("div").classes("t-map").props("hidden"):
                 LiveMap(robot_id).classes("h-mapfill")
         with ui.element("aside").classes("h-side t-side").props('aria-label="Joints and values"'):
+            LiveElement("hl-twin-alarm", hook="twin-alarm", data_right=Permission.ACKNOWLEDGE_ALARM.value, hidden="")
             LiveElement("hl-twin-side", classes="t-sidebox")
-            ActionDock()
+        LiveElement("hl-super-dock", classes="h-dockbar h-actions", role="group", aria_label="Actions")
 
 
 def pick(services: PageServices, session: SessionInfo) -> None:

@@ -34,6 +34,9 @@ _STARTABLE = (OrderStatus.LOADED, OrderStatus.DONE, OrderStatus.ABORTED, OrderSt
 _MOVED = ("moved_while_paused", "return_home")
 """Hold codes after which a paused mission is started again, not resumed: it is no longer where it stopped."""
 
+_HELPED_BY_RETRACTING = ("crane_limit", "ask_person")
+"""Hold codes of a mission at work that goes on after the tool was retracted."""
+
 
 def actions(robot: Robot) -> dict[str, Verdict]:
     """Return for every action whether the robot's state allows it, and if not, why in one sentence."""
@@ -48,8 +51,8 @@ def actions(robot: Robot) -> dict[str, Verdict]:
         "return_home": _return_home(robot),
         "drive": _drive(robot),
         "reset": _reset(robot),
-        "go_to": _return_home(robot),
-        "tool_retract": _held(robot),
+        "go_to": _go_to(robot),
+        "tool_retract": _tool_retract(robot),
         "tool_go_to": _tool_go_to(robot),
         "skip_target": _skip_target(robot),
         "stock_refilled": _held(robot),
@@ -178,6 +181,19 @@ def _return_home(robot: Robot) -> str:
     if mode is Mode.MANUAL:
         return "End driving by hand first"
     return "Clear the fault first" if mode is Mode.FAULT else ""
+
+
+def _go_to(robot: Robot) -> str:
+    return _return_home(robot) or ("Pause it first" if mode_of(robot) is Mode.AUTO else "")
+
+
+def _tool_retract(robot: Robot) -> str:
+    """A mission at work takes it only while it waits for it."""
+    if held := _held(robot):
+        return held
+    hold = robot.state.hold if robot.state is not None else None
+    is_waiting = hold is not None and hold.code in _HELPED_BY_RETRACTING
+    return "Pause it first" if mode_of(robot) is Mode.AUTO and not is_waiting else ""
 
 
 def _tool_go_to(robot: Robot) -> str:

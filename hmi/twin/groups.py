@@ -14,6 +14,7 @@ class Group(StrEnum):
     SCAN = "scan"
     LIMITS = "limits"
     KEEPOUT = "keepout"
+    REACH = "reach"
     PATH = "path"
     TRAIL = "trail"
     OBSTACLES = "obstacles"

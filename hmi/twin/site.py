@@ -16,12 +16,14 @@ from hmi.twin.machine import Form
 from hmi.twin.mover import Mover
 from hmi.twin.path import PathLines
 from hmi.twin.posture import Posture
+from hmi.twin.reach import Reach, draw_reach, reach_of
 from hmi.twin.ring import draw_ring
 from hmi.twin.scan import draw_scan
 from hmi.twin.sightings import Sightings
 from hmi.twin.trail import Trail
 from hmi.twin.worksite import WorkSurface
 
+WITH_BODY = (Group.KEEPOUT, Group.REACH, Group.LIMITS, Group.CAMERAS)
 ON_GROUND = (Group.TREES, Group.OBSTACLES, Group.SCAN, Group.PATH, Group.TRAIL, Group.PARCEL, Group.LABELS)
 
 
@@ -32,7 +34,7 @@ class SiteView:
         self._scene, self._mover, self._robot_id = scene, mover, robot_id
         for group in ON_GROUND:
             scene.add_frame(group.of(robot_id), show_axes=False)
-        for group in (Group.KEEPOUT, Group.LIMITS, Group.CAMERAS):
+        for group in WITH_BODY:
             mover.add(group.of(robot_id), Place((0.0, 0.0, 0.0)))
         self.path = PathLines(scene, Group.PATH.of(robot_id), Group.PARCEL.of(robot_id))
         self.trail = Trail(scene, Group.TRAIL.of(robot_id))
@@ -42,6 +44,8 @@ class SiteView:
         self._keep_out_m = -1.0
         self._scan_seq = -1
         self._form: Form | None = None
+        self._joints: list[machine.Joint] = []
+        self.reach: Reach | None = None
 
     def set_plan(self, plan: Plan, frame: SiteFrame) -> None:
         """Draw another plan."""
@@ -67,7 +71,7 @@ class SiteView:
         self.surface.show(worksite, shift)
         self._ring(posture, keep_out_m)
         self.limits.show(form, posture, factsheet)
-        self._cameras(form, posture)
+        self._parts_of(form, posture, factsheet)
         self._mover.move(Group.LIMITS.of(self._robot_id), posture.body)
         self.sightings.show([] if body is None else body.seen, shift, keep_out_m)
         if scan is not None and scan.seq != self._scan_seq:
@@ -78,15 +82,19 @@ class SiteView:
         """Take it all away."""
         for group in ON_GROUND:
             self._scene.remove_by_name(group.of(self._robot_id))
-        for group in (Group.KEEPOUT, Group.LIMITS, Group.CAMERAS):
+        for group in WITH_BODY:
             self._mover.remove(group.of(self._robot_id))
 
-    def _cameras(self, form: Form, posture: Posture) -> None:
-        frame = Group.CAMERAS.of(self._robot_id)
-        self._mover.move(frame, posture.body)
-        if form is not self._form:
-            self._form = form
-            draw_frusta(self._scene, frame, form)
+    def _parts_of(self, form: Form, posture: Posture, factsheet: up.Factsheet) -> None:
+        """What only another model or factsheet changes: cameras, and how far the arm reaches."""
+        cameras, arc = Group.CAMERAS.of(self._robot_id), Group.REACH.of(self._robot_id)
+        self._mover.move(cameras, posture.body)
+        self._mover.move(arc, posture.body)
+        if form is not self._form or factsheet.joints != self._joints:
+            self._form, self._joints = form, factsheet.joints
+            draw_frusta(self._scene, cameras, form)
+            self.reach = reach_of(form, factsheet.joints)
+            draw_reach(self._scene, f"{arc}/line", self.reach)
 
     def _ring(self, posture: Posture, keep_out_m: float) -> None:
         frame = Group.KEEPOUT.of(self._robot_id)

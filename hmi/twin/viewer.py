@@ -44,16 +44,18 @@ class Viewer:
     view: View = View.FOLLOW
     hidden: set[Group] = field(default_factory=lambda: set(HIDDEN_AT_FIRST))
     replay: list[tuple[str, Place]] | None = None
+    is_aimed: bool = False
     is_held: bool = False
     held_until_s: float = 0.0
     is_dark: bool = False
+    touched: tuple[tuple[float, float], Vector | None] | None = None
     _mover: Mover | None = None
     _base: Vector | None = None
     _overridden: set[str] = field(default_factory=set)
 
     def join(self, client: viser.ClientHandle) -> None:
         """Take the picture that connected; it starts blank, so everything of this viewer is told again."""
-        self.client, self._base = client, None
+        self.client, self._base, self.is_aimed = client, None, False
         self._mover = Mover(client.scene)
         self._overridden = set()
         for group in Group:
@@ -99,6 +101,7 @@ class Viewer:
         self.view, self._base = view, base.xyz
         if self.client is None:
             return
+        self.is_aimed = True
         look, stand = _stand(view, base, size_m, head)
         with self.client.atomic():
             self.client.camera.up_direction = (0.0, 0.0, 1.0)
@@ -130,8 +133,14 @@ class Viewer:
 
     def mark(self, place: tuple[float, float] | None, base: Vector | None) -> None:
         """Show this viewer the place that was touched and the line to it; ``None`` takes it away."""
+        self.touched = None if place is None else (place, base)
         if self.client is not None:
             draw_touched(self.client.scene, place, base)
+
+    def lift(self, height_m: float) -> None:
+        """Show this viewer how high above the touched place the tool would stand."""
+        if self.client is not None and self.touched is not None:
+            draw_touched(self.client.scene, *self.touched, height_m)
 
     def set_dark(self, *, is_dark: bool) -> None:
         """Darken the ground for this viewer."""

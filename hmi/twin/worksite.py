@@ -16,6 +16,7 @@ from hmi.twin.solids import triangles_of
 FAILED = frozenset({"failed_tool", "failed_ground", "failed_machine"})
 STUMP = (112, 92, 72)
 EDGE = (96, 104, 108)
+NAME_ASIDE_M, NAME_UP_M = 0.9, 0.7
 Point = tuple[float, float]
 
 
@@ -77,7 +78,22 @@ class WorkSurface:
             self._batch(outcome, CROSS[outcome], failed, shift)
         self._batch("planned", RING["planned"], [(t.x_m, t.y_m) for t in targets if t.status == "planned"], shift)
         self._batch("current", RING["current"], [(t.x_m, t.y_m) for t in targets if t.status == "current"], shift)
+        self._name([t for t in targets if t.status == "current"], shift)
         self._batch("skipped", RING["skipped"], [(t.x_m, t.y_m) for t in targets if t.status == "skipped"], shift)
+
+    def _name(self, current: Sequence[Target], shift: Point) -> None:
+        """Name the place that is worked at, on a line above it, so that the tool does not hide it."""
+        frame = f"{self._trees}/named"
+        if not current:
+            self._scene.remove_by_name(frame)
+            return
+        x, y = current[0].x_m + shift[0], current[0].y_m + shift[1]
+        number = current[0].id.rsplit("-", 1)[-1]
+        text = f"Tree {int(number)}" if number.isdecimal() else current[0].id
+        line = np.asarray([[(0.0, 0.0, 0.04), (NAME_ASIDE_M, 0.0, NAME_UP_M)]], np.float32)
+        self._scene.add_frame(frame, show_axes=False, position=(x, y, 0.0))
+        self._scene.add_line_segments(f"{frame}/line", line, colors=EDGE, thickness=2.0, thickness_units="screen")
+        self._scene.add_label(f"{frame}/text", text, position=(NAME_ASIDE_M, 0.0, NAME_UP_M), anchor="bottom-center")
 
     def _batch(self, name: str, mark: Mark, places: Sequence[Point], shift: Point) -> None:
         frame = f"{self._trees}/{name}"

@@ -4,9 +4,10 @@
   "use strict";
   const BEAT_MS = 250; // how often the page around is told how old the picture is
   const RETRY_MS = 400; // viser itself tries once a second
+  const ATTEMPT_MS = 6000; // viser gives an attempt up after five seconds
   const query = new URLSearchParams(location.search);
   const nonce = document.currentScript.nonce;
-  const state = { isConnected: false, heardAt: null, frames: 0, worker: null };
+  const state = { isConnected: false, heardAt: null, frames: 0, worker: null, triedAt: null };
   const tell = (message) => parent !== window && parent.postMessage({ from: "headland-twin", ...message }, location.origin);
 
   // 1. An unfocused frame would never reconnect and would go on showing a frozen robot.
@@ -22,6 +23,7 @@
         const kind = event.data?.type;
         if (kind !== "connected" && kind !== "closed" && kind !== "message_batch") return;
         state.worker = this;
+        if (kind !== "message_batch") state.triedAt = null;
         if (kind === "message_batch") state.frames += 1;
         else state.isConnected = kind === "connected";
         if (kind !== "closed") state.heardAt = performance.now();
@@ -33,6 +35,12 @@
         const scheme = location.protocol === "https:" ? "wss:" : "ws:";
         message = { ...message, server: `${scheme}//${location.host}/viser?viewer=${query.get("viewer")}` };
         state.worker = this;
+        state.triedAt = performance.now();
+      }
+      // a try ends the one before it: on a link where opening takes longer than the pause between two, none would succeed
+      if (message?.type === "retry") {
+        if (state.triedAt !== null && performance.now() - state.triedAt < ATTEMPT_MS) return;
+        state.triedAt = performance.now();
       }
       if (message?.type === "send" && /^ShareUrl/.test(message.message?.type)) return;
       super.postMessage(message, ...rest);
@@ -124,6 +132,10 @@
   });
   // a canvas measured while the page around was still moving keeps its first size on a slow machine
   new ResizeObserver(() => setTimeout(() => dispatchEvent(new Event("resize")), 300)).observe(document.documentElement);
+
+  // a tablet takes the graphics away when it needs them itself, and what is left is an empty picture
+  addEventListener("webglcontextlost", () => tell({ kind: "lost" }), true);
+  addEventListener("webglcontextrestored", () => tell({ kind: "restored" }), true);
 
   // without WebGL the frame has nothing to show; the page around shows the map instead
   const canvas = make("canvas");

@@ -54,9 +54,12 @@ class CuttableLine:
             first = near.recv(65536)
             far = socket.create_connection(("127.0.0.1", self._target))
             far.sendall(first)
-            self._open.append((first.split(b"\r\n", 1)[0], near, far))
+            entry = (first.split(b"\r\n", 1)[0], near, far)
+            self._open.append(entry)
             threading.Thread(target=_pump, args=(far, near), daemon=True).start()
             _pump(near, far)
+            with contextlib.suppress(ValueError):  # it was cut
+                self._open.remove(entry)
 
 
 def _pump(source: socket.socket, target: socket.socket) -> None:

@@ -152,12 +152,24 @@ def test_a_killed_media_process_disturbs_nobody_and_comes_back(person: Come, cal
     martha = person("operator", has_webgl=True)
     martha.open(f"/twin/{ROBOT}")
     martha.sees("twin", "live", within_s=FIRST_PICTURE_S)
-    kill(calm.pid("media"), signal.SIGKILL)
-    martha.sees("twin", "stale|unavailable", within_s=8)
+    martha.page.evaluate(STATE_WATCH)
+    killed = calm.pid("media")
+    kill(killed, signal.SIGKILL)
+    wait_for(lambda: martha.page.evaluate("window.twinStates.length"), within_s=15, what="it says that it is not live")
+    assert martha.page.evaluate("window.twinStates[0]") in ("stale", "unavailable", "connecting")
     martha.sees("stop", "ready", within_s=2)
     martha.sees("link-banner", "ok", within_s=2)
+    wait_for(lambda: calm.pid("media") != killed, within_s=20, what="it is started again")
     media_is_there(calm)
     martha.sees("twin", "live", within_s=FIRST_PICTURE_S)
+
+
+STATE_WATCH = """() => {
+  window.twinStates = []; // it may be back before anybody asks what it said meanwhile
+  const twin = document.querySelector('[data-testid=twin]');
+  const note = () => window.twinStates.push(twin.dataset.state);
+  new MutationObserver(note).observe(twin, { attributeFilter: ['data-state'] });
+}"""
 
 
 @pytest.mark.long

@@ -1,4 +1,4 @@
-"""The rules of the Supervisor's panels, run in node."""
+"""The rules of Supervisor and Twin that need no page, run in node."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ HERE = Path(__file__).parent
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
-def test_the_panels_of_supervisor_keep_their_rules() -> None:
+@pytest.mark.parametrize("name", ["super_panels", "super_dock", "viser_frame"])
+def test_supervisor_and_twin_keep_their_rules(name: str) -> None:
     node = shutil.which("node")
     assert node is not None
     run = subprocess.run(
-        [node, "--test", "--test-reporter=tap", str(HERE / "super_panels.test.mjs")],
+        [node, "--test", "--test-reporter=tap", str(HERE / f"{name}.test.mjs")],
         capture_output=True,
         text=True,
         timeout=60,

@@ -67,3 +67,18 @@ test("wishes are told again when the socket comes back, each once", () => {
   page.socket().onopen();
   assert.deepEqual(page.socket().sent.map((text) => JSON.parse(text).k), ["view", "layer"]);
 });
+
+test("graphics that the device took away are said, and the picture is loaded again if they do not come back", () => {
+  const page = load();
+  const frame = { contentWindow: "frame", loads: 0, set src(_address) { this.loads += 1; } };
+  const link = new page.HL.TwinLink("weeder-07", frame);
+  page.say({ from: "headland-twin", kind: "lost" });
+  assert.deepEqual({ ...link.judge() }, { state: "connecting", text: "This device took the graphics away. Loading the picture again" });
+  page.say({ from: "headland-twin", kind: "restored" });
+  page.ring();
+  assert.equal(frame.loads, 1);
+  page.say({ from: "headland-twin", kind: "lost" });
+  page.ring();
+  assert.equal(frame.loads, 2);
+  assert.equal(link.judge().text, "Loading model");
+});

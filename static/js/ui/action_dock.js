@@ -4,7 +4,6 @@
   const { el, icon, text, attr, style, toggle, LiveElement, define } = HL;
   const RIGHT_OF = { start: "start", pause: "pause", resume: "resume", later: "send_mission", fresh: "send_mission", abort: "abort", return_home: "return_home", drive: "drive", reset: "reset" };
   const NEEDS_CONTROL = new Set(["start", "resume", "return_home", "drive", "reset"]);
-  const OFFLINE = "Commands are off until the link is back.";
 
   // why an action is off; empty when it may be tried
   function refusal(action) {
@@ -12,7 +11,8 @@
     const groups = HL.port.robot(robot);
     if (!HL.config.rights.includes(RIGHT_OF[action])) return `You can watch ${HL.view.name()}. ${action === "reset" ? "Resetting" : "Driving"} needs the operator role.`;
     if (groups.id && groups.id.is_registered === false) return "New robot. An admin must accept it first.";
-    if (HL.linkState() === "server-lost" || HL.linkState() === "robot-lost" || !groups.mode) return OFFLINE;
+    const off = HL.offline(robot);
+    if (off) return off;
     const verdict = groups.actions?.[action];
     if (verdict && !verdict.ok) return verdict.reason;
     const gate = action === "start" || (action === "resume" && groups.why?.code === "continued") ? HL.startChecks ? HL.startChecks.reason(robot) : "The checks are being loaded" : "";

@@ -15,6 +15,9 @@
     return Math.max(server.silentMs, silentMs) > STALE_MS ? "stale" : "ok";
   }
 
+  // why no order would be taken now: the console refuses one without a fresh tick, or to a robot not heard for 2 s
+  const offline = (robot) => (linkState() === "ok" && window.headland.tick() !== null && HL.port.robot(robot).mode ? "" : "Commands are off until the link is back.");
+
   const MESSAGES = {
     "server-lost": () => ({
       look: "p2",
@@ -121,5 +124,5 @@
   }
 
   define("hl-link-banner", LinkBanner);
-  Object.assign(HL, { linkState, LOST_MS, STALE_MS });
+  Object.assign(HL, { linkState, offline, LOST_MS, STALE_MS });
 })();

@@ -43,7 +43,7 @@
   // why nothing may move now; empty when it may
   function obstacle() {
     const delayMs = HL.port.delayMs(drive.robot);
-    if (HL.linkState() !== "ok") return "No fresh link";
+    if (HL.offline(drive.robot)) return "No fresh link";
     if (delayMs === null) return "Delay unknown";
     if (delayMs > LIMIT_MS) return `Off, ${Math.round(delayMs)} ms`;
     if (document.hidden) return "Screen is hidden";

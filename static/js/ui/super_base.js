@@ -1,28 +1,24 @@
-// Ground of the Supervisor screen: its style, and elements that come to life when the style is there.
+// Ground of Supervisor and Twin: their style, and elements that come to life when the style is there.
 (() => {
   "use strict";
   const { el, define } = HL;
-  const waiting = [];
-  let isReady = false;
+  const styles = new Map();
 
   // drawn before its style is there, everything would jump
   function styled(href) {
-    if (!href || document.querySelector(`link[href="${href}"]`)) return Promise.resolve();
-    const link = el("link", { rel: "stylesheet", href });
-    document.head.append(link);
-    return new Promise((resolve) => (link.onload = link.onerror = resolve));
+    if (!styles.has(href)) {
+      const link = el("link", { rel: "stylesheet", href });
+      styles.set(href, new Promise((resolve) => (link.onload = link.onerror = resolve)));
+      document.head.append(link);
+    }
+    return styles.get(href);
   }
 
-  // defines an element of this screen, as soon as its style is loaded
+  // defines an element of the screen that is open, as soon as the styles of that screen are loaded
   function superDefine(tag, kind) {
-    if (isReady) define(tag, kind);
-    else waiting.push([tag, kind]);
+    const named = document.querySelector("[data-screen-style]")?.dataset.screenStyle.split(" ") ?? [];
+    Promise.all(named.map(styled)).then(() => define(tag, kind));
   }
-
-  styled(document.querySelector("[data-super-style]")?.dataset.superStyle).then(() => {
-    isReady = true;
-    for (const [tag, kind] of waiting.splice(0)) define(tag, kind);
-  });
 
   // a segmented control: seg("View", [["chart", "Chart"], ...], "chart", (key) => ...) -> {node, choose(key)}
   function seg(label, choices, first, chosen, hook) {

@@ -1,11 +1,11 @@
-// The dock of Supervisor: pause at once, retract by slide, joints by hand, skip, and why one of them is off.
+// The dock of Supervisor and Twin: pause at once, retract by slide, joints by hand, skip, and why one of them is off.
 (() => {
   "use strict";
   const { el, icon, text, attr, style, toggle, LiveElement } = HL;
-  const RIGHT_OF = { pause: "pause", return_home: "return_home", tool_retract: "tool", skip_target: "tool", stock_refilled: "tool", jog: "drive" };
-  const NEEDS = { pause: "Pausing", return_home: "Sending it home", tool: "Moving its tool", drive: "Driving" };
+  const RIGHT_OF = { pause: "pause", return_home: "return_home", tool_retract: "tool", tool_go_to: "tool", go_to: "go_to", skip_target: "tool", stock_refilled: "tool", jog: "drive" };
+  const NEEDS = { pause: "Pausing", return_home: "Sending it home", tool: "Moving its tool", go_to: "Sending it somewhere", drive: "Driving" };
   const NO_CONTROL = new Set(["pause"]);
-  const OFFLINE = "Commands are off until the link is back.";
+  const STOPPED = "Stopped. Reset the stop on Operate first."; // this page may know before the robot or the console says so
 
   // why an action is off; empty when it may be tried
   function refusal(action) {
@@ -14,11 +14,24 @@
     const right = RIGHT_OF[action];
     if (!HL.config.rights.includes(right)) return `You can watch ${HL.view.name()}. ${NEEDS[right]} needs the operator role.`;
     if (groups.id && groups.id.is_registered === false) return "New robot. An admin must accept it first.";
-    if (["server-lost", "robot-lost"].includes(HL.linkState()) || !groups.mode) return OFFLINE;
+    const off = HL.offline(robot);
+    if (off) return off;
+    if (HL.stops.worst(robot)) return STOPPED;
     const verdict = groups.actions?.[action];
     if (verdict && !verdict.ok) return verdict.reason;
     return NO_CONTROL.has(action) ? "" : HL.lease.obstacle(robot);
   }
+
+  // stopped or paused it goes on from Operate, where the reasons and the checks before a start are
+  function elsewhere() {
+    const { mode, safety } = HL.port.robot(HL.view.robot);
+    if (HL.stops.worst(HL.view.robot) || safety?.latched || mode?.mode === "stopped") return "reset";
+    return mode?.mode === "paused" ? "resume" : "";
+  }
+  const operate = (hook, sign, label) => () => {
+    const node = el("a", { class: "h-btn op pri", href: `/operate/${HL.view.robot}`, "data-testid": hook }, icon(sign), el("span", {}, label));
+    return [{ node, allow() {} }, null];
+  };
 
   const order = (action) => () => HL.port.command(HL.view.robot, action);
   const tool = () => HL.port.robot(HL.view.robot).body?.tool_label?.toLowerCase() || "tool";
@@ -58,13 +71,15 @@
 
   const CONTROLS = {
     pause: () => [button("mission-pause", "pause", "Pause", order("pause"), "pri"), "pause"],
+    reset: operate("reset-on-operate", "lock_open", "Reset on Operate"),
+    resume: operate("resume-on-operate", "play_arrow", "Resume on Operate"),
     home: (dock) => [slide(dock, { hook: "mission-return-home", icon: "home", label: "Slide to return home", line: "It drives home by itself", button: { icon: "home", label: "Return home" }, act: order("return_home") }), "return_home"],
     retract: (dock) => [slide(dock, { hook: "tool-retract", icon: "undo", label: `Slide to retract the ${tool()}`, line: `The ${tool()} moves. Check that nobody is near it`, button: { icon: "undo", label: `Retract ${tool()}` }, act: order("tool_retract") }), "tool_retract"],
     jog: () => [button("jog-open", "sports_esports", jogWords(), () => HL.jog.open(HL.view.robot)), "jog"],
     skip: () => [button("target-skip", "keyboard_double_arrow_right", target(), order("skip_target")), "skip_target", target],
     refilled: (dock) => [slide(dock, { hook: "stock-refilled", icon: "done_all", label: "Slide: trays are full", line: "It may go on by itself. Keep clear", button: { icon: "done_all", label: "Trays full" }, act: order("stock_refilled") }), "stock_refilled"],
   };
-  const isWaitingForStock = () => (HL.port.inside(HL.view.robot).active?.states ?? []).some(([id]) => id === "refill" || id === "wait-person");
+  const isWaitingForStock = () => HL.port.robot(HL.view.robot).why?.code === "tray_empty" || (HL.port.inside(HL.view.robot).active?.states ?? []).some(([id]) => id === "refill");
 
   const BY_HAND = ["manual-tool", "manual-crane", "move-tool", "move-crane"];
   const movesByHand = () => (HL.port.inside(HL.view.robot).functions?.functions ?? []).some((one) => BY_HAND.includes(one.name));
@@ -72,9 +87,10 @@
   // which controls fit: a planter's crane has its own; elsewhere joints are moved by hand where the robot says that it can
   function set() {
     const { id } = HL.port.robot(HL.view.robot);
-    if (!id) return ["pause"];
-    if (id.family === "planter") return ["pause", "retract", "jog", isWaitingForStock() ? "refilled" : "skip"];
-    return ["pause", "home", ...(movesByHand() ? ["jog"] : [])];
+    const first = elsewhere() || "pause";
+    if (!id) return [first];
+    if (id.family === "planter") return [first, "retract", "jog", isWaitingForStock() ? "refilled" : "skip"];
+    return [first, "home", ...(movesByHand() ? ["jog"] : [])];
   }
 
   class SuperDock extends LiveElement {
@@ -101,6 +117,14 @@
       attr(this, "data-state", names.includes("retract") ? "planter" : "generic");
       this.replaceChildren(...this.controls.map(([control]) => control.node), el("span", { class: "h-sp" }), this.hint);
     }
+    // one reason for everything stands alone, else the first names its control; the others say theirs when they are tapped
+    said(reasons) {
+      const first = reasons.findIndex(Boolean);
+      const reason = (reasons[first] ?? "").replace(" on Supervisor", "");
+      if (!reason || this.controls.every(([, action], i) => !action || reasons[i] === reasons[first])) return reason;
+      const [control] = this.controls[first];
+      return `${control.options?.button.label ?? control.word.textContent}: ${reason}`;
+    }
     paint() {
       const names = set();
       const isBusy = this.controls.some(([control]) => control.isBusy || control.spoken || control.state === "armed" || control.node.dataset.state === "pending");
@@ -111,10 +135,10 @@
         control.allow(reasons[i]);
         if (word) text(control.word, word());
       });
-      const [off] = reasons.filter(Boolean); // the others say theirs when they are tapped
+      const off = this.said(reasons);
       const isPlanter = names.includes("retract");
       toggle(this.hint, "off", Boolean(off));
-      text(this.hint, off ? off.replace(" on Supervisor", "") : isPlanter ? `Retract moves the ${tool()}. It asks for a slide first.` : "");
+      text(this.hint, off || (isPlanter ? `Retract moves the ${tool()}. It asks for a slide first.` : ""));
     }
   }
 

@@ -25,7 +25,7 @@
   function obstacle() {
     const delayMs = HL.port.delayMs(jog.robot);
     if (HL.stops.worst(jog.robot)) return "STOP was pressed"; // before the robot says so
-    if (HL.linkState() !== "ok") return "No fresh link";
+    if (HL.offline(jog.robot)) return "No fresh link";
     if (delayMs === null) return "Delay unknown";
     if (delayMs > LIMIT_MS) return `Off, ${Math.round(delayMs)} ms`;
     return document.hidden ? "Screen is hidden" : "";

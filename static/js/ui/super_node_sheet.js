@@ -11,8 +11,9 @@
 
   // why this cannot be asked now; empty when it may be tried
   function refusal(act, node) {
-    if (!HL.config.rights.includes("manage_nodes")) return NO_RIGHT;
-    if (HL.linkState() !== "ok") return "Commands are off until the link is back.";
+    if (!mayAct()) return NO_RIGHT;
+    const off = HL.offline(HL.view.robot);
+    if (off) return off;
     if (act === "start" && node.state === "started" && HL.superNodes.heard(node).state !== "stale") return "It is started";
     if (act === "stop" && node.state === "stopped") return "It is stopped";
     return "";
@@ -43,9 +44,8 @@
     paint() {
       const node = HL.superNodes.find(this.dataset.node);
       if (!node) return;
-      const mayAct = HL.config.rights.includes("manage_nodes");
-      attr(this.acts, "hidden", !mayAct);
-      attr(this.right, "hidden", mayAct);
+      attr(this.acts, "hidden", !mayAct());
+      attr(this.right, "hidden", mayAct());
       this.draw(facts(node));
       const found = node.findings.join("|");
       if (found !== this.found) {
@@ -85,5 +85,22 @@
     ];
   }
 
+  // "Restart…": which one, what is wrong first; the node's own sheet has the slide
+  const RANK = { failure: 0, stopped: 2 };
+  const rank = (node) => RANK[node.state] ?? (node.findings.length || HL.superNodes.heard(node).state === "stale" ? 1 : 3);
+  const mayAct = () => HL.config.rights.includes("manage_nodes");
+  const restart = {
+    refusal: () => (mayAct() ? HL.offline(HL.view.robot) : NO_RIGHT),
+    open() {
+      const nodes = [...(HL.superNodes.all() ?? [])].sort((a, b) => rank(a) - rank(b) || (a.label < b.label ? -1 : 1));
+      const why = restart.refusal() || (nodes.length ? "" : "No node is known yet.");
+      if (why) return HL.toast(why, "lock");
+      const line = (node) => el("button", { type: "button", class: "h-btn s-which", "data-testid": `restart-${node.name}`, onclick: () => (close(), HL.superNodes.open(node.name)) }, HL.superNodes.glyph(node.state), el("span", { class: "h-ell" }, node.label), el("span", { class: "h-t13 h-2 h-ell" }, node.finding || HL.superNodes.lifeWord(node)));
+      const close = HL.sheet({ title: "Restart which node?", hook: "restart-sheet", body: [el("div", { class: "s-whichlist" }, ...nodes.map(line))], buttons: [["Leave it", (shut) => shut(), true]] });
+      return undefined;
+    },
+  };
+
   HL.superDefine("hl-super-node", NodeSheet);
+  HL.superRestart = restart;
 })();

@@ -58,12 +58,13 @@
     build() {
       this.sum = el("span", { class: "h-t13 h-2 h-ell sub" });
       this.logs = el("button", { type: "button", class: "h-btn", "data-testid": "logs-open", onclick: () => HL.superLogs.open() }, icon("lists", "m"), "Log");
+      this.restart = el("button", { type: "button", class: "h-btn", "data-testid": "nodes-restart", onclick: () => HL.superRestart.open() }, "Restart…");
       this.note = el("div", { class: "s-say h-2 h-t14", role: "status" });
       const head = ["Node", "Life cycle", "Hz", "CPU %", "Heard", "Restarts"].map((word, i) => el("th", { scope: "col", class: i > 1 ? "num" : null }, word));
       this.body = el("tbody");
       this.table = el("table", { class: "s-nodetable" }, el("thead", {}, el("tr", {}, ...head)), this.body);
       this.rows = new Map();
-      this.append(el("div", { class: "s-head" }, el("b", {}, "Nodes"), this.sum, el("span", { class: "h-sp" }), this.logs), this.note, el("div", { class: "s-scroll" }, this.table));
+      this.append(el("div", { class: "s-head" }, el("b", {}, "Nodes"), this.sum, el("span", { class: "h-sp" }), this.logs, this.restart), this.note, el("div", { class: "s-scroll" }, this.table));
     }
     paint() {
       const nodes = all();
@@ -73,6 +74,9 @@
       attr(this.table, "hidden", !nodes?.length);
       toggle(this, "stale", Boolean(said) && Boolean(nodes));
       text(this.sum, nodes ? summary(nodes) : "");
+      const off = HL.superRestart.refusal() || (nodes?.length ? "" : "No node is known yet.");
+      attr(this.restart, "aria-disabled", off ? "true" : null);
+      attr(this.restart, "title", off || null);
       this.keep(nodes ?? []);
       for (const node of nodes ?? []) paintRow(this.rows.get(node.name), node);
     }

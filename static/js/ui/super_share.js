@@ -62,7 +62,7 @@
       // the robot may have told of less than the span asked for: what is counted here is what it told
       big.textContent = HL.chartFacts.span(isMission ? data.wall_s : data.share.reduce((sum, one) => sum + one.s, 0));
       const small = svg("text", { class: "small", y: 17, "text-anchor": "middle" });
-      small.textContent = isMission ? "in mission" : "told of";
+      small.textContent = isMission ? "in mission" : "recorded";
       this.body.replaceChildren(
         svg("svg", { class: "s-ring", viewBox: "-90 -90 180 180", role: "img", "aria-label": `Time by subsystem: ${data.share.map((one, i) => `${one.label} ${whole[i]} %`).join(", ")}` }, svg("defs", {}, hatch), ...parts, big, small),
         el("table", { class: "s-legend" }, el("tbody", {}, ...data.share.map((one, i) => {

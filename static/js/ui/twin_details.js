@@ -1,16 +1,18 @@
 // What was touched in the picture, and sending the robot or its tool to that place: preview first, then a slide.
 (() => {
   "use strict";
-  const { el, icon, text } = HL;
+  const { el, icon, text, attr } = HL;
   const SIGNS = { robot: "smart_toy", obstacle: "block", place: "trip_origin", ground: "my_location" };
+  const HEIGHTS_M = [0.5, 1.0, 1.6]; // of the tool above the ground; 1.6 m clears what stands there
+  const SURE = 1.05; // the reach is found by trying postures; at its edge the robot decides
   const SENDS = [
-    { action: "tool_go_to", label: "Slide to move the crane here", button: "Crane here", line: "The crane moves. Keep everyone away", height_m: 1.0 },
-    { action: "go_to", label: "Slide to drive here", button: "Drive here", line: "It drives there by itself", height_m: 0 },
+    { action: "tool_go_to", label: "Slide to move the crane here", button: "Crane here", line: "The crane moves. Keep everyone away", isTool: true },
+    { action: "go_to", label: "Slide to drive here", button: "Drive here", line: "It drives there by itself" },
   ];
 
   class TwinDetails {
     constructor(robot, link) {
-      Object.assign(this, { robot, link });
+      Object.assign(this, { robot, link, slides: [], height: HEIGHTS_M[1] });
       this.title = el("b", { class: "h-t16 h-b" });
       this.lines = el("div", { class: "h-t13 h-2" });
       this.acts = el("div", { class: "t-acts" });
@@ -30,24 +32,63 @@
       return null;
     }
 
-    // only what the robot says it can be asked now; the others say why not
+    // what this robot can be sent to a place with; each says why while it is off
     offer(said) {
       this.drop();
-      const actions = HL.port.robot(this.robot).actions ?? {};
+      this.said = said;
       const isPlace = said.x_m !== null && said.what !== "robot" && HL.config.rights.includes("drive");
-      const hasArm = (HL.port.inside(this.robot).joints?.joints ?? []).length > 2;
-      const sends = SENDS.filter((send) => isPlace && (send.action !== "tool_go_to" || hasArm));
-      this.slides = sends.filter((send) => actions[send.action]?.ok).map((send) => new HL.Slide({
-        hook: `twin-${send.action.replaceAll("_", "-")}`, icon: "my_location", label: send.label, line: `${send.line}: ${said.distance_m?.toFixed(1) ?? "––"} m away`, button: { icon: "my_location", label: send.button },
-        act: () => HL.port.command(this.robot, send.action, { place: [said.x_m, said.y_m, send.height_m] }),
-      }));
-      const refused = sends.filter((send) => actions[send.action] && !actions[send.action].ok).map((send) => el("p", { class: "h-t13 h-2" }, `${send.button}: ${actions[send.action].reason}`));
-      this.slides.forEach((slide) => slide.allow?.(HL.lease.obstacle(this.robot)));
-      this.acts.replaceChildren(...this.slides.map((slide) => slide.node), ...refused);
+      const hasArm = Boolean(said.reach_m) || (HL.port.inside(this.robot).joints?.joints ?? []).length > 2;
+      this.slides = SENDS.filter((send) => isPlace && (!send.isTool || hasArm)).map((send) => this.slide(send));
+      this.acts.replaceChildren(...this.slides.flatMap(({ slide, send, why }) => [send.isTool ? this.heights() : "", slide.node, why]));
+      if (this.slides.some(({ send }) => send.isTool)) this.lift(this.height);
+      this.paint();
+    }
+
+    slide(send) {
+      const { x_m: x, y_m: y } = this.said;
+      const slide = new HL.Slide({
+        hook: `twin-${send.action.replaceAll("_", "-")}`, icon: "my_location", label: send.label, line: this.line(send), button: { icon: "my_location", label: send.button },
+        act: () => HL.port.command(this.robot, send.action, { place: [x, y, send.isTool ? this.height : 0] }),
+      });
+      return { slide, send, why: el("p", { class: "h-t13 h-2" }) };
+    }
+
+    heights() {
+      this.steps = HEIGHTS_M.map((height) => el("button", { type: "button", "data-testid": `twin-height-${height}`, onclick: () => this.lift(height) }, `${height.toFixed(1)} m`));
+      return el("div", { class: "t-heights" }, el("span", { class: "h-t13 h-2" }, "Tool above ground"), el("div", { class: "h-seg", role: "group", "aria-label": "Height of the tool above the ground" }, ...this.steps));
+    }
+
+    lift(height) {
+      this.height = height;
+      this.steps.forEach((button, i) => attr(button, "aria-pressed", String(HEIGHTS_M[i] === height)));
+      this.link.send({ k: "lift", height_m: height });
+      HL.repaint();
+    }
+
+    line({ line, isTool }) {
+      return `${line}: ${this.said.distance_m?.toFixed(1) ?? "––"} m away${isTool ? `, ${this.height.toFixed(1)} m above ground` : ""}`;
+    }
+
+    // the same rule as in the dock: what would be refused looks off
+    refusal({ action, isTool }) {
+      const off = HL.superDock.refusal(action);
+      if (off) return off;
+      const { arm_m: away, reach_m: reach } = this.said;
+      return isTool && reach && away > reach * SURE ? `Out of reach: ${away.toFixed(1)} m, it reaches ${reach.toFixed(1)} m.` : "";
+    }
+
+    paint() {
+      for (const { slide, send, why } of this.slides) {
+        const off = this.refusal(send);
+        slide.isQuiet = true; // said once, below
+        slide.allow(off, this.line(send));
+        text(why, off);
+        attr(why, "hidden", !off);
+      }
     }
 
     drop() {
-      this.slides?.forEach((slide) => slide.drop?.());
+      this.slides.forEach(({ slide }) => slide.drop());
       this.slides = [];
     }
 

@@ -65,10 +65,11 @@
     constructor(one) {
       this.value = el("b", { class: "h-t22 h-b" });
       this.bar = new Bar();
-      this.node = el("div", { class: "h-card t-gauge", "data-testid": `gauge-${one.key}` }, el("div", { class: "h-t13 h-2" }, one.label), el("div", {}, this.value, " ", el("span", { class: "h-t13 h-2" }, one.unit)), this.bar.node, el("div", { class: "h-t12 h-2" }, one.limit_text || ""));
+      this.node = el("div", { class: "h-card t-gauge", "data-testid": `gauge-${one.key}` }, el("div", { class: "h-t13 h-2 t-gaugehead" }, el("span", { class: "h-ell" }, one.label), (this.age = el("span", { class: "h-t12" }))), el("div", {}, this.value, " ", el("span", { class: "h-t13 h-2" }, one.unit)), this.bar.node, el("div", { class: "h-t12 h-2" }, one.limit_text || ""));
     }
-    paint(one) {
+    paint(one, ageMs) {
       text(this.value, shown(one.value, one.unit)[0]);
+      text(this.age, Number.isFinite(ageMs) ? HL.words.age(ageMs) : "");
       attr(this.node, "data-value", one.value ?? null);
       attr(this.node, "data-level", one.level ?? null);
       this.bar.paint(one, one.ok_lower, one.ok_upper, one.value);
@@ -101,8 +102,10 @@
       attr(this.card, "data-age-ms", ageMs === null || !Number.isFinite(ageMs) ? null : Math.round(ageMs));
       const gauges = past ? [] : inside.gauges?.gauges ?? [];
       this.keep(this.tiles, gauges, (one) => one.key, (one) => new Gauge(one), this.gauges);
-      gauges.forEach((one) => this.tiles.get(one.key).paint(one));
-      toggle(this.gauges, "stale", ageMs !== null && ageMs > STALE_MS);
+      gauges.forEach((one) => this.tiles.get(one.key).paint(one, HL.port.age(inside.gauges.t)));
+      const gaugesMs = inside.gauges && !past ? HL.port.age(inside.gauges.t) : null; // a robot without joints has gauges too
+      toggle(this.gauges, "stale", gaugesMs !== null && gaugesMs > STALE_MS);
+      attr(this.gauges, "data-age-ms", gaugesMs === null || !Number.isFinite(gaugesMs) ? null : Math.round(gaugesMs));
     }
 
     keep(kept, list, keyOf, make, place) {

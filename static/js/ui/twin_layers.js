@@ -5,7 +5,7 @@
   const VIEWS = [["follow", "Follow"], ["top", "Top"], ["side", "Side"], ["head", "Head"], ["free", "Free"]];
   const LAYERS = [
     ["machine", "Machine"], ["planned", "Planned pose"], ["trees", "Trees"], ["scan", "Laser scan"], ["limits", "Joint limits"],
-    ["keepout", "Keep-out zone"], ["path", "Path and rows"], ["trail", "Trail"], ["obstacles", "Obstacles"], ["labels", "Labels"], ["parcel", "Parcels"], ["cameras", "Camera views"], ["terrain", "Ground grid"],
+    ["keepout", "Keep-out zone"], ["reach", "Reach of the arm"], ["path", "Path and rows"], ["trail", "Trail"], ["obstacles", "Obstacles"], ["labels", "Labels"], ["parcel", "Parcels"], ["cameras", "Camera views"], ["terrain", "Ground grid"],
   ];
   const HIDDEN = ["terrain", "cameras"];
   const STALE_S = 2;
@@ -63,6 +63,7 @@
       const said = {
         trees: status?.trees ? `${status.trees.done} / ${status.trees.done + status.trees.failed + status.trees.here}` : "",
         keepout: meters(status?.keep_out_m),
+        reach: meters(status?.reach_m),
       };
       for (const [key, row] of this.rows) {
         const age = ["machine", "planned", "scan"].includes(key) ? this.link.ageOf(key) : null;
@@ -78,6 +79,7 @@
       if (!status) return true;
       if (key === "planned" || key === "limits") return status.joints.length > 0;
       if (key === "trees" || key === "obstacles") return status.trees !== null && status.trees !== undefined;
+      if (key === "reach") return Boolean(status.reach_m);
       return key !== "scan" || status.has_scan;
     }
   }

@@ -5,18 +5,30 @@
   const STALE_S = 2;
   const PICTURE_STALE_MS = 2500; // the media process moves something once a second
   const PATIENCE_MS = 15000; // viser's client and a first scene on a slow tablet
+  const LOST_MS = 1500; // graphics that a device took away and does not give back by itself
   const AWAY_MS = 5000; // this long without the media process, and the map is shown
 
   class TwinLink {
     constructor(robot, frame) {
       Object.assign(this, { robot, frame, key: window.headland.uuid(), status: null, statusAt: 0, wishes: new Map(), attempt: 0 });
-      this.picture = { isConnected: false, ageMs: null, at: performance.now(), frames: 0, hasWebgl: true, wasConnected: false };
-      this.bornAt = this.awayAt = performance.now();
+      this.awayAt = performance.now();
       this.handlers = {};
       this.onMessage = (event) => event.source === this.frame.contentWindow && event.origin === location.origin && event.data?.from === "headland-twin" && this.fromFrame(event.data);
       addEventListener("message", this.onMessage);
-      frame.src = `/viser/?viewer=${this.key}`;
+      this.load();
       this.connect();
+    }
+
+    // the picture from its beginning
+    load() {
+      this.picture = { isConnected: false, ageMs: null, at: performance.now(), frames: 0, hasWebgl: true, wasConnected: false, isLost: false };
+      this.bornAt = performance.now();
+      this.frame.src = `/viser/?viewer=${this.key}`;
+    }
+
+    lose() {
+      this.picture.isLost = true;
+      setTimeout(() => !this.isClosed && this.picture.isLost && this.load(), LOST_MS);
     }
 
     on(kind, handler) {
@@ -61,6 +73,8 @@
         Object.assign(this.picture, { isConnected: said.isConnected, ageMs: said.ageMs, frames: said.frames, at: performance.now() });
         this.picture.wasConnected ||= said.isConnected;
       } else if (said.kind === "no-webgl") this.picture.hasWebgl = false;
+      else if (said.kind === "lost") this.lose();
+      else if (said.kind === "restored") this.picture.isLost = false;
       else if (said.kind === "hold") this.send({ k: "hold", on: said.isOn });
       this.handlers[said.kind]?.(said);
       HL.repaint();
@@ -93,6 +107,7 @@
     judge() {
       const now = performance.now();
       if (!this.picture.hasWebgl) return { state: "unavailable", text: "3D is not available here. Showing the map." };
+      if (this.picture.isLost) return { state: "connecting", text: "This device took the graphics away. Loading the picture again" };
       if (this.awayAt !== null && now - this.awayAt > AWAY_MS) return { state: "unavailable", text: "3D is not available now. Showing the map until it is back." };
       if (!this.picture.wasConnected || !this.status?.is_drawn) {
         const isLate = now - this.bornAt > PATIENCE_MS;

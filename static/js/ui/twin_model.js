@@ -13,6 +13,7 @@
     }
 
     paint(status) {
+      this.shown = status?.model;
       text(this.kind, KINDS[status?.model] ?? "");
     }
 
@@ -32,7 +33,16 @@
         file.value = "";
       };
       remove.onclick = async () => tell(await HL.port.api("DELETE", path));
-      HL.sheet({ title: "Model of this robot", hook: "twin-model-sheet", body: [el("p", { class: "h-t14" }, "One zip with one .urdf and its meshes: STL, OBJ, DAE or GLB without compression, at most 40 MB. Joint names must be those of the robot."), said, file, el("div", { class: "foot" }, remove, choose)] });
+      const names = (HL.port.inside(this.robot).joints?.joints ?? []).map((one) => one.name);
+      const close = HL.sheet({
+        title: `Model of ${HL.view.name()}`, hook: "twin-model-sheet",
+        body: [
+          el("p", { class: "h-t14" }, "One zip with one .urdf and its meshes: STL, OBJ, DAE or GLB without compression, at most 40 MB."),
+          el("p", { class: "h-t14" }, names.length ? `Joints that move by name: ${names.join(", ")}.` : "This robot tells of no joints; the model stands as one piece."),
+          said, file,
+          el("div", { class: "foot" }, el("button", { type: "button", class: "h-btn", onclick: () => close() }, "Close"), remove, choose),
+        ],
+      });
       tell(await HL.port.api("GET", path));
     }
 
@@ -40,7 +50,7 @@
       if (!answer.ok) return said.replaceChildren(el("b", {}, "Not used. "), answer.text);
       const known = answer.data ?? {};
       attr(remove, "hidden", !known.kept);
-      if (!known.kept) return text(said, "This robot has no model of its own.");
+      if (!known.kept) return text(said, `It has no model of its own. Shown now: ${(KINDS[this.shown] ?? "nothing yet").toLowerCase()}.`);
       const joints = known.joints.length ? `Joints: ${known.joints.join(", ")}.` : "It has no moving joint.";
       return said.replaceChildren(el("b", {}, `${known.name}: ${known.links} links, ${known.faces} triangles. `), joints, ...known.notices.map((notice) => el("p", { class: "t-notice" }, icon("warning", "m"), notice)));
     }

@@ -38,7 +38,7 @@
       this.marks = el("div", { class: "t-marks", "aria-hidden": "true" });
       this.fast = el("button", { type: "button", class: "h-btn", "data-testid": "twin-speed", onclick: () => this.faster() }, "× 1");
       this.said = el("span", { class: "h-t14 h-b t-moment" });
-      this.node = el("div", { class: "h-card t-replay", role: "group", "aria-label": "Time" }, this.play, this.mode, el("div", { class: "t-line" }, this.marks, this.scrub), this.fast, this.said);
+      this.node = el("div", { class: "h-card t-replay", role: "group", "aria-label": "Time" }, this.mode, this.play, el("div", { class: "t-line" }, this.marks, this.scrub), this.fast, this.said);
       this.timer = setInterval(() => this.step(), STEP_MS);
       this.choose("live");
     }

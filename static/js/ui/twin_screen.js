@@ -1,7 +1,7 @@
 // The Twin screen: the frame with the picture, what lies over it, and joints beside it.
 (() => {
   "use strict";
-  const { el, icon, text, attr, style, toggle, LiveElement, define } = HL;
+  const { el, icon, text, attr, style, toggle, LiveElement } = HL;
 
   class Twin extends LiveElement {
     build() {
@@ -68,6 +68,7 @@
       for (const part of [this.layers.node, this.replay.node]) toggle(part, "gone", isMap);
       this.layers.paint();
       this.replay.paint();
+      this.details.paint();
       this.model.paint(this.link.status);
     }
   }
@@ -82,21 +83,11 @@
     }
   }
 
-  // drawn before its style is there, everything would jump
-  function styled(href) {
-    if (!href || document.querySelector(`link[href="${href}"]`)) return Promise.resolve();
-    const link = el("link", { rel: "stylesheet", href });
-    document.head.append(link);
-    return new Promise((resolve) => (link.onload = link.onerror = resolve));
-  }
-
   addEventListener("keydown", (event) => {
     const isTyping = event.target instanceof HTMLElement && event.target.closest("input:not([type=range]), textarea, select");
     if (HL.twin && !isTyping && !event.ctrlKey && !event.altKey && !event.metaKey && ["+", "-", "0"].includes(event.key)) HL.twin.key(event.key);
   });
 
-  styled(document.querySelector("[data-twin-style]")?.dataset.twinStyle).then(() => {
-    define("hl-twin", Twin);
-    define("hl-twin-side", Side);
-  });
+  HL.superDefine("hl-twin", Twin);
+  HL.superDefine("hl-twin-side", Side);
 })();

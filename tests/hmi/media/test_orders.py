@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from hmi.media.orders import BadOrder, Replay, SetLayer, SetView, decode_order
+from hmi.media.orders import BadOrder, Lift, Replay, SetLayer, SetView, decode_order
 from hmi.twin.groups import Group
 from hmi.twin.viewer import View
 
@@ -12,6 +12,7 @@ from hmi.twin.viewer import View
 def test_orders_are_read() -> None:
     assert decode_order('{"k":"view","view":"top"}') == SetView(View.TOP)
     assert decode_order('{"k":"layer","name":"trees","on":false}') == SetLayer(Group.TREES, False)
+    assert decode_order('{"k":"lift","height_m":1.6}') == Lift(1.6)
     said = decode_order('{"k":"replay","lat_deg":52,"lon_deg":5,"theta_rad":1,"joints":{"slew":0.5}}')
     assert said == Replay(52.0, 5.0, 1.0, {"slew": 0.5})
 
@@ -23,6 +24,7 @@ def test_orders_are_read() -> None:
         '{"k":"layer","name":"/machine","on":true}',
         '{"k":"replay","lat_deg":NaN,"lon_deg":5,"theta_rad":1}',
         '{"k":"replay","lat_deg":95,"lon_deg":5,"theta_rad":1}',
+        '{"k":"lift","height_m":-1}', '{"k":"lift","height_m":NaN}',
         '{"k":"zoom","by":1e9}', '{"k":"view","view":"top"}' + " " * 20_000,
     ],
 )  # fmt: skip

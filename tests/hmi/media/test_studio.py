@@ -158,6 +158,48 @@ async def test_a_robot_moves_in_the_picture_with_its_joints_its_ghost_and_its_wa
         assert "beyond soft limit" in str(marked)
 
 
+async def test_the_camera_stands_at_a_robot_that_was_not_heard_before_somebody_looked(studio: Studio) -> None:
+    studio.enter("k", ROBOT, may_replay=False)
+    async with await connect(studio, "k") as socket:
+        picture = Picture(socket)
+        await picture.look()
+        async with asyncio.timeout(5):
+            while (client := studio.viewers["k"].client) is None:  # noqa: ASYNC110 - viser's thread hands over
+                await asyncio.sleep(0.01)
+        planter = Planter(studio.intake)
+        planter.introduce()
+        planter.stand(160.0)
+        await picture.until(f"/machine/{ROBOT}", lambda node: node.get("position", [0])[0] == pytest.approx(160.0))
+        async with asyncio.timeout(5):
+            while abs(client.camera.position[0] - 160.0) > 15.0:  # noqa: ASYNC110 - set between two ticks
+                await asyncio.sleep(0.01)
+        assert client.camera.look_at[0] == pytest.approx(160.0, abs=1.0)
+
+
+async def test_a_place_is_shown_with_the_height_of_the_tool_and_says_how_far_the_arm_reaches(studio: Studio) -> None:
+    planter = Planter(studio.intake)
+    planter.introduce()
+    planter.stand(0.0)
+    box = studio.enter("k", ROBOT, may_replay=False)
+    current = [Target(id="tree-147", x_m=-5.0, y_m=0.0, status="current")]
+    planter.say(Up.WORKSITE, Worksite, stop=1, targets=current, obstacles=[])
+    async with await connect(studio, "k") as socket:
+        picture = Picture(socket)
+        await picture.look()
+        assert "Reach" in str(await picture.until(f"/reach/{ROBOT}/line/text"))
+        assert "Tree 147" in str(await picture.until(f"/trees/{ROBOT}/named/text"))
+        studio.touch("k", (-5.0, 0.4, 9.0), (0.0, 0.0, -1.0))
+        studio.obey("k", orders.Lift(1.6))
+        owner = str(studio.viewers["k"].client.client_id)  # type: ignore[union-attr]
+        assert "1.6 m" in str(await picture.until(f"{owner}:/touched/text"))
+        async with asyncio.timeout(5):
+            while (said := await box.get())["k"] != "tap":
+                assert said["k"] == "status"
+        assert said["what"] == "place"
+        assert said["arm_m"] == pytest.approx(3.22, abs=0.02)
+        assert said["reach_m"] > said["arm_m"]
+
+
 async def test_what_was_planted_stays_when_the_surface_is_reset_at_the_next_stop(studio: Studio) -> None:
     planter = Planter(studio.intake)
     planter.introduce()

@@ -97,15 +97,17 @@ def test_without_the_right_nodes_are_watched_and_logs_are_searched(look: Look, m
 
 
 def test_what_is_off_in_the_dock_says_why_and_sends_nothing(look: Look, machine: Theatre) -> None:
-    machine.machine(oil=80.0)
+    machine.machine(oil=80.0, mode="paused")
     page = look(SCREEN)
     retract = page.get_by_test_id("tool-retract")
     expect(retract).to_have_attribute("aria-disabled", "true")
-    expect(page.locator("hl-super-dock")).to_contain_text("Move the crane is off: Oil at 80 °C, limit 75 °C.")
+    expect(page.locator("hl-super-dock")).to_contain_text(
+        "Retract crane: Move the crane is off: Oil at 80 °C, limit 75 °C."
+    )
     page.get_by_test_id("jog-open").click(force=True)
     expect(page.get_by_test_id("toast")).to_contain_text("Crane by hand is off")
     assert machine.orders("commands") == []
-    machine.machine(oil=60.0)
+    machine.machine(oil=60.0, mode="paused")
     expect(retract).not_to_have_attribute("aria-disabled", "true")
     retract.click()
     slide(page, "tool-retract")

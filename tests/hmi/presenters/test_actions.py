@@ -34,8 +34,8 @@ FREE = {"go_to", "tool_retract", "tool_go_to", "stock_refilled", "jog"}
 TOOLS: dict[str, set[str]] = {
     **dict.fromkeys(("idle", "loaded", "done"), FREE),
     **dict.fromkeys(("paused", "moved"), FREE | {"skip_target"}),
-    "running": {"go_to", "tool_retract", "stock_refilled", "jog", "skip_target"},
-    "going home": {"go_to", "tool_retract", "stock_refilled", "jog", "skip_target"},
+    "running": {"stock_refilled", "jog", "skip_target"},
+    "going home": {"stock_refilled", "jog", "skip_target"},
     "manual": {"tool_retract", "tool_go_to", "stock_refilled", "jog", "skip_target"},
     "faulty": {"tool_retract", "tool_go_to", "stock_refilled", "jog", "skip_target"},
 }
@@ -82,6 +82,14 @@ def test_reasons_are_sentences_of_the_field(state: str, action: str, reason: str
 def test_nothing_that_moves_is_allowed_before_the_safety_controller_was_heard() -> None:
     unheard = replace(r.LOADED, safety=None)
     assert {n for n, v in actions(unheard).items() if v["ok"]} == set()
+
+
+@pytest.mark.parametrize(
+    ("code", "reason"), [("crane_limit", ""), ("ask_person", ""), ("person_ahead", "Pause it first")]
+)
+def test_a_mission_at_work_takes_a_retract_only_while_it_waits_for_one(code: str, reason: str) -> None:
+    waiting = r.with_state(r.RUNNING, hold=replace(r.HOLD_PAUSED, code=code))
+    assert actions(waiting)["tool_retract"]["reason"] == reason
 
 
 @pytest.mark.parametrize("state", ["running", "idle", "done", "manual", "going home"])

@@ -1,0 +1,72 @@
+// What runs before viser's client in the twin's frame, with a worker that only notes what it is told.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import test from 'node:test';
+import vm from 'node:vm';
+
+const SOURCE = readFileSync(new URL('../../static/js/viser_frame.js', import.meta.url), 'utf8');
+
+function frame() {
+  const world = { now: 0, beats: [], told: [] };
+  class Worker {
+    constructor() { this.sent = []; this.listeners = []; }
+    addEventListener(_kind, call) { this.listeners.push(call); }
+    postMessage(message) { this.sent.push(message); }
+    say(type) { this.listeners.forEach((call) => call({ data: { type } })); }
+  }
+  const canvas = { getContext: () => ({}) };
+  const page = {
+    Worker, URLSearchParams, location: { search: '?viewer=abc', protocol: 'http:', host: 'farm:8080', origin: 'http://farm:8080' },
+    document: { currentScript: { nonce: '' }, createElement: () => canvas, documentElement: { dataset: {} }, hasFocus: () => false },
+    performance: { now: () => world.now }, setInterval: (call) => world.beats.push(call), setTimeout: () => 0,
+    requestAnimationFrame: () => 0, addEventListener() {}, dispatchEvent() {}, ResizeObserver: class { observe() {} }, Event: class {},
+    parent: { postMessage: (message) => world.told.push(message) }, reportError() {},
+  };
+  page.window = page;
+  vm.runInContext(SOURCE, vm.createContext(page));
+  const worker = new page.Worker();
+  const pass = (ms) => { for (const end = world.now + ms; world.now < end;) { world.now += 400; world.beats.forEach((beat) => beat()); } };
+  const tries = () => worker.sent.filter((one) => one.type === 'retry').length;
+  worker.postMessage({ type: 'set_server', server: 'ws://elsewhere' });
+  return { page, worker, pass, tries, told: world.told };
+}
+
+test('the picture comes from our own origin, with the viewer it belongs to', () => {
+  const { worker } = frame();
+  assert.equal(worker.sent[0].server, 'ws://farm:8080/viser?viewer=abc');
+});
+
+test('an attempt that is under way is not ended by the next: on a slow link none would ever succeed', () => {
+  const { worker, pass, tries } = frame();
+  pass(4000);
+  worker.postMessage({ type: 'retry' }); // viser's own
+  assert.equal(tries(), 0);
+  worker.say('connected');
+  pass(2000);
+  assert.equal(tries(), 0);
+});
+
+test('when it was closed it tries at once, and again only when that one ended too', () => {
+  const { worker, pass, tries } = frame();
+  worker.say('connected');
+  worker.say('closed');
+  pass(400);
+  assert.equal(tries(), 1);
+  pass(2000);
+  assert.equal(tries(), 1);
+  worker.say('closed');
+  pass(400);
+  assert.equal(tries(), 2);
+});
+
+test('an attempt that never ends is given up after six seconds', () => {
+  const { pass, tries } = frame();
+  pass(8000);
+  assert.equal(tries(), 1);
+});
+
+test('a request for a public tunnel never leaves', () => {
+  const { worker } = frame();
+  worker.postMessage({ type: 'send', message: { type: 'ShareUrlRequest' } });
+  assert.equal(worker.sent.length, 1);
+});
