@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from PIL import Image
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser, expect, sync_playwright
 
 from tests.conftest import BROWSER_FLAGS, SOFTWARE_GL
 from tests.e2e.installation import ROOT, Installation
@@ -109,8 +109,9 @@ def _all_looks(someone: Person, name: str, sizes: tuple[str, ...]) -> Iterator[s
         width, height = SIZES[size]
         someone.page.set_viewport_size({"width": width, "height": height})
         for theme in THEMES:
-            while someone.state("theme") != theme:
+            while (before := someone.state("theme")) != theme:
                 someone.hook("theme").click()
+                expect(someone.hook("theme")).not_to_have_attribute("data-state", str(before))
             yield _shoot(someone, f"{name}-{size}-{theme}")
 
 
