@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from typing import Any
 
 from hmi.api.health import KeeperReport
@@ -57,11 +57,7 @@ class Chores:
     async def _watch(self) -> None:
         parts = await asyncio.to_thread(self._keeper.parts)
         self._hub.stop_state = str(parts.get("stop", {}).get("state", "unknown"))
-        self._hub.keeper = [
-            {"name": name, "state": part.get("state"), "last_down": part.get("last_down")}
-            for name, part in parts.items()
-            if part.get("state") != "ok" or part.get("last_down")
-        ]
+        self._hub.keeper = worth_telling(parts)
         self._records.sessions.sweep()
 
     async def _agree(self) -> None:
@@ -83,3 +79,15 @@ async def _every(name: str, period_s: float, work: Callable[[], Awaitable[Any]])
         except Exception:
             log.exception("%s failed and is tried again", name)
         await asyncio.sleep(period_s)
+
+
+def worth_telling(parts: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Return what pages are told of the parts: those that are down, and those that were.
+
+    One that starts for the first time was never missed; only STOP is missed from the first moment.
+    """
+    return [
+        {"name": name, "state": part.get("state"), "last_down": part.get("last_down")}
+        for name, part in parts.items()
+        if part.get("down_since_utc") or part.get("last_down") or (name == "stop" and part.get("state") != "ok")
+    ]
