@@ -15,17 +15,17 @@ serve: $(STAMP)
 
 # Hash-checked dependencies (build back-end included), then the project itself without dependencies:
 # pip refuses an editable install in hash-checking mode.
-$(STAMP): requirements.txt pyproject.toml
+$(STAMP): requirements.txt requirements-installer.txt pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "Headland needs Python 3.11 or newer; set PYTHON=/path/to/python3.11." >&2; exit 1; }
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV) || { echo "Cannot make a virtual environment: install the venv module of Python (Debian: apt-get install python3-venv)." >&2; exit 1; }
 	@echo "Installing pinned dependencies into $(VENV) (first time only) ..."
-	@$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements.txt
+	@sh install.sh $(BIN) requirements.txt
 	@$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	@touch $@
 
 $(DEV_STAMP): $(STAMP) requirements-dev.txt
 	@echo "Installing pinned test dependencies into $(VENV) ..."
-	@$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements-dev.txt
+	@sh install.sh $(BIN) requirements-dev.txt
 	@touch $@
 
 # Chromium and mosquitto: installed when we may, named when we may not.
