@@ -29,6 +29,7 @@ UP_TYPES: dict[Up, type[up.Header]] = {
     Up.BODY: machine.Body,
     Up.WORKSITE: machine.Worksite,
     Up.SCAN: machine.Scan,
+    Up.DETECTIONS: machine.Detections,
     Up.ACK: up.Ack,
 }
 DOWN_TYPES: dict[Down, type[down.Order]] = {

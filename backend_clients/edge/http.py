@@ -11,19 +11,23 @@ Paths below ``base_url`` (from the registry, never from the wire)::
     GET  missions/{id}                   -> Mission
     GET  logs?lines=N                    -> text
     GET  map, model, cameras             -> what the robot declares, 404 with a reason if nothing
+    POST cameras/{id}/control            {"lamp"|"zoom"|"trigger"} -> 204, 409 with a reason
 """
 
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Mapping
 
 import httpx
+import msgspec
 
 from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.codec import decode_body, encode
 from backend_clients.edge.topics import Address, Up, check_id
 from backend_clients.errors import MalformedPayload, Refused, TimedOut, TransportError
+from backend_clients.trust import authorities
 
 TIMEOUT_S = 1.0  # one STOP attempt; the sender repeats
 UPLOAD_TIMEOUT_S = 20.0
@@ -51,6 +55,7 @@ class RobotHttp:
             timeout=TIMEOUT_S,
             follow_redirects=False,
             trust_env=False,
+            verify=authorities(),
             transport=transport,
             limits=httpx.Limits(max_connections=8, max_keepalive_connections=4),
         )
@@ -91,6 +96,10 @@ class RobotHttp:
                 return (await self._read(f"logs?lines={int(lines)}", MAX_LOG_BYTES)).decode("utf-8", "replace")
         except TimeoutError as error:  # a robot that sends a byte now and then would hold the caller for ever
             raise TimedOut(f"{self.robot} did not send its log in {LOG_TIMEOUT_S:g} s") from error
+
+    async def control_camera(self, camera: str, order: Mapping[str, bool | float]) -> None:
+        """Switch the lamp, set the zoom or trigger a picture; see docs/protocols/cameras.md."""
+        await self._send("POST", f"cameras/{check_id(camera)}/control", msgspec.json.encode(order))
 
     def _ack(self, body: bytes) -> up.Ack:
         message = decode_body(Address(self.robot, Up.ACK), body)

@@ -9,9 +9,10 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct, field
 
-from backend_clients.edge.fields import Count, Header, Id, Metres, Name, Positive, Text
+from backend_clients.edge.fields import Count, Header, Id, Metres, Name, Positive, Share, Text
 
 MAX_SCAN_POINTS = 4000
+MAX_BOXES = 128
 Point3 = tuple[Metres, Metres, Metres]
 
 
@@ -160,3 +161,29 @@ class Scan(Header, frozen=True, kw_only=True):
 
     origin: Point3
     points: Annotated[str, Meta(max_length=MAX_SCAN_POINTS * 8)]
+
+
+class Box(Struct, frozen=True, kw_only=True):
+    """Something found in a picture, in shares of it from its upper left corner.
+
+    ``hit``: whether the tool hit it; left out or null where it was not there yet, or has none.
+    """
+
+    kind: Id
+    x: Share
+    y: Share
+    w: Share
+    h: Share
+    score: Share = 1.0
+    hit: bool | None = None
+
+
+class Detections(Header, frozen=True, kw_only=True):
+    """At most 2 Hz a camera, QoS 0, only while its pictures are fetched: what was found in one of them.
+
+    ``mono_ms`` is when that picture was taken, ``captured_ms`` the same by the wall clock, as the picture says.
+    """
+
+    camera: Id
+    captured_ms: int
+    boxes: Annotated[list[Box], Meta(max_length=MAX_BOXES)] = field(default_factory=list)

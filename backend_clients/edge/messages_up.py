@@ -81,6 +81,14 @@ class Tool(Struct, frozen=True, kw_only=True):
     width_m: Positive
 
 
+class CameraPtz(Struct, frozen=True, kw_only=True):
+    """What turns a camera: joints by name, and the zoom's smallest and largest factor."""
+
+    pan: Id | None = None
+    tilt: Id | None = None
+    zoom: tuple[Positive, Positive] | None = None
+
+
 class Camera(Struct, frozen=True, kw_only=True):
     """A camera on the robot; where its pictures come from is in the registry, not here."""
 
@@ -88,6 +96,13 @@ class Camera(Struct, frozen=True, kw_only=True):
     label: Name
     width_px: Count
     height_px: Count
+    kind: Literal["colour", "infrared", "depth"] = "colour"
+    fps: Annotated[float, Meta(gt=0, le=120)] = 15.0
+    view: Literal["front", "rear", "tool", "head", "nadir", "distance"] = "front"
+    fov_deg: Annotated[float, Meta(gt=0, le=360, description="horizontal")] | None = None
+    ptz: CameraPtz | None = None
+    has_lamp: bool = False
+    has_trigger: bool = False
 
 
 class Function(Struct, frozen=True, kw_only=True):

@@ -46,6 +46,7 @@ UP_DELIVERY: dict[Up, Delivery] = {
     Up.BODY: Delivery(0, False, "10 Hz while it moves, 2 Hz at rest"),
     Up.WORKSITE: Delivery(1, True, "at each change"),
     Up.SCAN: Delivery(0, False, "at most 1 Hz"),
+    Up.DETECTIONS: Delivery(0, False, "at most 2 Hz a camera, while its pictures are fetched"),
     Up.ACK: Delivery(1, False, "answer to each order"),
 }
 DOWN_DELIVERY: dict[Down, Delivery] = {

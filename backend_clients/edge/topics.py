@@ -27,6 +27,7 @@ class Up(StrEnum):
     BODY = "body"
     WORKSITE = "worksite"
     SCAN = "scan"
+    DETECTIONS = "detections"
     ACK = "ack"
 
 

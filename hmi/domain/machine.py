@@ -71,6 +71,29 @@ class Sighting:
 
 
 @dataclass(frozen=True, slots=True)
+class SeenBox:
+    """Something found in a picture, in shares of it from its upper left corner; ``hit`` by the tool, if known."""
+
+    kind: str
+    x: float
+    y: float
+    w: float
+    h: float
+    score: float
+    hit: bool | None
+
+
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """What was found in one picture of a camera; the stamp is when the picture was taken."""
+
+    camera: str
+    captured_ms: int
+    boxes: tuple[SeenBox, ...]
+    stamp: Stamp
+
+
+@dataclass(frozen=True, slots=True)
 class Body:
     """Joints as measured and as planned, gauges, where the tool's tip is, who is near."""
 

@@ -6,11 +6,13 @@ never a zero. Times are on the console's monotonic clock (``Clock.mono_s``).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
 from hmi.domain import family, stamp
-from hmi.domain.machine import Body, FunctionInfo, GaugeInfo, JointInfo, NodeInfo, Worksite
+from hmi.domain.camera import CameraInfo
+from hmi.domain.machine import Body, FunctionInfo, GaugeInfo, JointInfo, NodeInfo, Sight, Worksite
 from hmi.domain.state_chart import ActiveState, Chart, LastTransition
 
 Family = family.Family
@@ -230,7 +232,7 @@ class Factsheet:
     joints: tuple[JointInfo, ...] = ()
     gauges: tuple[GaugeInfo, ...] = ()
     chart: Chart | None = None
-    cameras: tuple[tuple[str, str], ...] = ()
+    cameras: tuple[CameraInfo, ...] = ()
     battery_wh: float | None = None
     charge_w: float | None = None
 
@@ -273,3 +275,4 @@ class Robot:
     nodes: dict[str, Node] = field(default_factory=dict)
     body: Body | None = None
     worksite: Worksite | None = None
+    sights: Mapping[str, Sight] = field(default_factory=dict)

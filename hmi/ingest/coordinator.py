@@ -38,7 +38,9 @@ PING_SLOT_S = 0.05
 # QoS as the contract has it: what happened once is sent at 1, what repeats at 0
 # point clouds are for the twin alone, which listens for itself
 SUBSCRIPTIONS = [
-    (every_robot(kind), 0 if kind in (Up.HEARTBEAT, Up.TELEMETRY, Up.BODY) else 1) for kind in Up if kind is not Up.SCAN
+    (every_robot(kind), 0 if kind in (Up.HEARTBEAT, Up.TELEMETRY, Up.BODY, Up.DETECTIONS) else 1)
+    for kind in Up
+    if kind is not Up.SCAN
 ]
 _REASONS: dict[type[WireError], str] = {
     MalformedPayload: "malformed",
@@ -262,6 +264,8 @@ class EdgeCoordinator:
                 self._store.put_node(address.robot, translate.node(message, stamp, to_console_s))
             case machine.Body():
                 self._store.put_body(address.robot, partial(translate_machine.body, message, stamp))
+            case machine.Detections():
+                self._store.put_sight(address.robot, translate_machine.sight(message, stamp))
             case machine.Worksite():
                 self._store.put_worksite(address.robot, translate_machine.worksite(message, stamp))
             case _:
@@ -278,7 +282,9 @@ class EdgeCoordinator:
             self.tally.count("unregistered", address.robot)
         elif isinstance(message, up.Ack):
             self._tell(self.listeners.on_ack, translate.acknowledgement(message, stamp))
-        elif isinstance(message, up.Event) and not clock.is_repeated(message.event_id):
+        elif isinstance(message, up.Event) and clock.is_repeated(message.event_id):
+            self.tally.count("repeated", address.robot)
+        elif isinstance(message, up.Event):
             age_s = max(0.0, self._clock.mono_s() - stamp.source_s)
             at = self._clock.utc() - timedelta(seconds=age_s)
             self._tell(self.listeners.on_event, translate.event(message, stamp, at))

@@ -21,7 +21,9 @@ CADENCE_S = 0.025  # a drain at most this often; the first frame after a pause i
 FIFO_LIMIT = 10_000  # 2.5 s of a fleet that sends nothing but events at 4,000 a second
 KEY_LIMIT = 20_000  # 4,000 robots x 5 kinds; keys beyond it are refused and counted
 _address_of = lru_cache(maxsize=KEY_LIMIT)(parse)  # the same few topics come ten times a second
-CONFLATED = frozenset({Up.FACTSHEET, Up.HEARTBEAT, Up.TELEMETRY, Up.STATE, Up.SAFETY, Up.BODY, Up.WORKSITE})
+CONFLATED = frozenset(
+    {Up.FACTSHEET, Up.HEARTBEAT, Up.TELEMETRY, Up.STATE, Up.SAFETY, Up.BODY, Up.WORKSITE, Up.DETECTIONS}
+)
 
 
 class Letter(NamedTuple):

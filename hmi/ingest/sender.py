@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 import msgspec
@@ -15,6 +15,7 @@ from backend_clients.edge.codec import encode, mission_hash
 from backend_clients.edge.http import RobotHttp
 from backend_clients.edge.topics import Down, topic
 from backend_clients.errors import ClientError, Refused
+from hmi.domain.camera import ControlFailed
 from hmi.domain.command import (
     Acknowledgement,
     CommandOrder,
@@ -126,6 +127,23 @@ class EdgeSender:
         except ClientError as error:
             log.info("log by http: %s", error)
             raise LogFailed("no_answer", "The robot did not give its log: no answer. Try again.") from error
+
+    async def control_camera(self, robot_id: str, camera: str, order: Mapping[str, bool | float]) -> None:
+        """Tell a robot's camera: lamp, zoom or trigger.
+
+        Raises:
+            ControlFailed: it has no address, does not answer, or refuses.
+        """
+        client = self._client(robot_id)
+        if client is None:
+            raise ControlFailed("no_address", "The robot has no address here. An admin can add it under Admin, Robots.")
+        try:
+            await client.control_camera(camera, order)
+        except Refused as refused:
+            raise ControlFailed(refused.code, refused.text) from refused
+        except ClientError as error:
+            log.info("camera by http: %s", error)
+            raise ControlFailed("no_answer", "The robot did not answer. Nothing is known to have changed.") from error
 
     def acknowledged(self, answer: Acknowledgement) -> None:
         """Hear every acknowledgement; give it to ``EdgeListeners.on_ack``."""

@@ -122,7 +122,7 @@ def factsheet(m: up.Factsheet) -> domain.Factsheet:
         joints=translate_machine.joints(m),
         gauges=translate_machine.gauges(m),
         chart=translate_machine.chart(m.chart) if m.chart else None,
-        cameras=tuple((c.id, c.label) for c in m.cameras),
+        cameras=translate_machine.cameras(m),
         battery_wh=m.battery.capacity_wh if m.battery else None,
         charge_w=m.battery.charge_w if m.battery else None,
     )

@@ -6,6 +6,7 @@ from backend_clients.edge import machine as wire
 from backend_clients.edge.messages_up import Factsheet
 from hmi.domain import machine as domain
 from hmi.domain import state_chart
+from hmi.domain.camera import CameraInfo, CameraPtz
 from hmi.domain.stamp import Stamp
 
 
@@ -35,6 +36,26 @@ def gauges(m: Factsheet) -> tuple[domain.GaugeInfo, ...]:
     )
 
 
+def cameras(m: Factsheet) -> tuple[CameraInfo, ...]:
+    """Its cameras; where their pictures come from is not the robot's to say."""
+    return tuple(
+        CameraInfo(
+            id=c.id,
+            label=c.label,
+            width_px=c.width_px,
+            height_px=c.height_px,
+            kind=c.kind,
+            fps=c.fps,
+            view=c.view,
+            fov_deg=c.fov_deg,
+            ptz=None if c.ptz is None else CameraPtz(c.ptz.pan, c.ptz.tilt, c.ptz.zoom),
+            has_lamp=c.has_lamp,
+            has_trigger=c.has_trigger,
+        )
+        for c in m.cameras
+    )
+
+
 def chart(m: wire.Chart) -> state_chart.Chart:
     """Its supervisor."""
     states = tuple(
@@ -59,6 +80,12 @@ def body(m: wire.Body, stamp: Stamp) -> domain.Body:
         seen=tuple(domain.Sighting(s.id, s.kind, s.x_m, s.y_m, s.distance_m) for s in m.seen),
         stamp=stamp,
     )
+
+
+def sight(m: wire.Detections, stamp: Stamp) -> domain.Sight:
+    """What was found in a picture."""
+    boxes = tuple(domain.SeenBox(b.kind, b.x, b.y, b.w, b.h, b.score, b.hit) for b in m.boxes)
+    return domain.Sight(m.camera, m.captured_ms, boxes, stamp)
 
 
 def worksite(m: wire.Worksite, stamp: Stamp) -> domain.Worksite:

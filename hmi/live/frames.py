@@ -51,12 +51,16 @@ class Here(msgspec.Struct, frozen=True, tag_field="k", tag="here", forbid_unknow
 
 
 class Drive(msgspec.Struct, frozen=True, tag_field="k", tag="drive", forbid_unknown_fields=True):
-    """One hold-to-run setpoint: ``v`` in m/s, ``w`` in rad/s."""
+    """One hold-to-run setpoint: ``v`` in m/s, ``w`` in rad/s.
+
+    ``picture`` is the age in ms of the camera picture the person steers by, ``None`` where none is in use.
+    """
 
     robot: RobotId
     v: Speed
     w: Speed
     tick: TickId
+    picture: Annotated[float, msgspec.Meta(ge=0)] | None = None
 
 
 class Jog(msgspec.Struct, frozen=True, tag_field="k", tag="jog", forbid_unknown_fields=True):

@@ -24,6 +24,7 @@ MAKE: dict[str, _Make] = {
     "gauges": lambda robot, _now_s: inside.gauges(robot),
     "site": lambda robot, _now_s: inside.site(robot),
     "seen": lambda robot, _now_s: inside.seen(robot),
+    "detections": lambda robot, _now_s: inside.detections(robot),
 }
 GROUPS_OF: dict[Part, tuple[str, ...]] = {
     Part.REGISTRY: (),
@@ -35,6 +36,7 @@ GROUPS_OF: dict[Part, tuple[str, ...]] = {
     Part.NODES: ("nodes", "functions"),
     Part.BODY: ("joints", "gauges", "site", "seen"),
     Part.WORKSITE: ("site",),
+    Part.SIGHT: ("detections",),
 }
 REVIEWED = ("nodes", "functions")
 

@@ -23,6 +23,7 @@ GROUPS_OF: dict[Part, tuple[str, ...]] = {
     Part.NODES: (),
     Part.BODY: (),
     Part.WORKSITE: (),
+    Part.SIGHT: (),
 }
 
 

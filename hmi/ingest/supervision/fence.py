@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-
-import shapely
-from shapely.geometry import Point, Polygon
+from typing import TYPE_CHECKING
 
 from hmi.domain.alarm.finding import NOTHING, Finding, Findings
 from hmi.domain.robot import Family, Mode
 from hmi.ingest.supervision.view import View, is_under_way
+
+if TYPE_CHECKING:
+    import shapely
 
 METRES_PER_DEG = 111_320.0
 MARGIN_M = 0.5
@@ -22,7 +23,7 @@ SELF_MOVING = (Mode.AUTO, Mode.MANUAL)
 class Ground:
     """A closed area on a plane in metres around its first corner."""
 
-    area: Polygon
+    area: shapely.Polygon
     edge: shapely.Geometry
     lat_deg: float
     lon_deg: float
@@ -30,12 +31,17 @@ class Ground:
 
     @classmethod
     def of(cls, ring: Sequence[tuple[float, float]]) -> Ground | None:
-        """Return the ground inside a ring of longitude and latitude; ``None`` if that encloses nothing."""
+        """Return the ground inside a ring of longitude and latitude; ``None`` if that encloses nothing.
+
+        The first call loads shapely, a quarter of a second: not on the event loop.
+        """
+        import shapely
+
         if len(ring) < 4:
             return None
         lon, lat = ring[0]
         per_lon = METRES_PER_DEG * math.cos(math.radians(lat))
-        area = Polygon([((x - lon) * per_lon, (y - lat) * METRES_PER_DEG) for x, y in ring])
+        area = shapely.Polygon([((x - lon) * per_lon, (y - lat) * METRES_PER_DEG) for x, y in ring])
         if not area.is_valid or area.is_empty:
             return None
         shapely.prepare(area)
@@ -47,7 +53,9 @@ class Ground:
 
     def outside_m(self, x_m: float, y_m: float) -> float:
         """Return how far a place is outside; negative is how far inside."""
-        point = Point(x_m, y_m)
+        import shapely
+
+        point = shapely.Point(x_m, y_m)
         distance_m = float(shapely.distance(self.edge, point))
         return -distance_m if self.area.covers(point) else distance_m
 

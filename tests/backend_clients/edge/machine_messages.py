@@ -35,6 +35,12 @@ def worksite(**values: Any) -> machine.Worksite:
     )
 
 
+def detections(**values: Any) -> machine.Detections:
+    """Return what was found in a picture."""
+    weed = machine.Box(kind="weed", x=0.4, y=0.6, w=0.05, h=0.04, score=0.9, hit=True)
+    return machine.Detections(**{"camera": "front", "captured_ms": 1_790_000_000_000, "boxes": [weed], **values})
+
+
 def scan(**values: Any) -> machine.Scan:
     """Return a cloud of one point."""
     return machine.Scan(origin=(1.0, 2.0, 0.0), points="AQACAAMA", **values)

@@ -81,6 +81,7 @@ def test_everything_a_robot_says_survives_the_wire() -> None:
         (Up.BODY, machine_messages.body(**reporter.header())),
         (Up.WORKSITE, machine_messages.worksite(**reporter.header())),
         (Up.SCAN, machine_messages.scan(**reporter.header())),
+        (Up.DETECTIONS, machine_messages.detections(**reporter.header())),
     ]
     planter = Rig(family="planter").boot.reporter
     said += [(Up.FACTSHEET, planter.factsheet()), (Up.STATE, planter.state()), (Up.BODY, planter.body())]
@@ -139,6 +140,7 @@ def _honest(kind: Up | Down) -> dict[str, Any]:
         Up.BODY: lambda: machine_messages.body(**reporter.header()),
         Up.WORKSITE: lambda: machine_messages.worksite(**reporter.header()),
         Up.SCAN: lambda: machine_messages.scan(**reporter.header()),
+        Up.DETECTIONS: lambda: machine_messages.detections(**reporter.header()),
         Up.ACK: rig.stop,
         Down.COMMAND: lambda: rig.order("start"),
         Down.MISSION: lambda: small_mission(rows=1),

@@ -21,7 +21,7 @@ from hmi.domain.command import Acknowledgement
 from hmi.domain.event import RobotEvent
 from hmi.domain.robot import Mode, SafetyState
 from hmi.ingest.robot_clock import JUMPS_BELIEVED
-from hmi.store.fleet import UNREGISTERED_LIMIT
+from hmi.store.fleet import CAMERA_LIMIT, UNREGISTERED_LIMIT
 from tests.hmi.ingest.wire import KINDS, FakeWireRobot, Rig
 
 ID = "weeder-01"
@@ -401,3 +401,22 @@ async def test_the_inside_of_a_machine_is_kept_with_its_age() -> None:
 def test_every_kind_of_message_has_a_topic_in_these_tests() -> None:
     assert set(KINDS.values()) == set(Up)
     assert all(issubclass(kind, up.Header) for kind in KINDS)
+
+
+async def test_what_cameras_found_is_kept_for_each_camera_with_the_time_of_its_picture() -> None:
+    async with Rig(ID) as rig:
+        robot = rig.robot()
+        rig.say(robot.heartbeat())
+        rig.say(robot.detections())
+        rig.say(robot.detections(camera="rear", boxes=[]))
+        kept = rig.store.robot(ID)
+        assert kept is not None
+        assert set(kept.sights) == {"front", "rear"}
+        [box] = kept.sights["front"].boxes
+        assert (box.kind, box.x, box.hit) == ("weed", 0.4, True)
+        assert kept.sights["front"].stamp.source_s <= rig.clock.mono_s()
+        for number in range(40):
+            rig.say(robot.detections(camera=f"forged-{number}"))
+        kept = rig.store.robot(ID)
+        assert kept is not None
+        assert len(kept.sights) == CAMERA_LIMIT

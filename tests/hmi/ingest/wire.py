@@ -153,6 +153,10 @@ class FakeWireRobot:
         """Return where it works."""
         return machine_messages.worksite(**self.head(**values))
 
+    def detections(self, **values: Any) -> machine.Detections:
+        """Return what was found in a picture."""
+        return machine_messages.detections(**self.head(**values))
+
     def ack(self, **values: Any) -> up.Ack:
         """Return an acknowledgement of a command."""
         return up.Ack(**self.head(**{"kind": "command", "ref": "command-1", "outcome": "accepted", **values}))
@@ -171,6 +175,7 @@ KINDS: dict[type[up.Header], Up] = {
     machine.Body: Up.BODY,
     machine.Worksite: Up.WORKSITE,
     machine.Scan: Up.SCAN,
+    machine.Detections: Up.DETECTIONS,
 }
 
 

@@ -115,3 +115,26 @@ def test_a_topic_needs_an_id_of_a_robot() -> None:
     assert not frames.is_topic("inside/")
     assert not frames.is_topic("inside/Planter 02")
     assert not frames.is_topic("outside/planter-02")
+
+
+def test_what_cameras_found_goes_out_with_the_time_of_its_picture_the_newest_camera_first() -> None:
+    rig = HubRig("planter-02")
+    lane = rig.lane(TOPIC)
+    rig.take(lane)
+    now_s = rig.clock.mono_s()
+    rig.store.admit("planter-02")
+    box = machine.SeenBox("obstacle", 0.1, 0.2, 0.3, 0.4, 0.9, None)
+    for camera, age_s in (("rear", 0.3), ("head", 0.1)):
+        stamp = domain.Stamp(now_s - age_s, now_s)
+        rig.store.put_sight("planter-02", machine.Sight(camera, 1, (box,), stamp))
+    rig.store.announce()
+    rig.hub.flush()
+    rig.hub.beat()
+    (sent,) = deltas(rig, lane)
+    found = sent["detections"]
+    assert found["camera"] == "head"  # type: ignore[index]
+    assert found["t"] == pytest.approx((now_s - 0.1) * 1000)  # type: ignore[index]
+    assert found["boxes"] == [  # type: ignore[index]
+        {"kind": "obstacle", "x": 0.1, "y": 0.2, "w": 0.3, "h": 0.4, "score": 0.9, "hit": None}
+    ]
+    assert [one["camera"] for one in found["others"]] == ["rear"]  # type: ignore[index]

@@ -110,6 +110,7 @@ async def test_a_frame_after_the_session_ended_moves_nothing() -> None:
         '{"k":"drive","robot":"weeder-01","v":99,"w":0,"tick":"t"}',
         '{"k":"drive","robot":"weeder-01","v":NaN,"w":0,"tick":"t"}',
         '{"k":"drive","robot":"../x","v":0,"w":0,"tick":"t"}',
+        '{"k":"drive","robot":"weeder-01","v":0.2,"w":0,"tick":"t","picture":-1}',
         '{"k":"here","robot":"weeder-01"}',
         '{"k":"ping","n":1,"x":2}',
         '{"k":"sub","topics":"fleet"}',
@@ -171,3 +172,9 @@ def test_one_frame_of_a_page_keeps_control_of_several_robots() -> None:
     many = json.dumps({"k": "here", "tick": "t", "robots": [f"w{i}" for i in range(101)]})
     with pytest.raises(BadFrame):
         decode_client(many)
+
+
+def test_a_setpoint_may_say_how_old_the_picture_is_that_somebody_steers_by() -> None:
+    frame = decode_client('{"k":"drive","robot":"weeder-01","v":0.2,"w":0,"tick":"t","picture":180.5}')
+    assert isinstance(frame, Drive)
+    assert frame.picture == 180.5
