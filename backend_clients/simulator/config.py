@@ -8,6 +8,7 @@ from pathlib import Path
 
 from backend_clients.edge.messages_down import Mission
 from backend_clients.edge.topics import check_id
+from backend_clients.simulator.cameras.map_feature import MapFeature
 from backend_clients.simulator.families import FAMILIES, lean
 from backend_clients.simulator.profile import Family, Profile
 
@@ -69,6 +70,21 @@ class Job:
 
 
 @dataclass(frozen=True, slots=True)
+class CloudConfig:
+    """Where the robots' cloud agents take missions.
+
+    Args:
+        url: of the context broker.
+        farm: as in the names of the farm's entities.
+    """
+
+    url: str
+    tenant: str = ""
+    path: str = "/"
+    farm: str = "farm"
+
+
+@dataclass(frozen=True, slots=True)
 class SimulatorConfig:
     """One simulator process with its robots.
 
@@ -80,6 +96,9 @@ class SimulatorConfig:
         speed: missions run this many times faster than real time; driving by hand never does.
         state_dir: where latch, mission and progress survive a restart; ``None`` keeps nothing.
         jobs: missions that robots are busy with when the simulation begins.
+        features: the farm's map, which cameras show.
+        is_always_day: cameras see a summer morning at any hour, instead of the light of the wall clock.
+        cloud: context broker of the robots' cloud agents, ``None`` if they have none.
         opening: situations that happen first, by robot; with it, more come and go on robots that have a job.
     """
 
@@ -92,6 +111,9 @@ class SimulatorConfig:
     state_dir: Path | None = None
     jobs: Mapping[str, Job] = field(default_factory=dict)
     opening: Mapping[str, str] | None = None
+    features: tuple[MapFeature, ...] = ()
+    is_always_day: bool = False
+    cloud: CloudConfig | None = None
 
     def __post_init__(self) -> None:
         ids = [robot.id for robot in self.robots]

@@ -6,6 +6,7 @@ Lives on the event loop; paho's thread hands over by ``call_soon_threadsafe`` on
 from __future__ import annotations
 
 import asyncio
+import math
 import random
 from collections import deque
 from collections.abc import Callable
@@ -46,6 +47,7 @@ class Rates:
 LEAN = Rates(heartbeat=1, telemetry=1, state=1, safety=1, safety_stopping=1, nodes=60)
 """At 2 ticks a second: 2 Hz each, the slowest that no screen calls late."""
 MAX_OUTBOX = 2000
+SIGHTS_S = 0.5
 NODES_MS, LEAN_NODES_MS = 5_000, 30_000  # the rates above, at 20 and 2 ticks a second
 OUTBOX_PER_TICK = 50  # after an outage, without drowning what is live
 
@@ -72,6 +74,7 @@ class EdgeSession:
         self._outbox: deque[up.Event] = deque(maxlen=MAX_OUTBOX)
         self._rng = random.Random(f"network/{robot.config.id}")  # noqa: S311
         self._shown: dict[Up, object] = {}
+        self._told_sights: dict[str, float] = {}
         self.unreadable = 0
 
     @property
@@ -105,6 +108,8 @@ class EdgeSession:
             self._report_nodes(boot)
         if not self.is_lean:
             self._report_inside(boot)
+        if self._robot.sights:
+            self._report_sights(boot)
         self._empty_outbox()
 
     def close(self, *, is_abrupt: bool = False) -> None:
@@ -212,6 +217,16 @@ class EdgeSession:
                 self._say(Up.WORKSITE, site, qos=1, retain=True)
         if self._tick % (self._rates.scan_far if rig is None else self._rates.scan) == 0:
             self._say(Up.SCAN, boot.reporter.scan())
+
+    def _report_sights(self, boot: Boot) -> None:
+        """Say what was found in pictures that somebody pulls: one camera a tick, each at most twice a second."""
+        now_s = boot.brain.clock.mono_s()
+        for sight in self._robot.sights.values():
+            told_s = self._told_sights.get(sight.camera, -math.inf)
+            if sight.is_fresh(now_s) and sight.taken_s > told_s and now_s - told_s >= SIGHTS_S:
+                self._told_sights[sight.camera] = now_s
+                self._say(Up.DETECTIONS, boot.reporter.detections(sight))
+                return
 
     def _report_nodes(self, boot: Boot) -> None:
         self._shown[Up.NODE] = boot.brain.nodes.revision

@@ -131,6 +131,20 @@ class WallClock(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, t
     offset_s: Annotated[float, Meta(ge=-1e9, le=1e9)] = 3600.0
 
 
+class CameraFreeze(
+    Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="camera-freeze", tag_field="fault"
+):
+    """A camera, or all of them, keep the connection open and send no picture."""
+
+    camera: Annotated[str, Meta(max_length=64)] = ""
+
+
+class CameraGarbage(
+    Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, tag="camera-garbage", tag_field="fault"
+):
+    """Cameras send broken pictures."""
+
+
 Fault = (
     Silence
     | Packets
@@ -151,6 +165,8 @@ Fault = (
     | NodeSlow
     | ClockSkew
     | WrongStartOrder
+    | CameraFreeze
+    | CameraGarbage
 )
 NODE_FAULTS = (NodeFailure, NodeSilent, NodeSlow, ClockSkew, WrongStartOrder)
 NAMES: tuple[str, ...] = (
@@ -173,6 +189,8 @@ NAMES: tuple[str, ...] = (
     "node-slow",
     "clock-skew",
     "wrong-start-order",
+    "camera-freeze",
+    "camera-garbage",
 )
 _decoder: msgspec.json.Decoder[Fault] = msgspec.json.Decoder(Fault)
 

@@ -17,6 +17,7 @@ from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.topics import Address, Down, is_id
 from backend_clients.errors import MalformedPayload, OversizedPayload, WireError
+from backend_clients.simulator.cameras.web import CameraWeb, camera_web
 from backend_clients.simulator.datasheet import urdf
 from backend_clients.simulator.unreadable_stop import read_anyway
 from backend_clients.simulator.world import Boot, SimRobot, World
@@ -34,10 +35,12 @@ class RobotEndpoint:
     Args:
         world: the robots.
         on_ack: told of each order taken by HTTP, so that MQTT reports the change too.
+        cameras: answers for their cameras.
     """
 
-    def __init__(self, world: World, on_ack: OnAck) -> None:
+    def __init__(self, world: World, on_ack: OnAck, cameras: CameraWeb | None = None) -> None:
         self._world, self._on_ack = world, on_ack
+        self.cameras = cameras or camera_web(world)
         self._closing = asyncio.Event()
 
     def routes(self) -> list[Route]:
@@ -53,15 +56,20 @@ class RobotEndpoint:
             ("logs", "GET", self._logs),
             ("map", "GET", self._map),
             ("model", "GET", self._model),
-            ("cameras", "GET", self._cameras),
+            ("cameras", "GET", self.cameras.list),
+            ("cameras/{camera_id}/stream", "GET", self.cameras.stream),
+            ("cameras/{camera_id}/still", "GET", self.cameras.still),
+            ("cameras/{camera_id}/detections", "GET", self.cameras.detections),
+            ("cameras/{camera_id}/control", "POST", self.cameras.control),
         ]
         return [
             Route("/{robot_id}/" + path, self._guarded(handler), methods=[method]) for path, method, handler in table
         ]
 
     def close(self) -> None:
-        """Let requests held by a silence fault go."""
+        """Let requests held by a silence fault go, and end every stream of a camera."""
         self._closing.set()
+        self.cameras.close()
 
     def _guarded(self, handler: Handler) -> Callable[[Request], Awaitable[Response]]:
         async def serve(request: Request) -> Response:
@@ -161,9 +169,6 @@ class RobotEndpoint:
 
     async def _model(self, _request: Request, robot: SimRobot, _boot: Boot) -> Response:
         return Response(urdf(robot.config), media_type="application/xml")
-
-    async def _cameras(self, _request: Request, robot: SimRobot, _boot: Boot) -> Response:
-        return Response(msgspec.json.encode(robot.config.profile.cameras), media_type="application/json")
 
     def _answer(self, robot: SimRobot, ack: up.Ack | None) -> Response:
         assert ack is not None  # these orders are always answered

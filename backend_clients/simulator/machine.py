@@ -28,6 +28,7 @@ STANDSTILL_S = 0.5
 MOTOR_TIME_S = 240.0
 CRUISE_M, CLIMB_MPS = 30.0, 2.5
 WIND_MPS = 4.0
+STRAIGHT_DOWN, TO_THE_ROWS = -1.55, -0.32  # of a camera at work, above the horizon
 STOPPED = Setpoint(0.0, 0.0)
 
 
@@ -172,11 +173,11 @@ class Machine:
 
     def _step_limbs(self, dt_s: float) -> None:
         assert self.limbs is not None
-        is_airborne = self.is_airborne or self.profile.energy.hover_w > 0
-        down = -1.1 if is_airborne else -0.6
+        down = STRAIGHT_DOWN if self.profile.energy.hover_w > 0 else TO_THE_ROWS
         # the head looks into the bend, and down at what the tool does
         pan = 0.0 if self.base.is_still else round(self.base.yaw_rate_radps, 1)
-        self.limbs.look(pan=pan, tilt=down if self.tool_on else -0.2)
+        looks_down = self.tool_on or self.is_airborne
+        self.limbs.look(pan=pan, tilt=down if looks_down else -0.2)
         self.limbs.step(dt_s)
         if self.profile.energy.hover_w:
             goal_m = CRUISE_M if self.is_airborne else 0.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import importlib
 import itertools
 import secrets
 import signal
@@ -17,7 +18,8 @@ import uvicorn
 
 from backend_clients.edge import messages_up as up
 from backend_clients.simulator import tester_http
-from backend_clients.simulator.config import SimulatorConfig
+from backend_clients.simulator.cameras.web import camera_web
+from backend_clients.simulator.config import CloudConfig, SimulatorConfig
 from backend_clients.simulator.director import Director
 from backend_clients.simulator.edge_session import TICK_S, EdgeSession
 from backend_clients.simulator.foreman import Foreman
@@ -29,8 +31,10 @@ from hmi.clock import Clock, SystemClock
 
 MAX_CATCH_UP_S = 0.25  # after a longer freeze the world does not jump to make up for it
 LEAN_PER_LINK = 250
+AGENTS_LATER_S = 6.0  # a little after the demo's broker, which starts when everything else serves
 LINK_STOP_S = 0.6  # together with HTTP this keeps the promise of ending within one second
 OnReady = Callable[[int], None]
+OnAck = Callable[[str, up.Ack], None]
 
 log = structlog.get_logger(__name__)
 
@@ -76,12 +80,13 @@ class Simulator:
         def on_ack(robot_id: str, ack: up.Ack) -> None:
             sessions[robot_id].answer(ack)
 
-        endpoint = RobotEndpoint(world, on_ack)
+        endpoint = RobotEndpoint(world, on_ack, camera_web(world, config.features, is_always_day=config.is_always_day))
         server = _Server(_server_config(endpoint, world, director))
         serving = asyncio.create_task(server.serve(sockets=[listener]), name="simulator-http")
         living = asyncio.create_task(
             self._live(world, (foreman, director), list(sessions.values())), name="simulator-world"
         )
+        agents = _agents(config.cloud, world, self._clock, on_ack)
         stopping = asyncio.create_task(self._stopping.wait(), name="simulator-stop")
         try:
             if self._on_ready is not None:
@@ -94,7 +99,10 @@ class Simulator:
             server.should_exit = server.force_exit = True
             _save(world)
             _stop_links(list(sessions.values()))
-            results = await asyncio.gather(serving, living, return_exceptions=True)
+            if agents is not None:
+                agents.cancel()
+                await asyncio.gather(agents, return_exceptions=True)
+            results = await asyncio.gather(serving, living, endpoint.cameras.ended(), return_exceptions=True)
         for result in results:
             if isinstance(result, Exception):
                 raise result
@@ -130,6 +138,20 @@ def run_simulator(config: SimulatorConfig, *, on_ready: OnReady | None = None) -
         await simulator.run()
 
     asyncio.run(main())
+
+
+def _agents(cloud: CloudConfig | None, world: World, clock: Clock, on_ack: OnAck) -> asyncio.Task[None] | None:
+    """Start the robots' cloud agents, if there is a cloud."""
+    if cloud is None:
+        return None
+    return asyncio.create_task(_run_agents(cloud, world, clock, on_ack), name="simulator-cloud")
+
+
+async def _run_agents(cloud: CloudConfig, world: World, clock: Clock, on_ack: OnAck) -> None:
+    """Begin some seconds after everything else: who waits for the demo to start does not wait for this."""
+    await asyncio.sleep(AGENTS_LATER_S)
+    agent = await asyncio.to_thread(importlib.import_module, "backend_clients.simulator.cloud_agent")
+    await agent.agents_of(cloud, dict(world.robots), clock, on_ack).run()
 
 
 def _has_turn(session: EdgeSession, number: int, turn: int) -> bool:

@@ -8,8 +8,9 @@ from typing import TypedDict
 from msgspec.structs import replace
 
 from backend_clients.edge import messages_up as up
-from backend_clients.edge.machine import Body, Scan, Worksite
+from backend_clients.edge.machine import Body, Detections, Scan, Worksite
 from backend_clients.simulator.brain import Brain
+from backend_clients.simulator.cameras.sight import Sight
 from backend_clients.simulator.datasheet import factsheet_fields
 from backend_clients.simulator.holds import fault
 from backend_clients.simulator.inside import body_fields, worksite_fields
@@ -157,6 +158,10 @@ class Reporter:
     def scan(self) -> Scan:
         """Return what it sees of the ground around it."""
         return Scan(**self.header(), **scan_fields(self._brain.machine))
+
+    def detections(self, sight: Sight) -> Detections:
+        """Return what was found in a picture, with the time it was taken."""
+        return Detections(**self.header(self._brain.mono_ms_of(sight.taken_s)), **sight.fields())
 
     def nodes(self, period_ms: int = 5000) -> list[up.Node]:
         """Return the life cycle of each software node, reported at least each ``period_ms``."""

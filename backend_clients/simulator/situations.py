@@ -186,6 +186,20 @@ SITUATIONS = (
         faults.KeepsMoving(),
     ),
     Situation(
+        "camera-freeze",
+        "Cameras hang",
+        "Its cameras keep their connections and send no pictures; it goes on.",
+        ALL,
+        faults.CameraFreeze(),
+    ),
+    Situation(
+        "camera-garbage",
+        "Broken pictures",
+        "Its cameras send pictures that cannot be read; it goes on.",
+        ALL,
+        faults.CameraGarbage(),
+    ),
+    Situation(
         "restart",
         "Computer restarts",
         "Its computer goes off and starts again after 15 s: the mission comes back paused.",

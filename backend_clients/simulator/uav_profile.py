@@ -34,7 +34,19 @@ UAV = Profile(
         up.Function(name="search", label="Search with the camera", depends_on=["follow-path", "take-pictures"]),
         up.Function(name="manual-drive", label="Fly by hand", depends_on=["autopilot"], better_with=["take-pictures"]),
     ),
-    cameras=(up.Camera(id="gimbal", label="Gimbal", width_px=1920, height_px=1080),),
+    cameras=(
+        up.Camera(
+            id="gimbal",
+            label="Gimbal",
+            width_px=1920,
+            height_px=1080,
+            fps=15.0,
+            view="nadir",
+            fov_deg=78.0,
+            ptz=up.CameraPtz(tilt="tilt", zoom=(1.0, 6.0)),
+            has_trigger=True,
+        ),
+    ),
     joints=(
         Joint(
             name="tilt", label="Gimbal tilt", lower=-1.57, upper=0.3, soft_lower=-1.55, soft_upper=0.25, max_rate=1.0

@@ -11,6 +11,7 @@ from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
 from backend_clients.simulator import faults as fault_kinds
 from backend_clients.simulator.brain import Brain
+from backend_clients.simulator.cameras.sight import Sight
 from backend_clients.simulator.config import RobotConfig
 from backend_clients.simulator.faults import Fault, Faults
 from backend_clients.simulator.journal import Happening
@@ -64,6 +65,8 @@ class SimRobot:
         self._boot_at_s: float | None = None
         self.stopped_at_s: float | None = None
         self.lived_s = 0.0  # of the world's time
+        self.stepped_s, self.pace = clock.mono_s(), 1.0  # when it stepped last, and how fast its time runs
+        self.sights: dict[str, Sight] = {}  # of its cameras, while somebody pulls pictures
         self.is_lazy = False  # lean and in its usual round: not looked at before its turn
         self.is_awake = False  # an order came; what it changes is not to wait for the next long step
         self.boot: Boot | None = self.power_up()
@@ -76,6 +79,7 @@ class SimRobot:
 
     def step(self, dt_s: float, speed: float = 1.0) -> None:
         """Live for ``dt_s`` of the clock; missions run ``speed`` times faster than that."""
+        self.stepped_s = self.clock.mono_s()
         if self.boot is None:
             self.machine.step(dt_s, STOPPED, is_braking=True, tool_on=False)
             if self._boot_at_s is not None and self.clock.mono_s() >= self._boot_at_s:
@@ -85,7 +89,8 @@ class SimRobot:
         else:
             brain = self.boot.brain
             brain.check_people()
-            left_s = dt_s * speed if brain.is_auto else dt_s
+            self.pace = speed if brain.is_auto else 1.0
+            left_s = dt_s * self.pace
             is_easy = self.machine.profile.motion.is_on_rails or self.is_resting or brain.work.is_at_site
             most_s = MAX_RAIL_STEP_S if is_easy else MAX_STEP_S
             while left_s > 1e-9:
@@ -94,6 +99,11 @@ class SimRobot:
                 left_s -= step_s
             brain.memory.save_sometimes(brain)
         self._note_standstill()
+
+    @property
+    def is_reachable(self) -> bool:
+        """Whether its software runs and its network carries something."""
+        return self.boot is not None and self.faults.silence is None
 
     @property
     def is_resting(self) -> bool:

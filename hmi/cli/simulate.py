@@ -125,12 +125,17 @@ def fleet(
     uavs: Annotated[int, typer.Option(min=0, max=99, help="How many UAVs.")] = 4,
     lean: Annotated[int, typer.Option(min=0, max=5000, help="Only so many lean weeders, for load.")] = 0,
     out: Annotated[Path | None, typer.Option(help="Write ids and HTTP tokens of the robots here.")] = None,
+    always_day: Annotated[bool, typer.Option(help="Cameras see daylight at any hour.")] = False,
+    cloud: Annotated[str, typer.Option(help="Context broker where the robots take missions, too.")] = "",
+    cloud_tenant: Annotated[str, typer.Option(help="Tenant there (Fiware-Service).")] = "",
+    farm: Annotated[str, typer.Option(help="Farm in the names of the cloud's entities.")] = "farm",
 ) -> None:
     """Start many robots in one process: a farm at work, or a crowd for load."""
-    from backend_clients.simulator.config import SimulatorConfig
+    from backend_clients.simulator.config import CloudConfig, SimulatorConfig
     from backend_clients.simulator.process import run_simulator
     from hmi.demo.crowd import fleet_rows, lean_jobs, lean_rows
     from hmi.demo.jobs import OPENING, jobs_of
+    from hmi.demo.scenery import map_features
 
     try:
         rows = _rows(robots) if robots else lean_rows(lean) if lean else fleet_rows(weeders, planters, uavs)
@@ -144,6 +149,9 @@ def fleet(
             state_dir=state,
             jobs=jobs | lean_jobs(rows),
             opening=OPENING if jobs else None,
+            features=map_features(),
+            is_always_day=always_day,
+            cloud=CloudConfig(cloud, cloud_tenant, farm=farm) if cloud else None,
         )
         if out is not None:
             _write_private(out, rows)
@@ -168,14 +176,31 @@ def weather(
         run_station(client, name, password or name, WeatherStation(seed), say=typer.echo)
 
 
+@app.command(name="context-broker")
+def context_broker(
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port to listen on; 0 takes a free one.")] = 1026,
+    host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
+) -> None:
+    """Start a simulated context broker (NGSI-v2), which forgets everything when it ends."""
+    from backend_clients.simulator.context_broker.__main__ import run
+
+    try:
+        run(host, port)
+    except OSError as error:
+        raise StartError(f"Cannot listen on {host}:{port}: {error}.") from error
+
+
 def _run(
     broker: str, port: int, seed: int, speed: float, state: Path | None, robots: Callable[[], tuple[Any, ...]]
 ) -> None:
     from backend_clients.simulator.config import SimulatorConfig
     from backend_clients.simulator.process import run_simulator
+    from hmi.demo.scenery import map_features
 
     try:
-        config = SimulatorConfig(broker, robots(), port=port, seed=seed, speed=speed, state_dir=state)
+        config = SimulatorConfig(
+            broker, robots(), port=port, seed=seed, speed=speed, state_dir=state, features=map_features()
+        )
     except ValueError as error:
         raise StartError(f"{error}.") from error
     run_simulator(config)

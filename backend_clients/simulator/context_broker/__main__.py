@@ -23,6 +23,15 @@ async def _run(host: str, port: int) -> None:
         await stopping.wait()
 
 
+def run(host: str, port: int) -> None:
+    """Run a broker until SIGTERM or SIGINT.
+
+    Raises:
+        OSError: the port is taken.
+    """
+    asyncio.run(_run(host, port))
+
+
 def main() -> int:
     """Run the broker; 2 if the port is taken."""
     parser = argparse.ArgumentParser(prog="context_broker", description=__doc__)
@@ -30,7 +39,7 @@ def main() -> int:
     parser.add_argument("--port", type=int, default=ORION_PORT, help="0 is a free one")
     given = parser.parse_args()
     try:
-        asyncio.run(_run(given.host, given.port))
+        run(given.host, given.port)
     except OSError as error:
         sys.stderr.write(f"cannot listen on {given.host}:{given.port}: {error}\n")
         return 2

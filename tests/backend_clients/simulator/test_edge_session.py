@@ -7,9 +7,11 @@ from collections import Counter
 
 from backend_clients.edge import codec
 from backend_clients.edge import messages_up as up
-from backend_clients.edge.machine import Body, Worksite
+from backend_clients.edge.machine import Body, Detections, Worksite
 from backend_clients.edge.mqtt import LinkState, OnLink, OnMessage, Will
 from backend_clients.edge.topics import Up, parse
+from backend_clients.simulator.cameras.scene import Box
+from backend_clients.simulator.cameras.sight import Sight
 from backend_clients.simulator.config import RobotConfig
 from backend_clients.simulator.edge_session import TICK_S, EdgeSession
 from backend_clients.simulator.faults import NodeFailure
@@ -136,3 +138,23 @@ async def test_the_factsheet_declares_what_the_messages_speak_of() -> None:
     assert sheet.chart is not None
     assert {one.id for one in stage.rig.state.active} <= {one.id for one in sheet.chart.states}
     assert RobotConfig("a", "A", "t", family="planter").profile.nodes[0].name in {node.name for node in sheet.nodes}
+
+
+async def test_what_cameras_found_is_told_twice_a_second_a_camera_and_only_while_pictures_are_fetched() -> None:
+    stage = Stage()
+    assert Up.DETECTIONS not in await stage.run(2.0)
+    box = Box("weed", -0.01, 0.5, 0.1, 0.1, 1.2, hit=True)
+    told: list[Detections] = []
+    for _ in range(40):
+        now_s = stage.rig.clock.mono_s()
+        for camera in ("front", "tool"):
+            stage.rig.robot.sights[camera] = Sight(camera, now_s, 1, [box])
+        stage.wire.said.clear()
+        stage.rig.run(0.05)
+        stage.session.tick()
+        told += [m for _, m, _ in stage.wire.said if isinstance(m, Detections)]
+    assert 3 <= sum(one.camera == "front" for one in told) <= 4
+    assert 3 <= sum(one.camera == "tool" for one in told) <= 4
+    assert (told[0].boxes[0].x, told[0].boxes[0].score) == (0.0, 1.0)
+    await stage.run(1.5)
+    assert Up.DETECTIONS not in await stage.run(2.0)

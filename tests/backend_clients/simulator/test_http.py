@@ -163,7 +163,13 @@ async def test_what_the_robot_does_not_have_is_said_with_a_reason(site: Site) ->
         answer = await client.get("/weeder-01/map")
         assert (answer.status_code, answer.json()["code"]) == (404, "no_map")
         assert "<robot" in (await client.get("/weeder-01/model")).text
-        assert [camera["id"] for camera in (await client.get("/weeder-01/cameras")).json()] == ["front", "rear", "tof"]
+        assert [camera["id"] for camera in (await client.get("/weeder-01/cameras")).json()] == [
+            "front",
+            "rear",
+            "side",
+            "tool",
+            "tof",
+        ]
         assert (await client.get("/weeder-01/factsheet")).json()["family"] == "weeder"
 
 

@@ -1,0 +1,1 @@
+"""What a console and a robot's cloud agent say to each other through a context broker; see docs/protocols/cloud.md."""

@@ -1,0 +1,67 @@
+"""What is seen of a picture in the light there is: daylight, the machine's lamp, or infrared."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+if TYPE_CHECKING:
+    from backend_clients.simulator.cameras.composer import Canvas
+
+HIGH_M = 6.0
+LOW_LIGHT = (0.4, 0.44, 0.5)  # what a flying camera makes of a night without a lamp
+WARM = (1.02, 0.98, 0.88)
+NEAR_INFRARED = (-1.1, 2.5, -0.35, 0.0)  # leaves shine, soil does not
+
+
+def lit(image: Image.Image, canvas: Canvas) -> NDArray[np.uint32]:
+    """Return the pixels of a picture as the camera sees them."""
+    is_infrared = canvas.mount.kind == "infrared"
+    if is_infrared:
+        image = image.convert("RGB").convert("L", NEAR_INFRARED).convert("RGB").convert("RGBX")
+    pixels = np.asarray(image)
+    high, wide = pixels.shape[:2]
+    if canvas.light.day < 0.98 or is_infrared:
+        gains = tuple(round(g, 2) for g in canvas.light.gain)
+        if is_infrared:
+            gains = (gains[1], gains[1], gains[1])
+        if canvas.eye.z_m > HIGH_M:
+            gains = tuple(max(gain, least) for gain, least in zip(gains, LOW_LIGHT, strict=True))
+        pitch = round(canvas.eye.pitch_rad, 1)
+        gain = _gain_map(
+            wide, high, gains, canvas.is_lit or is_infrared, canvas.mount.lamp_m, pitch, canvas.eye.z_m > HIGH_M
+        )
+        pixels = ((pixels * gain) >> 8).astype(np.uint8)
+    return np.ascontiguousarray(pixels).view(np.uint32).reshape(high, wide)
+
+
+@lru_cache(maxsize=24)
+def _gain_map(
+    wide: int, high: int, ambient: tuple[float, ...], has_lamp: bool, lamp_m: float, pitch: float, is_high: bool
+) -> NDArray[np.uint16]:
+    """Return 0 to 256 for each pixel and colour, shape (high, wide, 4)."""
+    total = np.empty((high, wide, 4), dtype=np.float32)
+    total[:] = (*ambient, 1.0)
+    if has_lamp and not is_high:
+        y, x = np.mgrid[0:high, 0:wide].astype(np.float32)
+        # a cone that falls on the ground ahead: widest below, gone above the horizon
+        horizon = 0.5 + pitch / 1.1
+        down = np.clip((y / high - horizon) / max(1.05 - horizon, 0.2), 0, 1) if pitch > -1.2 else np.full_like(x, 0.62)
+        side = (x / wide - 0.5) / (0.30 + 0.42 * down)
+        cone = np.exp(-(side**2) * 1.6) * np.exp(-(((down - 0.55) / 0.42) ** 2)) if pitch > -1.2 else _spot(x, y)
+        warm = np.array((*(WARM if len(set(ambient)) > 1 else (1.0, 1.0, 1.0)), 0.0), dtype=np.float32)
+        total += cone[:, :, None] * warm * min(0.8 + lamp_m / 30, 1.15)
+    shares: NDArray[np.uint16] = np.clip(total * 256, 0, 256).astype(np.uint16)
+    shares[:, :, 3] = 256
+    return shares
+
+
+def _spot(x: NDArray[np.float32], y: NDArray[np.float32]) -> NDArray[np.float32]:
+    high, wide = x.shape
+    away = np.hypot((x / wide - 0.5) * wide / high, y / high - 0.5)
+    spot: NDArray[np.float32] = np.exp(-((away / 0.62) ** 4)).astype(np.float32)
+    return spot
