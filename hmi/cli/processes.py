@@ -1,4 +1,4 @@
-"""``headland demo``, ``serve``, ``console``, ``stop``, ``media``: the installation and its processes."""
+"""``headland demo``, ``serve``, ``console``, ``stop``, ``media``, ``cameras``: the installation and its processes."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ def register(app: typer.Typer) -> None:
     app.command()(console)
     app.command()(stop)
     app.command()(media)
+    app.command()(cameras)
 
 
 def demo(*, tls: Tls = False) -> None:
@@ -54,3 +55,11 @@ def media() -> None:
     from hmi.settings import Settings
 
     run_media(Settings())  # type: ignore[call-arg]  # every field comes from file or variables
+
+
+def cameras() -> None:
+    """Run the camera process alone (the keeper does this)."""
+    from hmi.cameras.process import run_cameras
+    from hmi.settings import Settings
+
+    run_cameras(Settings())  # type: ignore[call-arg]  # every field comes from file or variables

@@ -7,13 +7,14 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+from hmi.cameras import door as camera_door
 from hmi.keeper.broker import answers, demo_broker
 from hmi.keeper.data_folder import keep_secret, require_writable
 from hmi.keeper.errors import StartError
 from hmi.keeper.keeper import Keeper
 from hmi.keeper.part import PartSpec
 from hmi.keeper.ports import free_port, require_free
-from hmi.media.door import read_note
+from hmi.media import door as media_door
 from hmi.settings import Settings
 
 OnReady = Callable[[str], None]
@@ -39,6 +40,7 @@ def run_demo(on_ready: OnReady, *, is_tls: bool = False) -> None:
         "HEADLAND_BROKER_URL": f"mqtt://127.0.0.1:{free_port()}",
         "HEADLAND_STOP_PORT": str(free_port()),
     }
+    _point_to_demo_cloud()
     settings = Settings()  # type: ignore[call-arg]  # every field comes from file or variables
     require_free(settings.host, settings.port, "HEADLAND_PORT")
     broker_port = int(settings.broker_url.rsplit(":", 1)[1])
@@ -47,7 +49,8 @@ def run_demo(on_ready: OnReady, *, is_tls: bool = False) -> None:
     simulator = PartSpec(
         "simulator",
         (sys.executable, "-m", "hmi", "simulate", "fleet", "--broker", settings.broker_url, "--robots", str(robots),
-         "--port", str(simulator_port), "--state", str(data / "simulator")),
+         "--port", str(simulator_port), "--state", str(data / "simulator"), *_cloud_of_robots(settings),
+         *(("--always-day",) if settings.demo_light == "day" else ())),
         is_ready=lambda: answers("127.0.0.1", simulator_port),
         url=f"http://127.0.0.1:{simulator_port}",
         dies_with_keeper=True,
@@ -111,15 +114,57 @@ def _console(settings: Settings, after: tuple[str, ...] = ()) -> PartSpec:
 
 
 def _later(settings: Settings) -> list[PartSpec]:
-    return [_media(settings)] if settings.media else []
+    has_cloud = settings.demo and settings.demo_cloud and settings.cloud_url
+    return [
+        *([_media(settings)] if settings.media else []),
+        *([_cameras(settings)] if settings.cameras else []),
+        *([_demo_cloud(settings)] if has_cloud else []),
+    ]
+
+
+def _point_to_demo_cloud() -> None:
+    """Let the console of a demo speak to the simulated context broker, unless it has a cloud of its own."""
+    settings = Settings()  # type: ignore[call-arg]  # every field comes from file or variables
+    if settings.cloud_url:
+        os.environ["HEADLAND_DEMO_CLOUD"] = "false"
+    elif settings.demo_cloud:
+        os.environ |= {"HEADLAND_CLOUD_URL": f"http://127.0.0.1:{free_port()}", "HEADLAND_CLOUD_TENANT": "demo"}
+        if not settings.is_tls:  # the simulated broker does not know a certificate made here
+            os.environ["HEADLAND_CLOUD_NOTIFY_URL"] = f"http://127.0.0.1:{settings.port}"
+
+
+def _cloud_of_robots(settings: Settings) -> tuple[str, ...]:
+    if not settings.demo_cloud or not settings.cloud_url:
+        return ()
+    return ("--cloud", settings.cloud_url, "--cloud-tenant", settings.cloud_tenant, "--farm", settings.farm_id)
+
+
+def _demo_cloud(settings: Settings) -> PartSpec:
+    url = settings.cloud_url or ""
+    port = int(url.rsplit(":", 1)[1])
+    return PartSpec(
+        "context_broker",
+        (sys.executable, "-m", "hmi", "simulate", "context-broker", "--port", str(port)),
+        is_ready=lambda: answers("127.0.0.1", port),
+        url=url,
+        dies_with_keeper=True,
+    )
 
 
 def _media(settings: Settings) -> PartSpec:
     def is_ready() -> bool:
-        note = read_note(settings.data)
+        note = media_door.read_note(settings.data)
         return note is not None and answers("127.0.0.1", note.control_port)
 
     return PartSpec("media", (sys.executable, "-m", "hmi.media"), is_ready=is_ready, dies_with_keeper=settings.demo)
+
+
+def _cameras(settings: Settings) -> PartSpec:
+    def is_ready() -> bool:
+        note = camera_door.read_note(settings.data)
+        return note is not None and answers("127.0.0.1", note.control_port)
+
+    return PartSpec("cameras", (sys.executable, "-m", "hmi.cameras"), is_ready=is_ready, dies_with_keeper=settings.demo)
 
 
 def _url(settings: Settings) -> str:

@@ -19,6 +19,7 @@ from hmi.keeper.part import Part, PartSpec
 WATCH_S = 0.1
 START_LIMIT_S = 60.0
 LATER_S = 5.0  # whoever waited for the start signs in now; what can wait leaves them the machine
+LATER_EACH_S = 10.0  # a part that can wait and does not come up holds up the next one no longer than this
 END_LIMIT_S = 2.0  # with a second to spare for the promise of three
 
 
@@ -29,7 +30,7 @@ class Keeper:
 
     Args:
         parts: what to run; each starts as soon as those it comes ``after`` serve. They end in reverse order.
-        later: parts nobody waits for; they start once everything else serves.
+        later: parts nobody waits for; they start once everything else serves, one after the other.
     """
 
     def __init__(self, parts: Sequence[PartSpec], data: Path, later: Sequence[PartSpec] = ()) -> None:
@@ -38,6 +39,7 @@ class Keeper:
         self._later = [Part(spec, data / "logs") for spec in later]
         self._parts = [*self._first, *self._later]
         self._end = threading.Event()
+        self._later_s = 0.0
 
     def run(self, on_ready: Callable[[], None]) -> None:
         """Start everything, call ``on_ready`` once all parts serve, and watch until a signal or ``end``.
@@ -52,10 +54,9 @@ class Keeper:
             self._start()
             if not self._end.is_set():
                 on_ready()
-            later_s = time.monotonic() + LATER_S
+            self._later_s = time.monotonic() + LATER_S
             while not self._end.wait(WATCH_S):
-                if not self._is_complete and time.monotonic() >= later_s:
-                    self._start_later()
+                self._start_later()
                 self._watch()
         finally:
             self._end_all()
@@ -64,13 +65,16 @@ class Keeper:
         """Let ``run`` return after ending all parts."""
         self._end.set()
 
-    @property
-    def _is_complete(self) -> bool:
-        return all(part.state != "stopped" for part in self._later)
-
     def _start_later(self) -> None:
-        for part in self._later:
-            part.start()
+        """Start the next part nobody waits for, when the one before serves or took its time."""
+        waiting = [part for part in self._later if part.state == "stopped"]
+        begun = self._later[: len(self._later) - len(waiting)]
+        is_free = not begun or begun[-1].state == "ok"
+        now_s = time.monotonic()
+        if waiting and now_s >= self._later_s and (is_free or now_s >= self._later_s + LATER_EACH_S):
+            waiting[0].start()
+            self._later_s = now_s
+            self._write()
 
     def _start(self) -> None:
         deadline_s = time.monotonic() + START_LIMIT_S

@@ -13,13 +13,14 @@ from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route, WebSocketRoute
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from hmi.media.door import RIGHTS_HEADER, SECRET_HEADER, VIEWER_HEADER, is_secret
+from hmi.media.door import RIGHTS_HEADER, SECRET_HEADER, VIEWER_HEADER
 from hmi.media.models import ModelShelf
 from hmi.media.orders import BadOrder, decode_order
 from hmi.media.studio import Studio
+from hmi.side_server import SecretDoor
 from hmi.twin.errors import ModelError, UnsafeModel
 from hmi.twin.farm import Farm, Plan
 
@@ -37,26 +38,7 @@ def control_app(studio: Studio, shelf: ModelShelf, secret: str) -> ASGIApp:
         Route("/plans/{robot}", _put_plan(studio), methods=["PUT"]),
         Route("/models/{robot}", _model(shelf), methods=["GET", "PUT", "DELETE"]),
     ]
-    return _Door(Starlette(routes=routes), secret)
-
-
-class _Door:
-    """Lets nobody in without the secret."""
-
-    def __init__(self, app: ASGIApp, secret: str) -> None:
-        self._app, self._secret = app, secret
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] == "lifespan":
-            await self._app(scope, receive, send)
-            return
-        given = dict(scope["headers"]).get(SECRET_HEADER.encode(), b"").decode("latin-1")
-        if is_secret(given, self._secret):
-            await self._app(scope, receive, send)
-        elif scope["type"] == "websocket":
-            await send({"type": "websocket.close", "code": 1008})
-        else:
-            await Response(status_code=403)(scope, receive, send)
+    return SecretDoor(Starlette(routes=routes), SECRET_HEADER, secret)
 
 
 async def _serve_viewer(studio: Studio, socket: WebSocket) -> None:

@@ -7,9 +7,6 @@ import contextlib
 import logging
 import os
 import secrets
-import socket
-
-import uvicorn
 
 from backend_clients.edge.mqtt import MqttLink
 from hmi.clock import SystemClock
@@ -20,9 +17,9 @@ from hmi.media.intake import SUBSCRIPTIONS, Intake
 from hmi.media.models import FOLDER, ModelShelf
 from hmi.media.studio import Studio
 from hmi.settings import Settings
+from hmi.side_server import loopback_server
 
 NICE = 5  # the console and STOP come first
-GRACE_S = 1
 log = logging.getLogger("headland.media")
 
 
@@ -47,24 +44,13 @@ async def _serve(settings: Settings) -> None:
         ca_file=str(settings.broker_ca) if settings.broker_ca else None,
     )
     studio = Studio(intake, settings.data / FOLDER, secret, clock, Ear(link, SUBSCRIPTIONS))
-    listener = socket.create_server(("127.0.0.1", 0))
-    config = uvicorn.Config(
-        control_app(studio, ModelShelf(settings.data), secret),
-        log_config=None,
-        access_log=False,
-        server_header=False,
-        lifespan="off",
-        ws_per_message_deflate=False,
-        ws_ping_interval=5.0,
-        ws_ping_timeout=5.0,
-        timeout_graceful_shutdown=GRACE_S,
-    )
+    listener, server = loopback_server(control_app(studio, ModelShelf(settings.data), secret))
     link.start()
     studio.start()
     write_note(settings.data, Note(os.getpid(), listener.getsockname()[1], studio.viser_port))
     log.info("the media process listens")
     try:
-        await uvicorn.Server(config).serve(sockets=[listener])
+        await server.serve(sockets=[listener])
     finally:
         await studio.stop()
         await asyncio.to_thread(link.stop)

@@ -20,10 +20,11 @@ from backend_clients.edge import messages_up as up
 from backend_clients.edge.topics import Up
 from hmi.clock import Clock
 from hmi.media import orders
-from hmi.media.door import SECRET_HEADER, VIEWER_HEADER, is_secret
+from hmi.media.door import SECRET_HEADER, VIEWER_HEADER
 from hmi.media.ear import Ear
 from hmi.media.intake import Intake
 from hmi.media.status import status_of
+from hmi.side_door import is_secret
 from hmi.twin.farm import Farm, FarmRobot, Plan
 from hmi.twin.ground_frame import SiteFrame
 from hmi.twin.groups import Group

@@ -1,0 +1,1 @@
+"""The camera process: pulls cameras while somebody looks, encodes each once and hands the packets to all."""

@@ -1,0 +1,192 @@
+"""Pulls JPEGs by HTTP: the robot's own stream, any MJPEG stream, or a picture asked for again and again."""
+
+from __future__ import annotations
+
+import json
+import ssl
+import time
+from collections.abc import Callable, Generator
+from typing import Any
+from urllib.parse import quote
+
+import httpx
+
+from hmi.cameras.addresses import Target, target_of
+from hmi.cameras.inbox import Inbox, Shot
+from hmi.cameras.jpeg_header import MAX_BYTES, BadPicture, checked_size
+from hmi.cameras.multipart import MultipartReader, Part, boundary_of
+from hmi.cameras.picture_wire import Plan
+from hmi.domain.camera import Source, SourceKind
+
+CONNECT_S = 4.0
+SILENT_S = 5.0  # a stream that says nothing for so long is opened anew
+PERIODS = 4  # for slower ones
+MAX_AGE_MS = 60_000.0  # an age beyond that is a broken clock
+
+
+class PullFailed(Exception):
+    """The source cannot be used now; the text is for people."""
+
+
+class HttpPull:
+    """One source by HTTP. ``run`` blocks in a thread of its own until the source fails.
+
+    Args:
+        plan_of: what is wanted now; the robot's stream is opened anew when limits change.
+    """
+
+    def __init__(self, source: Source, plan_of: Callable[[], Plan], inbox: Inbox) -> None:
+        self._source, self._plan_of, self._inbox = source, plan_of, inbox
+        self._rtt_ms = float("inf")
+        self._connect_ms = 0.0
+
+    def run(self) -> None:
+        """Pull until it fails; raises ``PullFailed``, ``BadAddress``, ``multipart.Refused`` or ``httpx.HTTPError``."""
+        target = target_of(self._address(), self._source.kind, self._source.nets)
+        silent_s = max(SILENT_S, PERIODS * self._source.expected_period_s)
+        with httpx.Client(
+            timeout=httpx.Timeout(silent_s, connect=CONNECT_S),
+            follow_redirects=False,
+            trust_env=False,
+            verify=trust_for(target.url),
+            auth=_EitherAuth(self._source.user, self._source.password) if self._source.user else None,
+            headers=self._headers(target),
+        ) as client:
+            while True:
+                if self._source.kind is SourceKind.SNAPSHOT:
+                    self._snapshots(client, target)
+                else:
+                    self._stream(client, target)
+
+    def _address(self) -> str:
+        if self._source.kind is not SourceKind.ROBOT:
+            return self._source.url
+        return f"{self._source.url.rstrip('/')}/cameras/{quote(self._source.camera.id, safe='')}/stream"
+
+    def _headers(self, target: Target) -> dict[str, str]:
+        headers = {"Host": target.host, "User-Agent": "headland-cameras", "Accept-Encoding": "identity"}
+        if self._source.token:
+            headers["Authorization"] = f"Bearer {self._source.token}"
+        return headers
+
+    def _limits(self) -> dict[str, str]:
+        if self._source.kind is not SourceKind.ROBOT:
+            return {}
+        plan = self._plan_of()
+        limits = {"fps": f"{plan.fps:g}"}
+        return {**limits, "width": str(plan.width)} if plan.width else limits
+
+    def _stream(self, client: httpx.Client, target: Target) -> None:
+        limits = self._limits()
+        with client.stream("GET", target.url, params=limits or None, extensions=self._extensions(target)) as response:
+            _check(response)
+            reader = MultipartReader(boundary_of(response.headers.get("content-type", "")))
+            for data in response.iter_raw():
+                for part in reader.feed(data, _now_ms()):
+                    self._take(part)
+                self._count(reader)
+                if limits != self._limits():
+                    return
+            raise PullFailed("the camera ended its stream")
+
+    def _count(self, reader: MultipartReader) -> None:
+        for _ in range(reader.too_large):
+            self._inbox.refuse(f"larger than {MAX_BYTES // 1024 // 1024} MB")
+        if reader.garbage:
+            self._inbox.refuse("bytes that are no picture")
+        reader.too_large = reader.garbage = 0
+
+    def _take(self, part: Part) -> None:
+        try:
+            checked_size(part.body)
+        except BadPicture as error:
+            self._inbox.refuse(str(error))
+            return
+        age_ms = age_ms_of(part.headers.get("x-age-ms"))
+        if age_ms is None:
+            self._inbox.put(Shot(part.body, part.began_ms, False))
+            return
+        way_ms = 0.0 if self._rtt_ms == float("inf") else self._rtt_ms / 2
+        self._inbox.put(Shot(part.body, part.began_ms - age_ms - way_ms, True))
+
+    def _snapshots(self, client: httpx.Client, target: Target) -> None:
+        period_s = max(self._source.expected_period_s, 1.0 / self._plan_of().fps)
+        began_s = time.monotonic()
+        with client.stream("GET", target.url, extensions=self._extensions(target)) as response:
+            _check(response)
+            at_ms, body = _now_ms(), bytearray()
+            for data in response.iter_raw():
+                body += data
+                if len(body) > MAX_BYTES:
+                    break
+        self._take(Part(bytes(body), dict(response.headers), at_ms))
+        time.sleep(max(0.0, period_s - (time.monotonic() - began_s)))
+
+    def _extensions(self, target: Target) -> dict[str, Any]:
+        return {"sni_hostname": target.hostname, "trace": self._trace}
+
+    def _trace(self, event: str, _info: Any) -> None:
+        """A connection takes one round trip to open."""
+        if event == "connection.connect_tcp.started":
+            self._connect_ms = _now_ms()
+        elif event == "connection.connect_tcp.complete":
+            self._rtt_ms = min(self._rtt_ms, _now_ms() - self._connect_ms)
+
+
+class _EitherAuth(httpx.Auth):
+    """Digest where the camera offers it, basic where it offers only that."""
+
+    def __init__(self, user: str, password: str) -> None:
+        self._digest, self._basic = httpx.DigestAuth(user, password), httpx.BasicAuth(user, password)
+
+    def auth_flow(self, request: httpx.Request) -> Generator[httpx.Request, httpx.Response, None]:
+        """See ``httpx.Auth``."""
+        response = yield request
+        if response.status_code != 401:
+            return
+        if "digest" not in response.headers.get("www-authenticate", "").lower():
+            yield from self._basic.auth_flow(request)
+            return
+        flow = self._digest.auth_flow(request)
+        next(flow)  # its first request was sent already
+        yield flow.send(response)
+
+
+def trust_for(url: str) -> ssl.SSLContext:
+    """Return whom to believe by TLS; plain addresses need nobody, and reading the list takes a tenth of a second."""
+    return ssl.create_default_context() if url.startswith("https:") else ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+
+
+def _check(response: httpx.Response) -> None:
+    if response.status_code == 200:
+        return
+    raise PullFailed(_reason(response))
+
+
+def _reason(response: httpx.Response) -> str:
+    if response.status_code in (401, 403):
+        return "the camera does not accept the password or token it was given"
+    if response.status_code in range(300, 400):
+        return "the camera sends elsewhere, which is not followed"
+    try:
+        data = b""
+        for piece in response.iter_raw():
+            data += piece
+            if len(data) > 4096:
+                break
+        return str(json.loads(data)["text"])[:200]
+    except (ValueError, KeyError, TypeError, httpx.HTTPError):
+        return f"the camera answers {response.status_code}"
+
+
+def age_ms_of(said: str | None) -> float | None:
+    """Return an age a header tells, ``None`` if it tells none that can be."""
+    try:
+        age = float(said) if said is not None else None
+    except ValueError:
+        return None
+    return age if age is not None and 0 <= age <= MAX_AGE_MS else None
+
+
+def _now_ms() -> float:
+    return time.monotonic() * 1000

@@ -1,0 +1,107 @@
+"""Pulls a WebRTC source by WHEP: H.264 is handed on as it comes, without being decoded."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import time
+from collections.abc import Awaitable, Callable
+from typing import Any
+from urllib.parse import urljoin
+
+import httpx
+from aiortc import RTCConfiguration, RTCPeerConnection, RTCRtpReceiver, RTCSessionDescription
+from aiortc.rtp import RtpPacket
+
+from hmi.cameras.addresses import Target, target_of
+from hmi.cameras.depacketizer import Depacketizer
+from hmi.cameras.inbox import Inbox, Unit
+from hmi.cameras.pull_http import CONNECT_S, PullFailed, trust_for
+from hmi.domain.camera import Source
+
+SILENT_S = 5.0
+ASK_KEY_S = 0.5
+MAX_ANSWER_BYTES = 64 * 1024
+OnPacket = Callable[..., Awaitable[None]]
+
+
+class WhepPull:
+    """One WHEP source. ``run`` blocks in a thread of its own until the source fails."""
+
+    codec, can_pass = "h264", True
+
+    def __init__(self, source: Source, inbox: Inbox) -> None:
+        self._source, self._inbox = source, inbox
+        self._units = Depacketizer()
+        self._heard_s = time.monotonic()
+        self._asked_s = 0.0
+
+    def run(self) -> None:
+        """Pull until it fails; raises ``PullFailed``, ``BadAddress`` or ``httpx.HTTPError``."""
+        asyncio.run(self._pull())
+
+    async def _pull(self) -> None:
+        target = target_of(self._source.url, self._source.kind, self._source.nets)
+        peer = RTCPeerConnection(RTCConfiguration(iceServers=[]))
+        headers = {"Host": target.host}
+        if self._source.token:
+            headers["Authorization"] = f"Bearer {self._source.token}"
+        async with httpx.AsyncClient(
+            timeout=CONNECT_S, follow_redirects=False, trust_env=False, verify=trust_for(target.url), headers=headers
+        ) as client:
+            place = ""
+            try:
+                place = await self._connect(peer, client, target)
+                await self._watch(peer)
+            finally:
+                await peer.close()
+                if place:
+                    with contextlib.suppress(httpx.HTTPError):
+                        await client.delete(place)
+
+    async def _connect(self, peer: RTCPeerConnection, client: httpx.AsyncClient, target: Target) -> str:
+        transceiver = peer.addTransceiver("video", direction="recvonly")
+        known = RTCRtpReceiver.getCapabilities("video")
+        assert known is not None
+        transceiver.setCodecPreferences([one for one in known.codecs if one.mimeType == "video/H264"])
+        take_packets(transceiver.receiver, self._take)
+        await peer.setLocalDescription(await peer.createOffer())
+        answer = await client.post(
+            target.url,
+            content=peer.localDescription.sdp,
+            headers={"Content-Type": "application/sdp"},
+            extensions={"sni_hostname": target.hostname},
+        )
+        if answer.status_code != 201 or len(answer.content) > MAX_ANSWER_BYTES:
+            raise PullFailed(f"the camera answers {answer.status_code} instead of a stream")
+        try:
+            await peer.setRemoteDescription(RTCSessionDescription(answer.text, "answer"))
+        except Exception as error:  # the reader of answers raises whatever it trips over
+            raise PullFailed("the camera's answer is not understood") from error
+        self._receiver = transceiver.receiver
+        location = answer.headers.get("location", "")
+        place = urljoin(target.url, location) if location else ""
+        return place if place.startswith(target.url[: target.url.index("/", 8)]) else ""
+
+    async def _watch(self, peer: RTCPeerConnection) -> None:
+        self._heard_s = time.monotonic()
+        while True:
+            await asyncio.sleep(0.2)
+            if peer.connectionState in ("failed", "closed"):
+                raise PullFailed("the connection to the camera broke off")
+            if time.monotonic() - self._heard_s > SILENT_S:
+                raise PullFailed("the camera sends no pictures")
+
+    async def _take(self, packet: RtpPacket, arrival_time_ms: int) -> None:
+        now_s = self._heard_s = time.monotonic()
+        unit = self._units.add(packet)
+        if unit is not None:
+            self._inbox.put_unit(Unit(unit[0], now_s * 1000, unit[1]))
+        elif self._units.needs_key and now_s - self._asked_s > ASK_KEY_S:
+            self._asked_s = now_s
+            await self._receiver._send_rtcp_pli(packet.ssrc)
+
+
+def take_packets(receiver: Any, take: OnPacket) -> None:
+    """Hand the packets of a receiver to ``take``; aiortc's own way would decode them."""
+    receiver._handle_rtp_packet = take
