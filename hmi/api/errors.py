@@ -21,7 +21,16 @@ from starlette.responses import JSONResponse
 from hmi.commands.refusal import OrderRefused
 from hmi.domain.alarm.life import AlarmRefused
 from hmi.security.errors import BadAccount, SecurityError, TooManyTries
-from hmi.store.errors import AlreadyExists, DatabaseUnavailable, NotFound, StopListNotWritten, StoreError
+from hmi.store.errors import (
+    AlreadyExists,
+    DatabaseUnavailable,
+    NotFound,
+    PicturesBusy,
+    PicturesFull,
+    StopListNotWritten,
+    StoreError,
+    TooMuchMarked,
+)
 
 log = logging.getLogger(__name__)
 
@@ -55,6 +64,9 @@ _STORE: tuple[tuple[type[StoreError], int, str, str], ...] = (
         "stop_list_not_written",
         "Saved, but the STOP gateway was not told. Check the disk of the data folder.",
     ),
+    (PicturesFull, 507, "disk_full", "Not kept: the disk of the server has too little room left. Tell an admin."),
+    (TooMuchMarked, 409, "too_much_marked", "Marked pictures fill their room. Take the mark off others first."),
+    (PicturesBusy, 503, "busy", "Not kept: more pictures come than the disk takes. Try again in a moment."),
 )
 
 

@@ -127,6 +127,9 @@ def is_local(request: Request) -> bool:
         return False
 
 
+LATER = ("media", "cameras", "context_broker")
+
+
 def _status(parts: Mapping[str, Mapping[str, Any]]) -> str:
     states = {name: entry.get("state") for name, entry in parts.items() if not _is_on_its_way(name, entry)}
     if states.get("broker") != "ok" and states.get("stop", "ok") != "ok":
@@ -135,8 +138,8 @@ def _status(parts: Mapping[str, Mapping[str, Any]]) -> str:
 
 
 def _is_on_its_way(name: str, entry: Mapping[str, Any]) -> bool:
-    """The media process starts when everything else serves already, and nobody waits for it."""
-    return name == "media" and entry.get("state") in ("stopped", "starting") and not entry.get("restarts")
+    """What nobody waits for starts when everything else serves already."""
+    return name in LATER and entry.get("state") in ("stopped", "starting") and not entry.get("restarts")
 
 
 def _read(path: Path) -> dict[str, dict[str, Any]]:

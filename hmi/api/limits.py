@@ -14,6 +14,7 @@ UPLOADS = ("/missions", "/features", "/map/")
 FILES = "/map/imports"
 MAX_BASE_MAP_BYTES = 64 * 1024**3  # the route has the installation's own limit; this body goes to disk, not to memory
 BASE_MAPS = "/base-maps"
+MAX_PICTURE_BYTES = 8 * 1024 * 1024  # of a field camera, passed on as it comes
 MAX_MODEL_BYTES = 41 * 1024 * 1024  # a robot's own 3D model, passed on as it comes
 
 
@@ -55,6 +56,8 @@ def limit_of(scope: Scope) -> int:
         return MAX_BASE_MAP_BYTES
     if path.startswith("/robots/") and path.endswith("/model"):
         return MAX_MODEL_BYTES
+    if path.startswith("/cameras/") and path.endswith("/frame"):
+        return MAX_PICTURE_BYTES
     return MAX_UPLOAD_BYTES if path.startswith(UPLOADS) else MAX_BODY_BYTES
 
 

@@ -18,7 +18,6 @@ from hmi.commands.map_review import MapReview
 from hmi.domain.ids import ID_PATTERN
 from hmi.domain.map_log import FeatureChange
 from hmi.mapping.history import Entry
-from hmi.mapping.walk import WalkPoint
 
 MOST_POINTS = 100_000  # a walk at 10 Hz is that long after almost three hours
 VersionNumber = Annotated[int, Path(ge=1, le=1_000_000)]
@@ -172,7 +171,7 @@ def _add_review(router: APIRouter, review: MapReview) -> None:
 
     @router.post("/map/walks", summary="The outline of positions walked; nothing is changed")
     async def walk(body: WalkBody, session: SignedIn) -> Any:
-        points = [WalkPoint(one.lon, one.lat, one.accuracy_m, one.at_s) for one in body.points]
+        points = [(one.lon, one.lat, one.accuracy_m, one.at_s) for one in body.points]
         work = review.outline(session, points, is_closed=body.is_closed, tolerance_m=body.tolerance_m)
         return await tried(lambda: work, asdict)
 

@@ -18,7 +18,7 @@ from hmi.commands.mission_rest import MissionRests, RestOrder, RestView
 from hmi.commands.mission_send import MissionSent
 from hmi.commands.rest_words import drawn_on, forgotten_words
 from hmi.domain.mission_rest import OBSTACLE, DrawnArea
-from hmi.planning.mission_map import mission_geojson
+from hmi.planning.jobs import mission_geojson
 from hmi.store.checklists import Checklist
 from hmi.store.errors import NotFound
 

@@ -24,7 +24,7 @@ from hmi.commands.mission_book import MissionBook
 from hmi.commands.ports import FleetReader
 from hmi.domain.mission_document import Document, mission_sha256
 from hmi.domain.mission_plan import MissionError, MissionRefused, PlanRefused
-from hmi.planning.mission_map import mission_geojson
+from hmi.planning.jobs import mission_geojson
 from hmi.store.features import Feature, feature_collection
 from hmi.store.missions import Mission, MissionLogEntry
 

@@ -14,6 +14,7 @@ from hmi.commands.desk import CommandDesk
 from hmi.commands.lease_service import LeaseOp
 from hmi.commands.lease_words import asked_of, owner_of
 from hmi.commands.ledger import CommandResult
+from hmi.commands.mission_send import Way
 from hmi.commands.reset import ResetRequest
 from hmi.commands.service import CommandRequest
 from hmi.domain.command import Action
@@ -70,6 +71,7 @@ class MissionBody(Body):
 
     mission_id: Id
     fresh: bool = False
+    way: Annotated[Literal["direct", "cloud"], Field(description="how it goes to the robot")] = "direct"
 
 
 def order_routes(desk: CommandDesk) -> APIRouter:
@@ -111,9 +113,10 @@ def order_routes(desk: CommandDesk) -> APIRouter:
 
     @router.post("/mission", summary="Send a stored mission; moves nothing")
     async def mission(robot_id: RobotId, body: MissionBody, session: SignedIn) -> dict[str, Any]:
-        sent = await desk.missions.send(session, robot_id, body.mission_id, is_fresh=body.fresh)
+        sent = await desk.missions.send(session, robot_id, body.mission_id, is_fresh=body.fresh, way=Way(body.way))
         raise_if_forbidden(sent.code, sent.text)
-        return {"outcome": sent.outcome.value, "code": sent.code, "text": sent.text, "sha256": sent.sha256}
+        told = {"outcome": sent.outcome.value, "code": sent.code, "text": sent.text, "sha256": sent.sha256}
+        return {**told, "way": sent.way.value, "took_s": sent.took_s}
 
     return router
 

@@ -196,7 +196,9 @@ async def _changing(
 
 
 def _row(parts: RobotRoutes, robot: Robot, session: SessionInfo) -> dict[str, Any]:
-    row = {"id": robot.id, **fleet_rows.entry(robot)}
+    sheet = robot.factsheet
+    tool_width_m = sheet.tool_width_m if sheet is not None and sheet.tool_width_m > 0 else None
+    row = {"id": robot.id, **fleet_rows.entry(robot), "tool_width_m": tool_width_m}
     entry = parts.registry.get(robot.id)
     if entry is None:
         return row

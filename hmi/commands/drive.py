@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 
 from hmi.clock import Clock
 from hmi.commands.gate import Gate
-from hmi.commands.hold_rules import HoldRules
+from hmi.commands.hold_rules import HoldRules, is_slow_picture
 from hmi.commands.lease_service import LeaseService
 from hmi.commands.ledger import CommandResult, Ticket
 from hmi.commands.ports import FleetReader, LaneEvent, TickJudge
@@ -34,12 +34,17 @@ NO_INPUT_S = 300.0  # ux-spec.md: control ends after 5:00 without input
 
 @dataclass(frozen=True, slots=True)
 class DriveFrame:
-    """One setpoint from a browser: forward speed in m/s, yaw rate in rad/s (left is positive)."""
+    """One setpoint from a browser: forward speed in m/s, yaw rate in rad/s (left is positive).
+
+    Args:
+        picture_s: age of the camera picture the person steers by, ``None`` where none is in use.
+    """
 
     robot_id: str
     v_mps: float
     yaw_rate_radps: float
     tick_id: str
+    picture_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,7 +176,8 @@ class DriveRelay:
         if reason := obstacle(robot, Action.DRIVE_OPEN):
             raise OrderRefused(FUNCTION_OFF, reason)
         self._check_hand(robot.id, connection)
-        is_slow = self._rules.is_slow_link(robot, frame.tick_id)
+        is_old = is_slow_picture(frame.picture_s)
+        is_slow = self._rules.is_slow_link(robot, frame.tick_id) or is_old
         return robot, lease, *_clamp(frame, robot, *_caps(robot, is_slow=is_slow))
 
     def _admit_jog(self, actor: SessionInfo, connection: str, frame: JogFrame) -> tuple[Robot, Lease, dict[str, float]]:

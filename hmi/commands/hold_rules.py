@@ -6,13 +6,22 @@ from hmi.clock import Clock
 from hmi.commands.gate import Gate
 from hmi.commands.lease_service import LeaseService
 from hmi.commands.ports import TickJudge
-from hmi.commands.refusal import DELAY, DELAY_UNKNOWN, NO_LEASE, NOT_MANUAL, STALE_TICK, OrderRefused
+from hmi.commands.refusal import (
+    DELAY,
+    DELAY_UNKNOWN,
+    NO_LEASE,
+    NOT_MANUAL,
+    PICTURE_OLD,
+    STALE_TICK,
+    OrderRefused,
+)
 from hmi.domain.lease import Lease
 from hmi.domain.robot import Mode, Robot
 from hmi.domain.role import Permission
 from hmi.security.session_info import SessionInfo
 
 DELAY_LOWERS_S, DELAY_STOPS_S = 0.2, 0.3  # at 0.5 m/s and 0.3 s the robot is 15 cm past what the person saw
+PICTURE_LOWERS_S, PICTURE_STOPS_S = 0.5, 1.0  # a frozen picture says so after 1 s; at creep it then is 20 cm behind
 RTT_KNOWN_S = 5.0  # an older measurement says nothing of the link now
 TICK_PERIOD_S = 0.1  # a tick is up to this old when a browser echoes it at once
 
@@ -52,3 +61,16 @@ class HoldRules:
         if delay_s > DELAY_STOPS_S:
             raise OrderRefused(DELAY, f"The delay is {delay_s * 1000:.0f} ms. Driving needs 300 ms or less.")
         return delay_s > DELAY_LOWERS_S or robot.factsheet is None
+
+
+def is_slow_picture(picture_s: float | None) -> bool:
+    """Say whether the picture somebody steers by lowers the speed; one that nobody can steer by is refused.
+
+    Args:
+        picture_s: age of the picture on the driver's screen as the browser says, ``None`` without one in use.
+    """
+    if picture_s is None:
+        return False
+    if not 0.0 <= picture_s <= PICTURE_STOPS_S:  # a NaN is no age
+        raise OrderRefused(PICTURE_OLD, "The picture you drive by is older than 1 s. Close it to drive by sight.")
+    return picture_s > PICTURE_LOWERS_S

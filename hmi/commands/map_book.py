@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hmi.clock import Clock
 from hmi.commands.audit_line import audit_line
@@ -16,16 +16,18 @@ from hmi.commands.ports import AuditSink, LaneEvent
 from hmi.domain.ids import new_id
 from hmi.domain.map_log import FeatureChange, MapFeatures, Transaction
 from hmi.domain.role import Permission
-from hmi.mapping.checks import Finding, check
-from hmi.mapping.diff import Difference, compare
 from hmi.mapping.errors import BadFeature
 from hmi.mapping.feature import MapFeature, as_geojson, parse_feature
-from hmi.mapping.operations import apply
+from hmi.mapping.jobs import apply, check, compare
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
 from hmi.store.database import Database
 from hmi.store.errors import NotFound
 from hmi.store.maps import MapDraft, Maps, MapVersion
+
+if TYPE_CHECKING:
+    from hmi.mapping.checks import Finding
+    from hmi.mapping.diff import Difference
 
 BLOCKS = 2  # findings of this level keep a map from being published
 SHRUNK = 0.5  # a map that loses more than this share of its features or field area is asked about

@@ -17,7 +17,6 @@ from hmi.map_files.errors import BadMapFile
 from hmi.map_files.exported import MapFile
 from hmi.map_files.imported import Imported, MapItem
 from hmi.map_files.progress import Progress, Report
-from hmi.map_files.writer import write_map
 from hmi.mapping.feature import parse_feature
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
@@ -158,6 +157,8 @@ class MapExchange:
         return await asyncio.to_thread(self._written, raw, file_format, session.farm_id)
 
     def _written(self, raw: MapFeatures, file_format: str, farm_id: str) -> MapFile:
+        from hmi.map_files.writer import write_map  # formats, geometry and all: not for a console's start
+
         features = [parse_feature(one) for one in raw.values()]
         return write_map(features, file_format, farm_id, self._farm_name)
 

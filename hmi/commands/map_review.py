@@ -5,18 +5,21 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hmi.commands.map_book import MapParts, parsed
 from hmi.domain.role import Permission
-from hmi.mapping.effect import Effect, effect_of
 from hmi.mapping.errors import OperationRefused
 from hmi.mapping.feature import as_geojson
 from hmi.mapping.history import Entry, Published, attribute_history
-from hmi.mapping.operations import Outcome, apply
-from hmi.mapping.walk import Walked, WalkPoint, outline
+from hmi.mapping.jobs import Position, apply, effect_of, outline
 from hmi.security.session_info import SessionInfo
 from hmi.store.errors import NotFound
+
+if TYPE_CHECKING:
+    from hmi.mapping.effect import Effect
+    from hmi.mapping.operations import Outcome
+    from hmi.mapping.walk import Walked
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +64,7 @@ class MapReview:
         return Trial(outcome, await asyncio.to_thread(effect_of, outcome))
 
     async def outline(
-        self, session: SessionInfo, points: Sequence[WalkPoint], *, is_closed: bool, tolerance_m: float
+        self, session: SessionInfo, points: Sequence[Position], *, is_closed: bool, tolerance_m: float
     ) -> Walked:
         """Return the outline or line of positions; raises ``BadWalk``."""
         self._parts.authorize(session, Permission.EDIT_MAP)

@@ -6,19 +6,22 @@ import asyncio
 import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
 from hmi.commands.refusal import MAP_CHANGED, OrderRefused
 from hmi.domain.map_log import MapFeatures
 from hmi.mapping.coordinates import paths
-from hmi.mapping.diff import Difference, compare
 from hmi.mapping.errors import BadFeature
 from hmi.mapping.feature import MapFeature, parse_feature
+from hmi.mapping.jobs import compare
 from hmi.store.database import Database
 from hmi.store.errors import NotFound
 from hmi.store.maps import Maps
+
+if TYPE_CHECKING:
+    from hmi.mapping.diff import Difference
 
 NEAR_DEG = 0.0006  # some 60 m: a machine's way around a field and its turns lie within
 TOLD = 3  # changes named in the sentence; the map builder shows all

@@ -226,7 +226,8 @@ class MissionBook:
         await self._database.run(self._sent, farm_id, mission_id, robot_id, by)
 
     def _sent(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> None:
-        why = f"Sent to {robot_id}, read back whole."
+        robot = self._parts.fleet.robot(robot_id)
+        why = f"Sent to {robot.name if robot is not None else robot_id}, read back whole."
         known = self._missions.known(mission_id)
         if known is not None and known.pending_sha256:
             self.revisions.take(farm_id, mission_id, known.pending_sha256, by, FRESH)

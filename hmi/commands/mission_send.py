@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from typing import Any, Protocol
 
 from hmi.commands.audit_line import audit_line
 from hmi.commands.gate import Gate
 from hmi.commands.ports import AuditSink, LaneEvent, MissionSource, MissionStore, StoredMission
-from hmi.commands.refusal import BUSY, HAS_PROGRESS, HASH_MISMATCH, UNKNOWN_MISSION, OrderRefused
-from hmi.domain.command import OrderFailed, OrderSender, Outcome
+from hmi.commands.refusal import BUSY, HAS_PROGRESS, HASH_MISMATCH, NO_CLOUD, UNKNOWN_MISSION, OrderRefused
+from hmi.domain.command import Acknowledgement, OrderFailed, OrderSender, Outcome
 from hmi.domain.robot import Robot
 from hmi.domain.role import Permission
 from hmi.security.session_info import SessionInfo
@@ -21,24 +23,42 @@ Proof = Callable[[], Mapping[str, Any]]
 log = logging.getLogger(__name__)
 
 
+class Way(StrEnum):
+    """How a mission goes to a robot."""
+
+    DIRECT = "direct"
+    CLOUD = "cloud"
+
+
+class MissionWay(Protocol):
+    """Uploads a mission by one way; see ``OrderSender``."""
+
+    async def upload_mission(self, robot_id: str, document: dict[str, Any]) -> Acknowledgement:
+        """Store a mission on the robot and return its answer; raises ``OrderFailed``."""
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class MissionSent:
-    """What became of sending; ``sha256`` is the hash the robot read back, if it did."""
+    """What became of sending; ``sha256`` is the hash the robot read back, if it did, ``took_s`` how long that took."""
 
     outcome: Outcome
     code: str
     text: str
     sha256: str | None = None
+    way: Way = Way.DIRECT
+    took_s: float | None = None
 
 
 class MissionSender:
-    """Uploads missions, one at a time and robot."""
+    """Uploads missions, one at a time and robot. ``cloud`` is the second way, set once there is a cloud."""
 
     def __init__(
         self, gate: Gate, source: MissionStore, sender: OrderSender, audit: AuditSink, on_event: LaneEvent
     ) -> None:
         self._gate, self._source, self._sender = gate, source, sender
         self._audit, self._on_event = audit, on_event
+        self.cloud: MissionWay | None = None
         self._busy: set[str] = set()
         self._listeners: list[Callable[[str], None]] = []
 
@@ -46,17 +66,26 @@ class MissionSender:
         """Call ``callback`` with the id of each robot that has read a mission back."""
         self._listeners.append(callback)
 
-    async def send(self, actor: SessionInfo, robot_id: str, mission_id: str, *, is_fresh: bool = False) -> MissionSent:
+    async def send(
+        self, actor: SessionInfo, robot_id: str, mission_id: str, *, is_fresh: bool = False, way: Way = Way.DIRECT
+    ) -> MissionSent:
         """Send a stored mission; only a robot that read back the same hash has it.
 
         Args:
+            way: never changed by itself: a mission that does not get through by one way was not sent by the other.
             is_fresh: whoever sends knows that interrupted work is forgotten; else it is refused with ``has_progress``.
         """
         source = self._source if is_fresh else _Careful(self._source)
-        return await self.put(actor, robot_id, mission_id, source)
+        return await self.put(actor, robot_id, mission_id, source, way=way)
 
     async def put(
-        self, actor: SessionInfo, robot_id: str, mission_id: str, source: MissionSource, proof: Proof | None = None
+        self,
+        actor: SessionInfo,
+        robot_id: str,
+        mission_id: str,
+        source: MissionSource,
+        proof: Proof | None = None,
+        way: Way = Way.DIRECT,
     ) -> MissionSent:
         """Send what ``source`` has for this mission and robot, as ``send`` does.
 
@@ -72,21 +101,26 @@ class MissionSender:
             return self._settle(actor, robot_id, mission_id, MissionSent(Outcome.REJECTED, refused.code, refused.text))
         self._busy.add(robot_id)
         try:
-            return self._settle(
-                actor, robot_id, mission_id, await self._upload(actor, robot, mission_id, source, proof)
-            )
+            begin_s = asyncio.get_running_loop().time()
+            sent = await self._upload(actor, robot, mission_id, source, proof, way)
+            took_s = asyncio.get_running_loop().time() - begin_s
+            text = sent.text
+            if way is Way.CLOUD and sent.outcome is Outcome.ACCEPTED:
+                text = f"{text} It went through the cloud in {took_s:.1f} s."
+            sent = replace(sent, text=text, way=way, took_s=round(took_s, 2))
+            return self._settle(actor, robot_id, mission_id, sent)
         finally:
             self._busy.discard(robot_id)
 
     async def _upload(
-        self, actor: SessionInfo, robot: Robot, mission_id: str, source: MissionSource, proof: Proof | None
+        self, actor: SessionInfo, robot: Robot, mission_id: str, source: MissionSource, proof: Proof | None, way: Way
     ) -> MissionSent:
         try:
             stored = await source.stored(actor.farm_id, mission_id, robot.id)
             if stored is None:
                 return MissionSent(Outcome.REJECTED, UNKNOWN_MISSION, "There is no such mission.")
             document = {**stored.document, **({} if proof is None else {"proof": proof()})}
-            answer = await self._sender.upload_mission(robot.id, document)
+            answer = await self._by(way).upload_mission(robot.id, document)
         except OrderRefused as refused:
             return MissionSent(Outcome.REJECTED, refused.code, refused.text)
         except OrderFailed as failed:
@@ -106,8 +140,16 @@ class MissionSender:
         text = " ".join(filter(None, (_sent_text(robot, stored), stored.note)))
         return MissionSent(Outcome.ACCEPTED, "ok", text, answer.sha256)
 
+    def _by(self, way: Way) -> MissionWay:
+        if way is Way.DIRECT:
+            return self._sender
+        if self.cloud is None:
+            raise OrderRefused(NO_CLOUD, "This console has no cloud. Send the mission directly.")
+        return self.cloud
+
     def _settle(self, actor: SessionInfo, robot_id: str, mission_id: str, result: MissionSent) -> MissionSent:
-        data = {"mission_id": mission_id, "code": result.code, "sha256": result.sha256}
+        data: dict[str, Any] = {"mission_id": mission_id, "code": result.code, "sha256": result.sha256}
+        data |= {"way": result.way.value, "took_s": result.took_s}
         self._audit.append(
             audit_line(
                 actor, "mission", result.outcome.value, result.text, ref=mission_id, robot_id=robot_id, data=data

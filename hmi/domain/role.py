@@ -43,12 +43,15 @@ class Permission(StrEnum):
     MANAGE_ROBOTS = "manage_robots"
     MANAGE_NODES = "manage_nodes"
     READ_LOGS = "read_logs"
+    RESTART_CAMERA = "restart_camera"
     MANAGE_USERS = "manage_users"
     READ_AUDIT = "read_audit"
     READ_DIAGNOSTICS = "read_diagnostics"
     ACKNOWLEDGE_ALARM = "acknowledge_alarm"
     SHELVE_ALARM = "shelve_alarm"
     MANAGE_ALARMS = "manage_alarms"
+    KEEP_PICTURES = "keep_pictures"
+    MANAGE_CAMERAS = "manage_cameras"
 
 
 _WATCH = frozenset({Permission.WATCH, Permission.STOP, Permission.READ_DIAGNOSTICS})
@@ -63,10 +66,12 @@ _OPERATE = _WATCH | {
     Permission.GO_TO,
     Permission.TOOL,
     Permission.READ_LOGS,
+    Permission.RESTART_CAMERA,
     Permission.RESET,
     Permission.SEND_MISSION,
     Permission.ENROL_DEVICE,
     Permission.ACKNOWLEDGE_ALARM,
+    Permission.KEEP_PICTURES,
 }
 _SUPERVISE = _OPERATE | {
     Permission.TAKE_LEASE,

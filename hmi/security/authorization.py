@@ -34,12 +34,15 @@ _DOING: dict[Permission, str] = {
     Permission.MANAGE_ROBOTS: "Adding and changing robots",
     Permission.MANAGE_NODES: "Restarting nodes",
     Permission.READ_LOGS: "Reading a robot's log",
+    Permission.RESTART_CAMERA: "Opening a camera anew",
     Permission.MANAGE_USERS: "Changing people",
     Permission.READ_AUDIT: "Reading the audit log",
     Permission.READ_DIAGNOSTICS: "Reading diagnostics",
     Permission.ACKNOWLEDGE_ALARM: "Acknowledging alarms",
     Permission.SHELVE_ALARM: "Shelving",
     Permission.MANAGE_ALARMS: "Changing alarm settings",
+    Permission.KEEP_PICTURES: "Keeping pictures",
+    Permission.MANAGE_CAMERAS: "Managing cameras and their pictures",
 }
 _SMALLEST_FIRST = (Role.VIEWER, Role.OPERATOR, Role.PLANNER, Role.DISPATCHER, Role.SUPERVISOR, Role.ADMIN)
 _UNREGISTERED_MAY = frozenset(

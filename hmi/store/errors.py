@@ -7,7 +7,10 @@
     ├── DatabaseTooNew        made by a newer Headland
     ├── AlreadyExists         the id is taken
     ├── NotFound              no such row in this farm
-    └── StopListNotWritten    saved, but the STOP gateway could not be told
+    ├── StopListNotWritten    saved, but the STOP gateway could not be told
+    ├── PicturesFull          the disk has no room for pictures
+    ├── PicturesBusy          more pictures come than the disk takes
+    └── TooMuchMarked         pictures that are marked would leave too little room for others
 """
 
 from __future__ import annotations
@@ -35,3 +38,15 @@ class NotFound(StoreError):
 
 class StopListNotWritten(StoreError):
     """The change is saved, but the STOP gateway's list could not be written: STOP does not know of it yet."""
+
+
+class PicturesFull(StoreError):
+    """The disk has too little room left: nothing more is recorded."""
+
+
+class PicturesBusy(StoreError):
+    """More pictures come in than the disk takes."""
+
+
+class TooMuchMarked(StoreError):
+    """What is marked would leave too little room for what comes."""

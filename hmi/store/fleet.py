@@ -10,12 +10,13 @@ from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from hmi.domain import robot as domain
-from hmi.domain.machine import Body, Worksite
+from hmi.domain.machine import Body, Sight, Worksite
 from hmi.store.robot_record import Part, Registered, RobotRecord
 
 UNREGISTERED_LIMIT = 200  # robots heard but not in the registry; more would let a hostile wire fill memory
 UNREGISTERED_KEPT_S = 60.0  # one that was silent this long makes room for a new one
 NODE_LIMIT = 64  # software nodes a robot may report
+CAMERA_LIMIT = 16  # cameras of a robot whose sights are kept
 RTT_WINDOW_S = 60.0
 REMOVED_KEPT = 1000
 
@@ -216,6 +217,13 @@ class FleetStore:
         record = self._records[robot_id]
         record.body = value
         self._touch(record, Part.BODY)
+
+    def put_sight(self, robot_id: str, value: Sight) -> None:
+        """Replace what was found in one camera's picture; more than ``CAMERA_LIMIT`` cameras are ignored."""
+        record = self._records[robot_id]
+        if value.camera in record.sights or len(record.sights) < CAMERA_LIMIT:
+            record.sights = {**record.sights, value.camera: value}
+            self._touch(record, Part.SIGHT)
 
     def put_worksite(self, robot_id: str, value: Worksite) -> None:
         """Replace where it works."""

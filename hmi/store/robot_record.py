@@ -10,7 +10,7 @@ from typing import Protocol
 
 from hmi.domain import robot as domain
 from hmi.domain.freshness import LOST_S
-from hmi.domain.machine import Body, Worksite
+from hmi.domain.machine import Body, Sight, Worksite
 
 
 class Part(StrEnum):
@@ -25,6 +25,7 @@ class Part(StrEnum):
     NODES = "nodes"
     BODY = "body"
     WORKSITE = "worksite"
+    SIGHT = "sight"
 
 
 ALL_PARTS = frozenset(Part)
@@ -93,6 +94,7 @@ class RobotRecord:
     nodes: dict[str, domain.Node] = field(default_factory=dict)
     body: Body | Callable[[], Body] | None = None
     worksite: Worksite | None = None
+    sights: dict[str, Sight] = field(default_factory=dict)
     revisions: dict[Part, int] = field(default_factory=dict)
     built: domain.Robot | None = None
 
@@ -132,6 +134,7 @@ class RobotRecord:
                 nodes=self.nodes,
                 body=self.limbs(),
                 worksite=self.worksite,
+                sights=self.sights,
             )
         return self.built
 

@@ -10,6 +10,7 @@ from hmi.store import (  # noqa: F401 - so that their tables are known
     fleet_tables,
     map_tables,
     mission_tables,
+    picture_tables,
     queue_tables,
     template_tables,
 )

@@ -138,11 +138,12 @@ async def test_health_tells_what_is_down(console: Console) -> None:
 @pytest.mark.parametrize(
     ("state", "restarts", "status"), [("starting", 0, "ok"), ("starting", 1, "degraded"), ("down", 0, "degraded")]
 )
-async def test_nobody_waits_for_the_media_process_but_its_fall_is_told(
+async def test_nobody_waits_for_media_and_cameras_but_their_fall_is_told(
     console: Console, state: str, restarts: int, status: str
 ) -> None:
-    keep(console, {**PARTS, "media": {"state": state, "pid": 14, "restarts": restarts}})
-    assert (await console.client().get("/health")).json()["status"] == status
+    for part in ("media", "cameras"):
+        keep(console, {**PARTS, part: {"state": state, "pid": 14, "restarts": restarts}})
+        assert (await console.client().get("/health")).json()["status"] == status
 
 
 async def test_health_tells_of_a_database_that_is_away(console: Console) -> None:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 from hmi.domain.role import Role
 from tests.hmi.api.console import Console
+from tests.hmi.presenters.robots import SHEET
 
 
 async def test_a_robot_that_was_only_heard_is_shown_as_new_and_accepted(console: Console) -> None:
@@ -31,6 +33,13 @@ async def test_a_robot_that_was_only_heard_is_shown_as_new_and_accepted(console:
     assert {r["id"]: r["token"] for r in told}["weeder-02"] == "t0ken"
     [entry] = await console.written("robot")
     assert (entry.outcome, entry.robot_id, entry.actor) == ("accepted", "weeder-02", "Admin")
+
+
+async def test_the_width_of_its_tool_is_told_for_planning(console: Console) -> None:
+    planner = await console.browser(Role.PLANNER)
+    assert (await planner.get("/robots")).json()["robots"][0]["tool_width_m"] is None
+    console.field.weeder.factsheet = replace(SHEET, tool_width_m=1.5)
+    assert (await planner.get("/robots")).json()["robots"][0]["tool_width_m"] == 1.5
 
 
 async def test_an_id_is_taken_once(console: Console) -> None:

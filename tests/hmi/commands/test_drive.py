@@ -211,3 +211,20 @@ async def test_every_input_starts_the_five_minutes_anew() -> None:
         field.desk.pulse.here(MARTHA, "weeder-01", field.tick())
     assert field.desk.drive.ends_in_s("weeder-01") == pytest.approx(100)
     assert push(field).ends_in_s == pytest.approx(300)
+
+
+@pytest.mark.parametrize(("picture_s", "expected_mps"), [(None, 0.5), (0.2, 0.5), (0.51, 0.2), (1.0, 0.2)])
+async def test_an_old_picture_makes_who_steers_by_it_slow(picture_s: float | None, expected_mps: float) -> None:
+    field = await driving()
+    verdict = field.desk.drive.setpoint(MARTHA, "lane-1", DriveFrame("weeder-01", 0.5, 0.0, field.tick(), picture_s))
+    assert verdict.v_mps == pytest.approx(expected_mps)
+
+
+@pytest.mark.parametrize("picture_s", [1.01, 12.0, math.nan, -1.0])
+async def test_nobody_steers_by_a_frozen_picture_and_the_robot_is_told_to_rest(picture_s: float) -> None:
+    field = await driving()
+    push(field)
+    verdict = field.desk.drive.setpoint(MARTHA, "lane-1", DriveFrame("weeder-01", 0.2, 0.0, field.tick(), picture_s))
+    assert (verdict.is_forwarded, verdict.code) == (False, "picture_old")
+    assert setpoints(field) == [(0.2, 0.0), (0.0, 0.0)]
+    assert push(field).is_forwarded, "without the picture the limit is gone"

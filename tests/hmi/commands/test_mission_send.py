@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+from typing import Any
 
 import pytest
 
+from hmi.commands.mission_send import Way
 from hmi.commands.ports import StoredMission
 from hmi.commands.refusal import OrderRefused
-from hmi.domain.command import Outcome
+from hmi.domain.command import Acknowledgement, Outcome
 from hmi.store.errors import DatabaseUnavailable
 from tests.hmi.commands.field import MARTHA, SHA, VERA, Field
 
@@ -44,6 +46,34 @@ async def test_the_robots_refusal_comes_back_in_its_words() -> None:
     field.weeder.refuse_with = ("mission_active", "It works on another mission.")
     sent = await field.desk.missions.send(MARTHA, "weeder-01", "field-1")
     assert (sent.outcome, sent.text) == (Outcome.REJECTED, "It works on another mission.")
+
+
+async def test_a_mission_goes_by_the_way_that_was_chosen_and_by_no_other() -> None:
+    field = Field()
+    without = await field.desk.missions.send(MARTHA, "weeder-01", "field-1", way=Way.CLOUD)
+    assert (without.outcome, without.code, without.way) == (Outcome.REJECTED, "no_cloud", Way.CLOUD)
+    assert field.missions.noted == []
+    cloud = CloudWay()
+    field.desk.missions.cloud = cloud
+    sent = await field.desk.missions.send(MARTHA, "weeder-01", "field-1", way=Way.CLOUD)
+    assert (sent.outcome, cloud.robots) == (Outcome.ACCEPTED, ["weeder-01"])
+    assert "through the cloud in" in sent.text
+    assert field.events_of("mission")[-1]["way"] == "cloud"
+    direct = await field.desk.missions.send(MARTHA, "weeder-01", "field-1")
+    assert (direct.way, cloud.robots) == (Way.DIRECT, ["weeder-01"])
+    assert "cloud" not in direct.text
+
+
+class CloudWay:
+    """Takes every mission."""
+
+    def __init__(self) -> None:
+        self.robots: list[str] = []
+
+    async def upload_mission(self, robot_id: str, document: dict[str, Any]) -> Acknowledgement:
+        """See ``MissionWay``."""
+        self.robots.append(robot_id)
+        return Acknowledgement(robot_id, "mission", "field-1", True, "ok", "", None, SHA, None)
 
 
 async def test_who_may_not_send_and_what_is_not_there_is_refused() -> None:

@@ -1,0 +1,96 @@
+"""What keeping pictures needs of the camera process, as one narrow protocol."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Protocol
+
+
+class CamerasAway(Exception):
+    """The camera process does not answer; it comes back by itself."""
+
+
+class NoPicture(Exception):
+    """A camera has no picture, or nothing was recorded; ``code`` as in docs/protocols/cameras.md.
+
+    ``text`` is one sentence for a person.
+    """
+
+    def __init__(self, code: str, text: str) -> None:
+        super().__init__(text)
+        self.code, self.text = code, text
+
+
+@dataclass(frozen=True, slots=True)
+class Still:
+    """One JPEG; ``captured_s`` is on the console's monotonic clock."""
+
+    data: bytes
+    captured_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class Clip:
+    """What is in a clip that was written; times on the console's monotonic clock."""
+
+    begins_s: float
+    ends_s: float
+    width_px: int
+    height_px: int
+    has_gap: bool = False
+
+
+class CameraProcess(Protocol):
+    """The camera process; every method raises ``CamerasAway``."""
+
+    async def still(self, robot_id: str, camera: str, fresh_s: float | None) -> Still:
+        """Return the newest picture; with ``fresh_s`` the camera is opened until one of that age is there.
+
+        Raises:
+            NoPicture: there is none.
+        """
+        ...
+
+    async def record(self, cameras: Sequence[tuple[str, str]]) -> None:
+        """Say which cameras keep their last minute, all of them; each is pulled for as long as it is named."""
+        ...
+
+    async def watched(self) -> list[tuple[str, str]]:
+        """Return the cameras somebody looks at now; costs nothing while no page is open."""
+        ...
+
+    async def clip(self, robot_id: str, camera: str, from_s: float, to_s: float, path: Path) -> Clip:
+        """Write what was kept of a camera to a file that does not exist yet.
+
+        Raises:
+            NoPicture: nothing was kept.
+        """
+        ...
+
+    async def frame(self, robot_id: str, camera: str, data: bytes) -> None:
+        """Hand over a frame that was sent to the console."""
+        ...
+
+
+class NoCameras:
+    """A console without a camera process."""
+
+    async def still(self, robot_id: str, camera: str, fresh_s: float | None) -> Still:
+        """Raise ``CamerasAway``."""
+        raise CamerasAway(f"no picture of {robot_id}/{camera}, {fresh_s}")
+
+    async def record(self, cameras: Sequence[tuple[str, str]]) -> None:
+        """Do nothing."""
+
+    async def watched(self) -> list[tuple[str, str]]:
+        """Return none."""
+        return []
+
+    async def clip(self, robot_id: str, camera: str, from_s: float, to_s: float, path: Path) -> Clip:
+        """Raise ``CamerasAway``."""
+        raise CamerasAway(f"no clip of {robot_id}/{camera}, {from_s} to {to_s}, at {path}")
+
+    async def frame(self, robot_id: str, camera: str, data: bytes) -> None:
+        """Do nothing."""

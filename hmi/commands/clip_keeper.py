@@ -1,0 +1,92 @@
+"""Cuts clips out of what the camera process kept, and puts them on the shelf."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Sequence
+from datetime import timedelta
+
+from hmi.clock import Clock
+from hmi.commands.camera_ports import CameraProcess, CamerasAway, NoPicture
+from hmi.commands.ports import LaneEvent
+from hmi.domain.ids import new_id
+from hmi.domain.incident import Incident
+from hmi.domain.picture import Picture, PictureKind
+from hmi.store.errors import StoreError
+from hmi.store.picture_shelf import PictureShelf
+
+VIDEO = "video/mp4"
+MOST_AT_ONCE = 2  # a clip is read and written whole; a STOP ALL asks for dozens
+END_S = 1.0
+log = logging.getLogger(__name__)
+_QUIET = ("nothing_kept", "unknown_camera", "no_picture")
+
+
+class ClipKeeper:
+    """Cuts in the background; nobody waits for it.
+
+    Args:
+        on_event: told of each clip that is kept.
+    """
+
+    def __init__(
+        self, process: CameraProcess, shelf: PictureShelf, clock: Clock, farm_id: str, on_event: LaneEvent
+    ) -> None:
+        self._process, self._shelf, self._clock = process, shelf, clock
+        self._farm_id, self._on_event = farm_id, on_event
+        self._few = asyncio.Semaphore(MOST_AT_ONCE)
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def cut(self, incident: Incident, cameras: Sequence[str]) -> None:
+        """Begin to keep a clip of each camera that was recording."""
+        for camera in cameras:
+            task = asyncio.get_running_loop().create_task(self._cut(incident, camera), name=f"clip-{camera}")
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+
+    async def close(self) -> None:
+        """Wait a moment for what is being cut, then give it up: a console must end within seconds."""
+        if self._tasks:
+            _done, late = await asyncio.wait(self._tasks, timeout=END_S)
+            for task in late:
+                task.cancel()
+            await asyncio.gather(*late, return_exceptions=True)
+
+    async def _cut(self, incident: Incident, camera: str) -> None:
+        name = f"{incident.robot_id}/{camera}"
+        try:
+            async with self._few:
+                await self._kept(incident, camera)
+        except NoPicture as error:
+            if error.code not in _QUIET:  # a camera that nobody had open has nothing
+                log.warning("no clip of %s: %s", name, error.text)
+        except CamerasAway:
+            log.warning("no clip of %s: the camera process is away", name)
+        except StoreError as error:
+            log.warning("a clip of %s was not kept: %s", name, error)
+        except Exception:  # the end of a task: nobody above would say it
+            log.exception("a clip of %s was not kept", name)
+
+    async def _kept(self, incident: Incident, camera: str) -> None:
+        picture_id = new_id()
+        path = self._shelf.files.incoming(picture_id, VIDEO)
+        try:
+            clip = await self._process.clip(incident.robot_id, camera, incident.from_s, incident.ends_s, path)
+        except BaseException:
+            await asyncio.to_thread(path.unlink, missing_ok=True)
+            raise
+        one = Picture(
+            id=picture_id, farm_id=self._farm_id, kind=PictureKind.CLIP, robot_id=incident.robot_id, camera=camera,
+            captured_at=incident.began_at + timedelta(seconds=clip.begins_s - incident.began_s),
+            added_at=self._clock.utc(), media_type=VIDEO, width_px=clip.width_px, height_px=clip.height_px,
+            size_bytes=0, sha256="", moment=incident.moment, duration_s=round(clip.ends_s - clip.begins_s, 3),
+            cause=" ".join(incident.causes), text=_text(incident, has_gap=clip.has_gap),
+        )  # fmt: skip
+        kept = await self._shelf.take(one)
+        self._on_event({"kind": "picture", "what": "kept", "id": kept.id, "robot": kept.robot_id})
+
+
+def _text(incident: Incident, *, has_gap: bool) -> str:
+    told = " ".join(one if one.endswith(".") else f"{one}." for one in incident.texts)
+    return f"{told} Pictures are missing in between.".strip() if has_gap else told

@@ -1,0 +1,128 @@
+"""Frames that field cameras send by HTTP: who may, how often, what is kept."""
+
+from __future__ import annotations
+
+import hmac
+import logging
+from dataclasses import dataclass, replace
+
+from hmi.clock import Clock
+from hmi.commands.camera_ports import CameraProcess, CamerasAway, NoPicture, Still
+from hmi.commands.camera_source_book import CameraSourceBook, digest_of
+from hmi.commands.mission_pictures import draft
+from hmi.domain.camera import SourceKind
+from hmi.domain.camera_source import FIELD
+from hmi.domain.picture import Moment, Picture, PictureKind
+from hmi.domain.picture_header import Header, read_picture
+from hmi.store.camera_sources import StoredSource
+from hmi.store.database import Database
+from hmi.store.picture_shelf import PictureShelf
+
+BURST = 3.0  # frames that a camera may send at once after a pause
+SLACK = 0.8  # a camera's clock is no metronome
+LEAST_S = 0.5
+MOST_AGE_S = 3600.0
+JPEG = "image/jpeg"
+log = logging.getLogger(__name__)
+
+
+class FrameRefused(Exception):
+    """A frame that is not taken; ``code`` is ``bad_token`` or ``too_often``."""
+
+    def __init__(self, code: str, text: str, retry_after_s: float = 0.0) -> None:
+        super().__init__(text)
+        self.code, self.text, self.retry_after_s = code, text, retry_after_s
+
+
+@dataclass(slots=True)
+class _Camera:
+    """How often a camera sent, and when one of its frames was kept."""
+
+    tokens: float = BURST
+    at_s: float = 0.0
+    kept_s: float = float("-inf")
+
+
+class FieldFrames:
+    """Takes frames; one for a console."""
+
+    def __init__(
+        self, sources: CameraSourceBook, shelf: PictureShelf, process: CameraProcess, database: Database, clock: Clock,
+        farm_id: str,
+    ) -> None:  # fmt: skip
+        self._sources, self._shelf, self._process = sources, shelf, process
+        self._database, self._clock, self._farm_id = database, clock, farm_id
+        self._cameras: dict[str, _Camera] = {}
+
+    async def load(self) -> None:
+        """Learn when a frame of each camera was kept last; at start."""
+        now, now_s = self._clock.utc(), self._clock.mono_s()
+        newest = await self._database.run(self._shelf.records.newest_frames, self._farm_id, FIELD)
+        for camera, at in newest.items():
+            ago_s = max(0.0, (now - at).total_seconds())
+            self._cameras[camera] = _Camera(at_s=now_s, kept_s=now_s - ago_s)
+
+    def admit(self, camera: str, token: str) -> StoredSource:
+        """Return the camera that shows this token and may send now, before its frame is read.
+
+        Raises:
+            FrameRefused: the token is not this camera's, or it sends too often.
+        """
+        one = self._sources.stored(FIELD, camera)
+        known = one.token_sha256 if one is not None and one.kind is SourceKind.UPLOAD else ""
+        if not hmac.compare_digest(digest_of(token), known or digest_of("")) or not token or one is None:
+            raise FrameRefused("bad_token", "This is no camera of this farm, or its token is another one.")
+        state, now_s = self._cameras.setdefault(camera, _Camera(at_s=self._clock.mono_s())), self._clock.mono_s()
+        every_s = max(LEAST_S, one.period_s * SLACK)
+        tokens = min(BURST, state.tokens + (now_s - state.at_s) / every_s)
+        state.at_s, state.tokens = now_s, tokens
+        if tokens < 1.0:
+            raise FrameRefused("too_often", f"One frame each {one.period_s:g} s.", (1.0 - tokens) * every_s)
+        state.tokens -= 1.0
+        return one
+
+    async def take(self, one: StoredSource, data: bytes, age_s: float | None) -> Header:
+        """Take a frame: the newest, one to show, and now and then one to keep.
+
+        Args:
+            age_s: how old it was when it was sent, if the camera tells.
+
+        Raises:
+            BadPicture: these bytes are no picture.
+            PicturesFull, PicturesBusy: it was not kept.
+        """
+        header = read_picture(data)
+        captured_s = self._clock.mono_s() - min(max(age_s or 0.0, 0.0), MOST_AGE_S)
+        await self._show(one, header, data)
+        await self._shelf.set_newest_frame(one.camera, data)
+        await self._sources.noted_size(one, header.width_px, header.height_px)
+        state = self._cameras.setdefault(one.camera, _Camera(at_s=self._clock.mono_s()))
+        if one.keep_every_s > 0 and self._clock.mono_s() - state.kept_s >= one.keep_every_s:
+            before_s, state.kept_s = state.kept_s, self._clock.mono_s()
+            try:
+                await self._shelf.keep(self._draft(one, Still(data, captured_s), is_dated=age_s is not None), data)
+            except BaseException:
+                state.kept_s = before_s
+                raise
+        return header
+
+    async def newest(self, camera: str) -> Still:
+        """Return the newest frame of a field camera; raises ``NoPicture``."""
+        found = await self._shelf.newest_frame(camera)
+        if found is None or self._sources.stored(FIELD, camera) is None:
+            raise NoPicture("no_picture", "This camera has sent nothing yet.")
+        data, came_unix_s = found
+        return Still(data, self._clock.mono_s() - max(0.0, self._clock.utc().timestamp() - came_unix_s))
+
+    async def _show(self, one: StoredSource, header: Header, data: bytes) -> None:
+        """Hand it to the camera process for those who look; keeping it does not wait for that to work."""
+        if header.media_type != JPEG:
+            return
+        try:
+            await self._process.frame(FIELD, one.camera, data)
+        except (CamerasAway, NoPicture) as error:
+            log.debug("a frame of %s is not shown: %s", one.camera, error)
+
+    def _draft(self, one: StoredSource, still: Still, *, is_dated: bool) -> Picture:
+        made = draft(still, PictureKind.FRAME, self._farm_id, FIELD, one.camera, self._clock, Moment())
+        return made if is_dated else replace(made, age_s=None)

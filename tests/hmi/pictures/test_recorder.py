@@ -1,0 +1,272 @@
+"""Clips around STOPs and alarms, pictures of missions: what is held open, what is cut, and nothing when all is well."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+
+from hmi.commands.camera_ports import Clip
+from hmi.domain.alarm.alarm import Alarm, AlarmKey
+from hmi.domain.alarm.catalogue import catalogue
+from hmi.domain.alarm.live_alarm import LiveAlarm, Step, What
+from hmi.domain.alarm.priority import Priority
+from hmi.domain.picture import Picture, PictureKind
+from hmi.domain.robot import OrderStatus
+from hmi.store.pictures import PictureFilter
+from tests.hmi.commands.field import FARM
+from tests.hmi.pictures.conftest import MakeRig
+from tests.hmi.pictures.jpeg import picture
+from tests.hmi.pictures.rig import WEEDER, PictureRig
+
+FRONT, REAR = (WEEDER, "front"), (WEEDER, "rear")
+TYPES = dict(catalogue())
+VIDEO = b"\x00\x00\x00\x18ftypmp42" + b"v" * 500
+
+
+def alarm(rig: PictureRig, code: str = "link-lost", *, what: What = What.RAISED, level: Priority | None = None) -> Step:
+    """Return a step of an alarm of the weeder."""
+    key = AlarmKey(code, WEEDER)
+    one = replace(Alarm(key, is_latching=False), text="Nothing heard for 4 s.", priority=level)
+    return Step(what, LiveAlarm(one, TYPES[code], rig.clock.mono_s()), rig.clock.utc())
+
+
+async def pictures(rig: PictureRig, *kinds: PictureKind) -> list[Picture]:
+    """Return what was kept, newest first, once all that was begun is done."""
+    await rig.settled()
+    return await rig.records.database.run(rig.records.pictures.some, FARM, PictureFilter(kinds=kinds), 100)
+
+
+async def test_nothing_is_asked_of_the_camera_process_while_nothing_happens(make_rig: MakeRig) -> None:
+    rig = await make_rig(record_cameras="watched")
+    rig.stand(row=3, speed_mps=1.0)
+    rig.latch()
+    await rig.seconds(120)
+    assert (rig.cameras.told, rig.cameras.cut, rig.cameras.asked) == ([], [], [])
+
+
+async def test_what_somebody_looks_at_keeps_its_last_minute_for_as_long(make_rig: MakeRig) -> None:
+    rig = await make_rig(record_cameras="watched")
+    rig.cameras.watching = [REAR]
+    await rig.seconds(3)
+    assert rig.cameras.held == (REAR,)
+    rig.cameras.watching = []
+    await rig.seconds(3)
+    assert rig.cameras.held == ()
+
+
+async def test_a_stop_opens_one_camera_and_leaves_a_clip_of_each_that_was_recording(make_rig: MakeRig) -> None:
+    rig = await make_rig(record_cameras="watched")
+    rig.cameras.kept = {FRONT: VIDEO, REAR: VIDEO}
+    rig.stand(row=3)
+    pressed_s, pressed = rig.clock.mono_s(), rig.clock.utc()
+    rig.recorder.stopped(WEEDER, "Martha Keller")
+    await rig.recorder.round()
+    assert rig.cameras.held == (FRONT,)
+    await rig.seconds(16)
+    assert rig.cameras.held == ()
+    assert sorted(rig.cameras.cut) == [
+        (WEEDER, "front", pressed_s - 60, pressed_s + 15), (WEEDER, "rear", pressed_s - 60, pressed_s + 15)
+    ]  # fmt: skip
+    clips = await pictures(rig)
+    assert sorted(one.camera for one in clips) == ["front", "rear"]
+    for one in clips:
+        assert (one.kind, one.text, one.duration_s) == (PictureKind.CLIP, "Martha Keller pressed STOP.", 60.0)
+        assert (one.captured_at - pressed).total_seconds() == pytest.approx(-45.0, abs=0.01)
+        assert (one.moment.row, one.moment.mission_name, one.moment.lat_deg) == (3, "Home field, all rows", 51.5)
+    assert {event["what"] for event in rig.events} == {"kept"}
+
+
+async def test_press_and_the_robots_word_for_it_are_one_incident_that_is_found_by_the_press(rig: PictureRig) -> None:
+    rig.cameras.kept = {FRONT: VIDEO}
+    rig.latch()
+    rig.recorder.stopped(WEEDER, "Martha Keller")
+    await rig.seconds(1)
+    rig.latch("stop-0001")
+    await rig.seconds(20)
+    (clip,) = await pictures(rig)
+    assert clip.cause == "stop stop.stop-0001"
+    assert clip.text == "Martha Keller pressed STOP."
+    found = await rig.records.database.run(rig.records.pictures.some, FARM, PictureFilter(cause="stop.stop-0001"), 9)
+    assert [one.id for one in found] == [clip.id]
+    none = await rig.records.database.run(rig.records.pictures.some, FARM, PictureFilter(cause="stop.stop-000"), 9)
+    assert none == []
+
+
+async def test_a_stop_at_the_machine_leaves_a_clip_and_one_that_was_there_before_does_not(rig: PictureRig) -> None:
+    rig.cameras.kept = {FRONT: VIDEO}
+    rig.latch(hardware=True)
+    await rig.seconds(20)
+    assert rig.cameras.cut == []
+    rig.latch()
+    rig.latch(hardware=True)
+    await rig.seconds(20)
+    (clip,) = await pictures(rig)
+    assert clip.text == "The STOP button on the machine."
+
+
+async def test_alarms_that_come_together_make_one_clip_that_names_them(rig: PictureRig) -> None:
+    rig.cameras.kept = {FRONT: VIDEO}
+    rig.recorder.alarm(alarm(rig))
+    await rig.seconds(10)
+    rig.recorder.alarm(alarm(rig, "disk-full"))
+    rig.recorder.alarm(alarm(rig, what=What.ACKNOWLEDGED))
+    await rig.seconds(10)
+    assert rig.cameras.cut == []
+    await rig.seconds(6)
+    (clip,) = await pictures(rig)
+    assert clip.cause == f"alarm.link-lost.{WEEDER} alarm.disk-full.{WEEDER}"
+    assert clip.text.count("Nothing heard for 4 s.") == 2
+
+
+async def test_an_incident_that_goes_on_is_cut_before_the_camera_process_forgets_its_beginning(rig: PictureRig) -> None:
+    rig.cameras.kept = {FRONT: VIDEO}
+    for number in range(20):
+        rig.latch()
+        rig.latch(f"stop-{number:04}")
+        await rig.seconds(5)
+    await rig.seconds(20)
+    assert len(await pictures(rig)) == 3
+    assert all(to - begin <= 105 for _robot, _camera, begin, to in rig.cameras.cut)
+
+
+@pytest.mark.parametrize(("level", "is_opened"), [(Priority.HIGH, True), (Priority.MEDIUM, False)])
+async def test_only_urgent_alarms_open_a_camera_that_nobody_watches(
+    make_rig: MakeRig, level: Priority, *, is_opened: bool
+) -> None:
+    rig = await make_rig(record_cameras="watched")
+    rig.recorder.alarm(alarm(rig, level=level))
+    await rig.seconds(2)
+    assert (rig.cameras.held == (FRONT,)) is is_opened
+    await rig.seconds(20)
+    assert [one[1] for one in rig.cameras.cut] == ["front", "rear"]
+
+
+async def test_a_robot_that_drives_keeps_its_last_minute_until_it_stands(make_rig: MakeRig) -> None:
+    rig = await make_rig(record_cameras="driving")
+    rig.stand(speed_mps=0.8)
+    await rig.recorder.round()
+    assert rig.cameras.held == (FRONT,)
+    rig.stand()
+    await rig.recorder.round()
+    assert rig.cameras.held == ()
+
+
+async def test_no_more_cameras_are_held_than_allowed_and_incidents_come_first(make_rig: MakeRig) -> None:
+    rig = await make_rig(record_cameras="driving", record_most=2)
+    weeder = rig.fleet.robots[WEEDER]
+    for number in range(5):
+        rig.fleet.robots[f"w{number}"] = replace(weeder, id=f"w{number}")
+        rig.stand(speed_mps=1.0)
+        rig.recorder.see(replace(rig.fleet.robots[WEEDER], id=f"w{number}"))
+        rig.clock.advance(1)
+    assert rig.recorder.wanted() == (FRONT, ("w0", "front"))
+    rig.recorder.stopped("w4", "Martha Keller")
+    assert rig.recorder.wanted() == (("w4", "front"), FRONT)
+
+
+async def test_a_camera_process_that_comes_back_is_told_again(rig: PictureRig) -> None:
+    rig.stand(speed_mps=1.0)
+    rig.cameras.is_away = True
+    await rig.seconds(3)
+    rig.cameras.is_away = False
+    await rig.seconds(1)
+    assert rig.cameras.held == (FRONT,)
+    rig.cameras.held = ()
+    await rig.seconds(11)
+    assert rig.cameras.held == (FRONT,)
+
+
+async def test_below_the_floor_of_the_disk_no_camera_is_held(rig: PictureRig) -> None:
+    rig.stand(speed_mps=1.0)
+    await rig.seconds(1)
+    rig.free_bytes = 0
+    await rig.shelf.sweep()
+    await rig.seconds(1)
+    assert rig.cameras.held == ()
+
+
+async def test_off_records_nothing_whatever_happens(make_rig: MakeRig) -> None:
+    rig = await make_rig(record_cameras="off")
+    rig.stand(speed_mps=1.0)
+    rig.recorder.stopped(WEEDER, "Martha Keller")
+    rig.recorder.alarm(alarm(rig))
+    await rig.seconds(30)
+    assert (rig.cameras.told, rig.cameras.cut) == ([], [])
+
+
+@pytest.mark.parametrize(
+    "spoil", [lambda rig: rig.cameras.kept.clear(), lambda rig: setattr(rig.cameras, "is_away", True)]
+)
+async def test_a_clip_that_cannot_be_had_leaves_nothing_behind(
+    rig: PictureRig, spoil: Callable[[PictureRig], None]
+) -> None:
+    rig.cameras.kept = {FRONT: VIDEO}
+    rig.recorder.stopped(WEEDER, "Martha Keller")
+    spoil(rig)
+    await rig.seconds(20)
+    assert await pictures(rig) == []
+    assert not list((rig.folder / "pictures/incoming").iterdir())
+
+
+async def test_the_end_of_each_row_leaves_a_picture_of_where_it_was_taken(rig: PictureRig) -> None:
+    rig.show()
+    for row in (1, 2, 2, 3):
+        rig.stand(row=row)
+        await rig.settled()
+        rig.clock.advance(30)
+    rig.stand(row=3, status=OrderStatus.DONE)
+    found = await pictures(rig, PictureKind.MISSION)
+    assert [one.text for one in found] == ["End of the mission.", "End of row 2.", "End of row 1."]
+    assert [one.moment.row for one in found] == [None, 3, 2]
+    assert found[1].moment.mission_name == "Home field, all rows"
+
+
+async def test_short_rows_do_not_leave_a_picture_every_second(rig: PictureRig) -> None:
+    rig.show()
+    for row in range(1, 60):
+        rig.stand(row=row)
+        await pictures(rig)
+        rig.clock.advance(2)
+    assert len(await pictures(rig, PictureKind.MISSION)) == 6
+
+
+async def test_every_few_minutes_instead_of_rows(make_rig: MakeRig) -> None:
+    rig = await make_rig(mission_pictures="minutes", mission_picture_minutes=5)
+    rig.show()
+    for _ in range(60):
+        rig.stand(row=1)
+        await pictures(rig)
+        rig.clock.advance(10)
+    assert len(await pictures(rig, PictureKind.MISSION)) == 2
+
+
+async def test_pictures_of_missions_open_no_camera_where_only_watched_ones_are_kept(make_rig: MakeRig) -> None:
+    rig = await make_rig(record_cameras="watched")
+    rig.show(data=picture())
+    rig.stand(row=1)
+    rig.stand(row=2)
+    await pictures(rig)
+    assert rig.cameras.asked == [(*FRONT, None)]
+    rig.cameras.age_s = 30.0
+    rig.clock.advance(60)
+    rig.stand(row=3)
+    assert len(await pictures(rig, PictureKind.MISSION)) == 1
+
+
+async def test_a_clip_that_takes_for_ever_does_not_keep_the_console_from_ending(rig: PictureRig) -> None:
+    never = asyncio.Event()
+
+    async def clip(*_args: object) -> Clip:
+        await never.wait()
+        raise AssertionError
+
+    rig.cameras.clip = clip  # type: ignore[method-assign]
+    rig.recorder.stopped(WEEDER, "Martha Keller")
+    for _ in range(17):
+        rig.clock.advance(1)
+        await rig.recorder.round()
+    async with asyncio.timeout(2.5):
+        await rig.recorder.stop()
