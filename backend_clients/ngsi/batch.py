@@ -17,6 +17,7 @@ from backend_clients.ngsi.errors import (
     NotFound,
     Overloaded,
     Unreachable,
+    Unreadable,
 )
 from backend_clients.ngsi.identifier import EntityRef
 
@@ -111,16 +112,24 @@ def _parts(wire: _Part) -> Iterable[_Part]:
 
 
 async def _send(connection: Connection, action: Action, bodies: list[bytes]) -> NgsiError | None:
-    body = {"actionType": action, "entities": [json.loads(item) for item in bodies]}
+    body = b'{"actionType":"%s","entities":[%s]}' % (action.encode(), b",".join(bodies))
     try:
-        await connection.send(Call("POST", "v2/op/update", body=body, is_repeatable=action != "appendStrict"))
+        call = Call("POST", "v2/op/update", body=body, is_repeatable=action != "appendStrict")
+        reply = await connection.send(call)
     except NotFound as error:
         if action == "delete" and len(bodies) == 1 and error.attempts > 1:
             return None  # after a lost answer it is gone because we deleted it
         return error
     except NgsiError as error:
         return error
-    return None
+    return None if reply.status == 204 else _no_broker(reply.status)
+
+
+def _no_broker(status: int) -> Unreadable:
+    """Return the error for an answer that no broker gives: a sign-in page answers 200 to everything."""
+    error = Unreadable(f"the answer to a batch is {status}, not that of a context broker")
+    error.is_outcome_unknown = True
+    return error
 
 
 def _ends_all(error: NgsiError) -> bool:

@@ -76,7 +76,7 @@ class Call:
 
     Args:
         path: below the broker's address, already encoded.
-        body: JSON, ``None`` for none.
+        body: JSON, ``None`` for none; bytes are JSON already.
         is_repeatable: sending it twice does the same as once.
     """
 
@@ -265,7 +265,9 @@ def _is_unknown(error: NgsiError) -> bool:
 def _content(body: Any) -> bytes | None:
     if body is None:
         return None
-    content = json.dumps(body, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
+    content: bytes = body
+    if not isinstance(body, bytes):
+        content = json.dumps(body, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
     if len(content) > MAX_REQUEST:
         raise BadInput(f"{len(content)} bytes are more than a broker takes at once ({MAX_REQUEST})")
     return content

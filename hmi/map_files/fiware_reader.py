@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from typing import Any
 
+from hmi.fiware.urn import OWN
 from hmi.map_files.attributes import usable_id
 from hmi.map_files.coordinate_system import WGS84
 from hmi.map_files.kind_guess import ALL_KINDS
 from hmi.map_files.source import Source, SourceFeature, SourceLayer
 
-OWN = "headland"  # attribute with what the models have no place for
 KIND_OF = {"AgriFarm": "farm", "AgriParcel": "parcel", "Building": "building", "RoadSegment": "road"}
 _KNOWN = {*KIND_OF, "AgriCrop"}
 

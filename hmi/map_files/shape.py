@@ -168,8 +168,14 @@ def _ring(line: Line, problems: list[str], *, is_hole: bool) -> Line:
         raise BadShape("A polygon needs three corners or more.", "Draw it again.")
     area = _signed_area(ring)
     if area == 0:
-        raise BadShape("The polygon has no area: its corners lie in one line.", "Draw it again.")
+        why = "its edge crosses itself" if _is_spread(ring) else "its corners lie in one line"
+        raise BadShape(f"The polygon has no area: {why}.", "Draw it again.")
     return ring[::-1] if (area > 0) == is_hole else ring
+
+
+def _is_spread(ring: Line) -> bool:
+    """Say whether three corners in a row span an area: then two loops of the ring take each other's away."""
+    return any(_signed_area([*ring[k : k + 3], ring[k]]) != 0 for k in range(len(ring) - 2))
 
 
 def _signed_area(ring: Line) -> float:

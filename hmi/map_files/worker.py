@@ -14,7 +14,6 @@ from hmi.map_files import limits
 from hmi.map_files.errors import BadMapFile
 from hmi.map_files.imported import Imported, MapItem
 from hmi.map_files.progress import Progress, Report
-from hmi.map_files.reader import read_map
 from hmi.planning.side_process import SideProcess, SideProcessDied, limit_memory
 
 READ_LIMIT_S = 120.0  # the largest file that is allowed takes a quarter of it on an idle core
@@ -147,6 +146,8 @@ def _parts(imported: Imported) -> list[bytes]:
 
 def _read_bounded(data: bytes, name: str, share: str, memory_bytes: int) -> list[bytes]:
     """Read within the memory allowed; runs in the side process."""
+    from hmi.map_files.reader import read_map  # the console itself reads no files
+
     limit_memory(memory_bytes)
     gc.disable()  # the process ends with the file; collecting would take most of the time of a large one
     try:

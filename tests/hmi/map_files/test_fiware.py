@@ -3,25 +3,16 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
-from typing import Any
 
 import pytest
 from hypothesis import given, settings
-from jsonschema import Draft202012Validator, FormatChecker
-from referencing import Registry, Resource
 
 from hmi.map_files.reader import read_map
 from hmi.map_files.writer import write_map
 from hmi.mapping.feature import MapFeature
+from tests.hmi.fiware.models import check
 from tests.hmi.map_files.features import maps
 from tests.hmi.map_files.samples import SQUARE
-
-SCHEMAS = {
-    path.stem: json.loads(path.read_text(encoding="utf-8"))
-    for path in (Path(__file__).parent / "schemas").glob("*.json")
-}
-REGISTRY: Registry[Any] = Registry().with_resources([(s["$id"], Resource.from_contents(s)) for s in SCHEMAS.values()])
 
 
 @given(written=maps)
@@ -32,8 +23,7 @@ def test_every_entity_fits_its_schema(written: list[MapFeature]) -> None:
     entities = json.loads(file.data)
     assert len({entity["id"] for entity in entities}) == len(entities)
     for entity in entities:
-        checker = Draft202012Validator(SCHEMAS[entity["type"]], registry=REGISTRY, format_checker=FormatChecker())
-        checker.validate(entity)
+        check(entity)
 
 
 @given(written=maps)

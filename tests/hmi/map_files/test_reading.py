@@ -108,6 +108,12 @@ def test_bad_shapes_are_skipped_with_reasons_and_good_ones_stay() -> None:
     assert all(skipped.mend.endswith(".") for skipped in imported.skipped)
 
 
+def test_two_loops_of_equal_size_are_told_from_a_line() -> None:
+    bow = [[[5.71, 52.55], [5.713, 52.552], [5.713, 52.55], [5.71, 52.552], [5.71, 52.55]]]
+    (skipped,) = read("a.json", collection(shape("Polygon", bow), shape("Point", [5.7, 52.5]))).skipped
+    assert skipped.why == "The polygon has no area: its edge crosses itself."
+
+
 def test_an_item_with_exchanged_axes_stands_out_among_the_others() -> None:
     points = [shape("Point", [5.66, 51.98]), shape("Point", [5.67, 51.98]), shape("Point", [51.98, 5.66])]
     items = read("a.json", collection(*points)).items

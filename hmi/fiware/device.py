@@ -1,0 +1,59 @@
+"""Device and DeviceMeasurement (dataModel.Device): stations, their single values, and events of robots."""
+
+from __future__ import annotations
+
+from hmi.domain.event import RobotEvent
+from hmi.domain.field_sensor import Measurement, SensorKind, Station
+from hmi.fiware.urn import OWN, KeyValues, Urns, moment, point, told
+
+_MEASURES = {
+    SensorKind.WEATHER: ["temperature", "humidity", "windSpeed", "precipitation", "solarRadiation"],
+    SensorKind.SOIL: ["soilMoisture", "temperature"],
+    SensorKind.RESPIRATION: ["airPollution", "humidity"],
+    SensorKind.CAMERA: ["light"],
+}
+
+
+def device_entity(urns: Urns, station: Station) -> KeyValues:
+    """Return a station; its battery 0..1."""
+    return told(
+        {
+            "id": urns.of("Device", station.id),
+            "type": "Device",
+            "name": station.name,
+            "category": ["sensor"],
+            "controlledProperty": _MEASURES[station.kind],
+            "controlledAsset": [urns.of("AgriParcel", station.parcel_id)] if station.parcel_id else None,
+            "location": point(station.lat_deg, station.lon_deg),
+            "batteryLevel": station.battery,
+            "dateLastValueReported": moment(station.heard_at) if station.heard_at else None,
+        }
+    )
+
+
+def measurement_entity(urns: Urns, station: Station, value: Measurement) -> KeyValues:
+    """Return the newest value of one quantity of a station."""
+    return {
+        "id": urns.of("DeviceMeasurement", f"{station.id}:{value.quantity}"),
+        "type": "DeviceMeasurement",
+        "refDevice": urns.of("Device", station.id),
+        "controlledProperty": value.quantity,
+        "numValue": value.value,
+        "unit": value.unit,
+        "dateObserved": moment(value.at),
+        "location": point(station.lat_deg, station.lon_deg),
+    }
+
+
+def event_entity(urns: Urns, event: RobotEvent, robot_model: str) -> KeyValues:
+    """Return an event of a robot, an entity of its own: sent twice it is the same one, and none replaces another."""
+    return {
+        "id": urns.of("DeviceMeasurement", f"{event.robot_id}:{event.event_id}"),
+        "type": "DeviceMeasurement",
+        "refDevice": urns.of(robot_model, event.robot_id),
+        "measurementType": "event",
+        "controlledProperty": event.kind,
+        "textValue": event.text or event.name,
+        "dateObserved": moment(event.at_utc),
+        OWN: told({"name": event.name, "data": event.data, "mission": event.mission_id}),
+    }
