@@ -42,6 +42,16 @@ VALID_FROM = "valid_from"
 """Own attribute of parcels: the day, by attribute, from which its value holds."""
 DATED = ("crop", "species", "status", "seeded", "row_spacing_m", "row_bearing_deg", "headland_m")
 IDS = {"parcel_id": "Parcel", "robot": "Robot"}
+LABELS = {
+    "name": "Name",
+    "seeded": "Seeded",
+    VALID_FROM: "Valid from",
+    "parcel_id": "Parcel",
+    "robot": "Robot",
+    **TEXTS,
+    **{key: one.label for key, one in RANGES.items()},
+}
+"""What people call them, where it is not the key itself."""
 
 
 def parse_attributes(kind: str, geometry_type: str, raw: Mapping[str, Any]) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from hmi.mapping.attributes import RANGES, TEXTS, VALID_FROM
+from hmi.mapping.attributes import LABELS, RANGES
 from hmi.mapping.coordinates import Position, is_ring, paths
 from hmi.mapping.feature import MapFeature
 from hmi.mapping.ground import frame_of
@@ -18,15 +18,6 @@ from hmi.planning.projection import LocalFrame
 
 SAME_M = 0.005  # corners that moved alike to within this moved as one
 DECIMALS = {"row_bearing_deg": 1, "heading_deg": 1}
-LABELS = {
-    "name": "Name",
-    "seeded": "Seeded",
-    VALID_FROM: "Valid from",
-    "parcel_id": "Parcel",
-    "robot": "Robot",
-    **TEXTS,
-    **{key: one.label for key, one in RANGES.items()},
-}
 
 
 @dataclass(frozen=True, slots=True)

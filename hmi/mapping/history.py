@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from hmi.mapping.attributes import VALID_FROM
-from hmi.mapping.diff import LABELS
+from hmi.mapping.attributes import LABELS, VALID_FROM
 
 ORDER = ("name", "crop", "species", "status", "seeded", "row_spacing_m", "row_bearing_deg", "headland_m")
 """Attributes in the order a farmer reads them; others follow by name."""

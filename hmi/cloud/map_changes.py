@@ -1,0 +1,114 @@
+"""Reads the map entities of the cloud when something hints at a change, and keeps the proposals true."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+
+from backend_clients.ngsi.client import NgsiClient
+from backend_clients.ngsi.entity import Entity
+from backend_clients.ngsi.errors import NgsiError
+from backend_clients.ngsi.identifier import EntityRef
+from backend_clients.ngsi.query import Query
+from backend_clients.ngsi.subscription import Wanted
+from backend_clients.ngsi.subscriptions import Subscriptions
+from hmi.clock import Clock
+from hmi.cloud.hints import Hints
+from hmi.cloud.proposals import ProposalBook
+from hmi.fiware.map_change import KIND_OF, is_as_told
+from hmi.fiware.normalized import key_values
+from hmi.fiware.urn import KeyValues
+from hmi.mapping.feature import MapFeature
+
+READ_ALL_S = 300.0  # what no notification told, for instance while the console was off
+SUBSCRIBE_S = 4 * 3600.0  # well before half of the 24 h a subscription lives
+MOST_SINGLE = 20  # with more hints than this one question for all is cheaper
+Features = Callable[[], Awaitable[Mapping[str, MapFeature]]]
+log = logging.getLogger(__name__)
+
+
+class MapChanges:
+    """Proposals from the cloud; ``round`` is called by the mirror's task while the link is up.
+
+    Args:
+        features: the published map by id.
+        on_changed: called when proposals came, went or changed.
+        wanted: the subscription, ``None`` where the broker cannot reach this console.
+    """
+
+    def __init__(
+        self,
+        client: NgsiClient,
+        book: ProposalBook,
+        hints: Hints | None,
+        clock: Clock,
+        features: Features,
+        on_changed: Callable[[], None],
+        subscriptions: Subscriptions | None = None,
+        wanted: Wanted | None = None,
+    ) -> None:
+        self._client, self.book, self.hints, self._clock = client, book, hints, clock
+        self._features, self._on_changed = features, on_changed
+        self._subscriptions, self._wanted = subscriptions, wanted
+        self._read_s = self._subscribe_s = float("-inf")
+        self.subscribed = ""
+
+    def read_soon(self) -> None:
+        """Read everything in the next round."""
+        self._read_s = float("-inf")
+
+    async def round(self) -> None:
+        """Subscribe and read if it is time; raises ``NgsiError``."""
+        now_s = self._clock.mono_s()
+        if self._subscriptions is not None and self._wanted is not None and now_s >= self._subscribe_s:
+            kept = await self._subscriptions.ensure(self._wanted, self._clock.utc())
+            self.subscribed, self._subscribe_s = kept.how, now_s + SUBSCRIBE_S
+        hinted = self.hints.waiting() if self.hints is not None else {}
+        if now_s >= self._read_s or len(hinted) > MOST_SINGLE or (self.hints is not None and self.hints.is_too_many):
+            await self.read_all()
+        elif hinted:
+            await self._read(hinted)
+
+    async def read_all(self) -> None:
+        """Read every map entity and keep the proposals true; raises ``NgsiError``."""
+        if self.hints is not None:
+            self.hints.is_too_many = False
+        found = [key_values(one) async for one in self._client.entities(Query(types=tuple(KIND_OF)))]
+        await self._look(found)
+        await self._clear(found)
+        self._read_s = self._clock.mono_s() + READ_ALL_S
+
+    async def _clear(self, entities: Sequence[KeyValues]) -> None:
+        """Delete what we told of features that are on our map no more, unless somebody else changed it since."""
+        features = await self._features()
+        gone = [one for one in entities if is_as_told(one) and self.book.is_ours_no_more(one, features)]
+        refs = [EntityRef(one["id"], one["type"]) for one in gone if features]
+        segments = [ref.id for ref in refs if ref.type == "RoadSegment"]
+        refs += [EntityRef(one.replace(":RoadSegment:", ":Road:", 1), "Road") for one in segments]
+        if refs:
+            await self._client.batch("delete", [Entity(ref=ref) for ref in refs])
+
+    async def _read(self, hinted: Mapping[EntityRef, bool]) -> None:
+        found: list[KeyValues] = []
+        for ref, is_gone in hinted.items():
+            entity = await self._client.find(ref)
+            if entity is not None:
+                found.append(key_values(entity))
+            elif is_gone and self.book.gone(ref.id, ref.type, await self._features(), self._clock.utc()):
+                self._on_changed()
+        await self._look(found)
+
+    async def _look(self, entities: Sequence[KeyValues]) -> None:
+        if not entities:
+            return
+        try:
+            crops = {str(one["hasAgriCrop"]) for one in entities if "hasAgriCrop" in one}
+            names = await self._crops() if crops else {}
+        except NgsiError:
+            names = {}
+        if self.book.look(entities, await self._features(), self._clock.utc(), names):
+            self._on_changed()
+
+    async def _crops(self) -> dict[str, str]:
+        found = [one async for one in self._client.entities(Query(types=("AgriCrop",)))]
+        return {one.ref.id: str(one.value("name")) for one in found if one.value("name")}

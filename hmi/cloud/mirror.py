@@ -1,0 +1,175 @@
+"""Brings the farm to the cloud, round by round: robots as they are now first, then what waits, in order."""
+
+from __future__ import annotations
+
+import json
+import logging
+from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import dataclass
+
+from backend_clients.ngsi.entity import Entity
+from backend_clients.ngsi.errors import NgsiError
+from backend_clients.ngsi.identifier import EntityRef
+from hmi.clock import Clock
+from hmi.cloud.backlog import Backlog
+from hmi.cloud.delays import Delays
+from hmi.cloud.link import CloudLink, Delivery
+from hmi.cloud.map_changes import MapChanges
+from hmi.cloud.outbox import Piece
+from hmi.cloud.states import Report, RobotStates
+from hmi.fiware.normalized import normalized
+from hmi.fiware.urn import KeyValues
+
+MOST_ROBOTS = 200  # in one round: one request
+PART = 100  # pieces in one request
+PARTS = 5  # requests of a backlog in one round, so that the newest state never waits for all of it
+SETTLE_S = 5.0  # how often age and room are looked at when nothing is new
+log = logging.getLogger(__name__)
+
+
+@dataclass(slots=True)
+class Counts:
+    """Since the start.
+
+    Args:
+        states: reports of robots that arrived.
+        pieces: pieces that arrived.
+        resent: sent again although they may have arrived: the cloud may have seen them twice.
+        refused: the broker would never take them, so they are gone.
+    """
+
+    states: int = 0
+    pieces: int = 0
+    resent: int = 0
+    refused: int = 0
+    last_refusal: str = ""
+
+
+class Mirror:
+    """Everything that goes up; ``round`` is called by one task.
+
+    Args:
+        whole: returns the farm's map and missions, told at first and after ``tell_whole``.
+        changes: what the cloud wants changed, ``None`` if nobody asks.
+    """
+
+    def __init__(
+        self,
+        link: CloudLink,
+        states: RobotStates,
+        backlog: Backlog,
+        clock: Clock,
+        whole: Callable[[], Awaitable[Sequence[KeyValues]]],
+        changes: MapChanges | None = None,
+    ) -> None:
+        self.link, self._states, self._backlog, self._clock, self._whole = link, states, backlog, clock, whole
+        self.changes = changes
+        self.counts = Counts()
+        self.to_console, self.to_cloud = Delays(), Delays()
+        self._settle_s = float("-inf")
+        self._is_whole_told = False
+        self._placed = 0
+        self._doubtful: set[EntityRef] = set()
+
+    def tell_whole(self) -> None:
+        """Tell map and missions again, e.g. after a map was published."""
+        self._is_whole_told = False
+
+    async def round(self) -> None:
+        """Deliver what can be delivered now; returns when the link is not up or everything of this round is done."""
+        if self._backlog.total > self._backlog.waiting.count or self._clock.mono_s() >= self._settle_s:
+            self._settle_s = self._clock.mono_s() + SETTLE_S
+            await self._backlog.settle()
+        if not await self.link.is_ready():
+            return
+        if self.link.placed != self._placed:
+            self._placed = self.link.placed
+            self._is_whole_told = False
+            self._states.forget()
+        if await self._send_robots() and await self._look_around() and await self._send_whole():
+            await self._send_backlog()
+
+    async def _send_robots(self) -> bool:
+        reports = self._states.reports(MOST_ROBOTS)
+        if not reports:
+            return True
+        found = await self._deliver([report.entity for report in reports])
+        now_s, settled = self._clock.mono_s(), found.done | set(found.refused)
+        arrived = [report for report in reports if _ref(report.entity) in settled]
+        self._states.told(arrived)
+        self.counts.states += len(found.done)
+        self._time(arrived, now_s)
+        return not found.is_cut
+
+    def _time(self, reports: Sequence[Report], now_s: float) -> None:
+        for report in reports:
+            if report.source_s is not None and report.received_s is not None:
+                self.to_cloud.add(now_s - report.source_s)
+                self.to_console.add(report.received_s - report.source_s)
+
+    async def _look_around(self) -> bool:
+        """Read what the cloud wants changed, always before the map is told: nothing of it is written over."""
+        if self.changes is None:
+            return True
+        try:
+            if not self._is_whole_told:
+                await self.changes.read_all()
+            await self.changes.round()
+        except NgsiError as error:
+            self.link.failed(error)
+            return False
+        return True
+
+    async def _send_whole(self) -> bool:
+        if self._is_whole_told:
+            return True
+        entities = await self._whole()
+        found = await self._deliver(entities) if entities else Delivery()
+        self._is_whole_told = not found.is_cut
+        return not found.is_cut
+
+    async def _send_backlog(self) -> None:
+        for _ in range(PARTS):
+            pieces = await self._backlog.first(PART)
+            if not pieces:
+                return
+            part, entities = _in_order(pieces)
+            found = await self._deliver(entities)
+            settled = found.done | set(found.refused)
+            gone = [piece for piece, entity in zip(part, entities, strict=True) if _ref(entity) in settled]
+            await self._backlog.delivered(gone)
+            self.counts.pieces += len(gone) - len(found.refused)
+            if found.is_cut:
+                return
+
+    async def _deliver(self, entities: Sequence[KeyValues]) -> Delivery:
+        wire: list[Entity] = [normalized(entity) for entity in entities]
+        refs = {one.ref for one in wire}
+        self.counts.resent += len(refs & self._doubtful)
+        found = await self.link.deliver(wire)
+        self._doubtful -= refs
+        if found.is_doubtful:
+            self._doubtful |= refs - found.done - set(found.refused)
+        if found.refused:
+            self.counts.refused += len(found.refused)
+            ref, text = next(iter(found.refused.items()))
+            self.counts.last_refusal = f"{ref.type}: {text}"
+            log.warning("cloud: %d entities refused, e.g. %s %s: %s", len(found.refused), ref.type, ref.id, text)
+        return found
+
+
+def _in_order(pieces: Sequence[Piece]) -> tuple[list[Piece], list[KeyValues]]:
+    """Return the pieces before the first that changes an entity a second time: that one goes after them."""
+    entities: list[KeyValues] = []
+    seen: set[EntityRef] = set()
+    for piece in pieces:
+        entity = json.loads(piece.body)
+        if _ref(entity) in seen:
+            break
+        seen.add(_ref(entity))
+        entities.append(entity)
+    return list(pieces[: len(entities)]), entities
+
+
+def _ref(entity: KeyValues) -> EntityRef:
+    return EntityRef(entity["id"], entity["type"])

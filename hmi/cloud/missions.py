@@ -1,0 +1,139 @@
+"""Missions through the cloud: put as an entity, picked up by the robot's agent, answered with the hash it stored."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import uuid
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any
+
+import msgspec
+
+from backend_clients.cloud_robot.mission_answer import MissionAnswer, read_answer
+from backend_clients.cloud_robot.mission_order import MissionOrder
+from backend_clients.cloud_robot.names import answer_ref, order_ref, presence_ref
+from backend_clients.cloud_robot.presence import read_presence
+from backend_clients.ngsi.client import NgsiClient
+from backend_clients.ngsi.errors import BadInput, NgsiError, NotFound, Unreadable
+from hmi.clock import Clock
+from hmi.cloud.delays import Delays
+from hmi.domain.command import Acknowledgement, OrderFailed
+from hmi.domain.mission_document import canonical, mission_sha256
+
+TTL_S = 20.0  # agents ask once a second, brokers answer in well under one; older than this it was decided long ago
+ANSWER_S = 25.0  # a little longer than the order lives: after it the robot takes nothing any more
+POLL_S = 0.5
+Sleep = Callable[[float], Awaitable[None]]
+log = logging.getLogger(__name__)
+
+
+class CloudMissions:
+    """Sends missions by one broker. The sender knows nothing of robots' addresses: an agent asks by itself.
+
+    Args:
+        client: to the broker, without retries: a late order would be worse than none.
+        farm: as in the names of the farm's entities.
+        delays: of missions that were read back.
+        sleep: test seam.
+    """
+
+    def __init__(
+        self, client: NgsiClient, farm: str, clock: Clock, delays: Delays, sleep: Sleep = asyncio.sleep
+    ) -> None:
+        self._client, self._farm, self._clock, self._delays, self._sleep = client, farm, clock, delays, sleep
+
+    async def upload_mission(self, robot_id: str, document: dict[str, Any]) -> Acknowledgement:
+        """Store a mission on the robot and return its answer with the hash it read back; see ``OrderSender``.
+
+        Raises:
+            OrderFailed: nothing usable came back.
+        """
+        order = self._order(robot_id, document, await self._challenge(robot_id))
+        begin_s = self._clock.mono_s()
+        try:
+            await self._put(order)
+            answer = await self._answer(order, begin_s)
+        finally:
+            await asyncio.shield(self._withdraw(order))
+        delay_s = self._clock.mono_s() - begin_s
+        if answer.is_accepted:
+            self._delays.add(delay_s)
+        if answer.is_accepted and answer.sha256 != order.sha256:
+            text = "The robot stored something else than was sent. Send it again."
+            return Acknowledgement(robot_id, "mission", order.mission_id, False, "hash_mismatch", text, None,
+                                   answer.sha256, None)  # fmt: skip
+        return Acknowledgement(
+            robot_id, "mission", order.mission_id, answer.is_accepted, answer.code, answer.text, None,
+            answer.sha256 or None, None,
+        )  # fmt: skip
+
+    async def _challenge(self, robot_id: str) -> str:
+        try:
+            found = await self._client.find(presence_ref(self._farm, robot_id))
+            if found is None:
+                raise OrderFailed("no_agent", "The robot has no way to the cloud. Send it directly.",
+                                  is_outcome_known=True)  # fmt: skip
+            return read_presence(found, robot_id).challenge
+        except NgsiError as error:
+            log.info("mission by the cloud: %s", error)
+            text = f"The cloud does not answer, so nothing was sent. {error.mend} Or send it directly."
+            raise OrderFailed("cloud_away", text, is_outcome_known=True) from error
+
+    def _order(self, robot_id: str, document: Mapping[str, Any], challenge: str) -> MissionOrder:
+        plain = canonical({**document, "robot": robot_id})
+        ends = [segment["points"][-1] for segment in plain["segments"]]
+        begin = plain["segments"][0]["points"][:1] if plain["segments"] else []
+        return MissionOrder(
+            robot=robot_id,
+            order_id=uuid.uuid4().hex,
+            mission_id=plain["mission_id"],
+            revision=plain["revision"],
+            sha256=mission_sha256(plain),
+            challenge=challenge,
+            ttl_s=TTL_S,
+            at=self._clock.utc(),
+            document=msgspec.json.encode(plain),
+            waypoints=tuple((point[0], point[1]) for point in [*begin, *ends]),
+        )
+
+    async def _put(self, order: MissionOrder) -> None:
+        try:
+            await self._client.create(order.to_entity(self._farm))
+        except BadInput as error:
+            text = "The mission is too large for the way through the cloud. Send it directly."
+            raise OrderFailed("too_large", text, is_outcome_known=True) from error
+        except NgsiError as error:
+            log.info("mission by the cloud: %s", error)
+            if error.is_outcome_unknown:
+                text = "The cloud did not answer. The robot may get the mission all the same; it does not move by it."
+                raise OrderFailed("cloud_silent", text, is_outcome_known=False) from error
+            text = f"The cloud did not take the mission. {error.mend} Or send it directly."
+            raise OrderFailed("cloud_refused", text, is_outcome_known=True) from error
+
+    async def _answer(self, order: MissionOrder, begin_s: float) -> MissionAnswer:
+        ref = answer_ref(self._farm, order.robot, order.order_id)
+        while self._clock.mono_s() - begin_s < ANSWER_S:
+            await self._sleep(POLL_S)
+            try:
+                found = await self._client.find(ref)
+                if found is not None:
+                    return read_answer(found)
+            except Unreadable as error:
+                text = "What came back through the cloud cannot be read. Send it directly."
+                raise OrderFailed("bad_answer", text, is_outcome_known=False) from error
+            except NgsiError as error:
+                log.info("mission by the cloud: %s", error)  # asked again until the order is too old
+        text = "The robot did not answer through the cloud. It takes nothing of it any more. Send it directly."
+        raise OrderFailed("no_answer", text, is_outcome_known=False)
+
+    async def _withdraw(self, order: MissionOrder) -> None:
+        """Take order and answer away; what cannot be deleted grows too old by itself."""
+        for ref in (order_ref(self._farm, order.robot, order.order_id),
+                    answer_ref(self._farm, order.robot, order.order_id)):  # fmt: skip
+            try:
+                await self._client.delete(ref)
+            except NotFound:
+                continue
+            except NgsiError as error:
+                log.info("mission by the cloud: %s is left behind: %s", ref.id, error)

@@ -1,0 +1,147 @@
+"""What the cloud wants changed on the map: listed until a person takes it or refuses it, never done by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
+from datetime import datetime
+
+from hmi.fiware.map_change import KIND_OF, feature_id_of, is_as_told, proposed
+from hmi.fiware.urn import KeyValues, Urns
+from hmi.mapping.errors import BadFeature
+from hmi.mapping.feature import MapFeature
+from hmi.mapping.jobs import compare
+
+MOST = 200  # proposals listed; a cloud that changes a thousand fields at once is looked at by somebody
+Wish = tuple[MapFeature | None, str]
+_MODEL_OF = {kind: model for model, kind in KIND_OF.items()}
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """One feature that the cloud wants to be another.
+
+    Args:
+        id: of the feature.
+        what: ``added``, ``changed`` or ``removed``.
+        text: what is different, in a sentence.
+        before, after: our feature and theirs; ``None`` is absent.
+        problem: why it cannot be taken as it is, empty if it can.
+        by: who put it into the draft, empty if nobody did.
+    """
+
+    id: str
+    entity_id: str
+    kind: str
+    name: str
+    what: str
+    text: str
+    before: MapFeature | None
+    after: MapFeature | None
+    at: datetime
+    problem: str = ""
+    by: str = ""
+
+
+class ProposalBook:
+    """The proposals of one farm; on the event loop, in memory: they are read from the cloud again after a restart."""
+
+    def __init__(self, urns: Urns) -> None:
+        self._urns = urns
+        self._open: dict[str, Proposal] = {}
+        self._refused: dict[str, Wish] = {}
+        self.left_out = 0
+
+    def all(self) -> list[Proposal]:
+        """Return the proposals, the oldest first."""
+        return list(self._open.values())
+
+    def get(self, proposal_id: str) -> Proposal | None:
+        """Return one, ``None`` if there is none any more."""
+        return self._open.get(proposal_id)
+
+    def look(
+        self,
+        entities: Iterable[KeyValues],
+        features: Mapping[str, MapFeature],
+        now: datetime,
+        crops: dict[str, str] | None = None,
+    ) -> bool:
+        """Take what the cloud has now of some map entities; return whether a proposal came, went or changed."""
+        before = dict(self._open)
+        for entity in entities:
+            if entity["type"] not in KIND_OF:
+                continue
+            feature_id = feature_id_of(entity, self._urns) or str(entity["id"])[-64:]
+            found = None if is_as_told(entity) else self._proposal(entity, feature_id, features, now, crops or {})
+            self._put(feature_id, found)
+        return before != self._open
+
+    def gone(self, entity_id: str, model: str, features: Mapping[str, MapFeature], now: datetime) -> bool:
+        """Take that an entity was deleted in the cloud by somebody else; return whether that is a proposal."""
+        feature_id = self._urns.name_of(model, entity_id)
+        feature = features.get(feature_id or "")
+        if feature is None or feature_id is None or _MODEL_OF.get(feature.kind) != model:
+            return False
+        self._put(feature_id, Proposal(feature_id, entity_id, feature.kind, feature.title, "removed",
+                                       "Deleted in the cloud", feature, None, now))  # fmt: skip
+        return True
+
+    def is_ours_no_more(self, entity: KeyValues, features: Mapping[str, MapFeature]) -> bool:
+        """Say whether an entity is of a feature of this farm that is not on the map now."""
+        feature_id = self._urns.name_of(entity["type"], str(entity["id"]))
+        return feature_id is not None and feature_id not in features
+
+    def drop(self, proposal_id: str) -> None:
+        """Forget one, since a person refused it: it does not come back before it is written over with what we have."""
+        one = self._open.pop(proposal_id, None)
+        if one is not None:
+            self._refused[proposal_id] = one.after, one.problem
+
+    def taken(self, proposal_id: str, by: str) -> None:
+        """Note that one is in the draft now; it stays listed until a map with it is published."""
+        if proposal_id in self._open:
+            self._open[proposal_id] = replace(self._open[proposal_id], by=by)
+
+    def published(self, features: Mapping[str, MapFeature]) -> bool:
+        """Take a map that was published: what it fulfils is done; return whether any was."""
+        done = [one.id for one in self._open.values() if not one.problem and features.get(one.id) == one.after]
+        for key in done:
+            del self._open[key]
+        for key, one in self._open.items():
+            self._open[key] = replace(one, by="")  # it was in a draft that became another map
+        return bool(done)
+
+    def held_back(self, entities: Collection[KeyValues]) -> list[KeyValues]:
+        """Return the entities that may be written: the cloud's change is not written over while it is open."""
+        held = {one.entity_id for one in self._open.values()}
+        return [entity for entity in entities if entity["id"] not in held]
+
+    def _put(self, feature_id: str, found: Proposal | None) -> None:
+        known = self._open.get(feature_id)
+        if found is None:
+            self._refused.pop(feature_id, None)
+            self._open.pop(feature_id, None)
+        elif self._refused.get(feature_id) == (found.after, found.problem):
+            return
+        elif known is None and len(self._open) >= MOST:
+            self.left_out += 1
+        elif known is None or (known.after, known.problem) != (found.after, found.problem):
+            self._open[feature_id] = found
+
+    def _proposal(
+        self, entity: KeyValues, feature_id: str, features: Mapping[str, MapFeature], now: datetime,
+        crops: dict[str, str],
+    ) -> Proposal | None:  # fmt: skip
+        kind, ours = KIND_OF[entity["type"]], features.get(feature_id)
+        name = ours.title if ours is not None else str(entity.get("name") or feature_id)[:80]
+        what = "added" if ours is None else "changed"
+        try:
+            theirs = proposed(entity, ours, self._urns, crops)
+        except BadFeature as error:
+            return Proposal(feature_id, entity["id"], kind, name, what, "", ours, None, now, problem=error.text)
+        if theirs is None:
+            return None
+        found = compare([ours] if ours is not None else [], [theirs])
+        text = "; ".join(one.text for one in found)[:300] or "Changed"
+        return Proposal(feature_id, entity["id"], kind, name, what, text, ours, theirs, now)

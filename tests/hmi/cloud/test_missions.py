@@ -1,0 +1,263 @@
+"""Missions through the cloud: read back by hash, never late, and nothing that anybody has to wait for."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+import httpx
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from backend_clients.cloud_robot.mission_answer import MissionAnswer, read_answer
+from backend_clients.cloud_robot.mission_order import MissionOrder, read_order
+from backend_clients.cloud_robot.names import ANSWER, ORDER, PRESENCE, presence_ref
+from backend_clients.cloud_robot.packing import packed, unpacked
+from backend_clients.cloud_robot.presence import Presence
+from backend_clients.edge import messages_up as up
+from backend_clients.ngsi.client import NgsiClient
+from backend_clients.ngsi.connection import Broker
+from backend_clients.ngsi.entity import entity_from_wire
+from backend_clients.ngsi.errors import BadInput, Unreadable
+from backend_clients.ngsi.query import Query
+from backend_clients.ngsi.retry import RetryPolicy
+from backend_clients.ngsi.tenant import Tenant
+from backend_clients.simulator.cloud_agent import CloudAgents
+from backend_clients.simulator.config import RobotConfig
+from backend_clients.simulator.context_broker.application import make_application
+from backend_clients.simulator.context_broker.broker import ContextBroker
+from backend_clients.simulator.context_broker.faults import Faults, FaultSwitch
+from backend_clients.simulator.faults import Silence
+from backend_clients.simulator.world import World
+from hmi.clock import FakeClock
+from hmi.cloud.delays import Delays
+from hmi.cloud.missions import ANSWER_S, CloudMissions
+from hmi.domain.command import OrderFailed
+from hmi.domain.mission_document import mission_sha256
+from hmi.fiware.normalized import key_values
+from tests.backend_clients.simulator.rig import small_mission
+from tests.hmi.fiware.models import check
+
+AT = FakeClock().utc()
+
+
+class Farm:
+    """A console, a broker and real simulated robots with agents; time passes while the console waits."""
+
+    def __init__(self, *robots: str) -> None:
+        self.clock, self.switch = FakeClock(), FaultSwitch()
+        self.world = World(tuple(RobotConfig(one, one, "t" * 8) for one in robots), self.clock, seed=1, speed=1.0)
+        self.transport = httpx.ASGITransport(make_application(ContextBroker(self.clock, None), self.switch))
+        self.acks: list[tuple[str, up.Ack]] = []
+        self.agents = CloudAgents(self.client(), "hof", dict(self.world.robots), self.clock, self._acked)
+        self.delays = Delays()
+        self.console = CloudMissions(self.client(), "hof", self.clock, self.delays, self.passes)
+        self.agents_are_slow_s = 0.0
+        self.are_agents_on = True
+        self.seen: list[dict[str, Any]] = []
+
+    def client(self) -> NgsiClient:
+        """Return a client of the farm's tenant."""
+        broker = Broker("http://broker.test", Tenant("farm"), retry=RetryPolicy(attempts=1))
+        return NgsiClient(broker, transport=self.transport)
+
+    async def passes(self, seconds: float) -> None:
+        """Let time pass, with the agents doing their round."""
+        self.clock.advance(seconds + self.agents_are_slow_s)
+        self.world.step(seconds)
+        self.seen += [key_values(one) for one in await self.entities(ORDER)]
+        if self.are_agents_on:
+            await self.agents.round()
+        self.seen += [key_values(one) for one in await self.entities(ANSWER)]
+
+    async def entities(self, kind: str) -> list[Any]:
+        """Return what the broker has of one type, past every fault."""
+        faults, self.switch.faults = self.switch.faults, Faults()
+        found = [one async for one in self.client().entities(Query(types=(kind,)))]
+        self.switch.faults = faults
+        return found
+
+    def held(self, robot: str) -> str:
+        """Return the hash of the mission a robot holds, empty if it holds none."""
+        boot = self.world.robots[robot].boot
+        assert boot is not None
+        return boot.brain.run.sha256 if boot.brain.run is not None else ""
+
+    def _acked(self, robot: str, ack: up.Ack) -> None:
+        self.acks.append((robot, ack))
+
+
+def document(robot: str = "weeder-01", **more: Any) -> dict[str, Any]:
+    """Return a stored mission."""
+    found: dict[str, Any] = msgspec.to_builtins(small_mission(robot, **more))
+    return found
+
+
+async def test_a_mission_through_the_cloud_is_read_back_and_starts_nothing() -> None:
+    farm = Farm("weeder-01")
+    await farm.agents.round()
+    answer = await farm.console.upload_mission("weeder-01", document())
+    assert answer.is_accepted
+    assert answer.sha256 == mission_sha256(document()) == farm.held("weeder-01")
+    assert farm.delays.told().count == 1
+    for _ in range(100):
+        farm.clock.advance(0.1)
+        farm.world.step(0.1)
+    robot = farm.world.robots["weeder-01"]
+    assert robot.machine.is_standing
+    assert robot.boot is not None
+    assert robot.boot.brain.run is not None
+    assert robot.boot.brain.run.status == "loaded"
+    assert [one.outcome for _, one in farm.acks] == ["accepted"]
+
+
+async def test_order_and_answer_fit_the_published_models_and_are_taken_away_after() -> None:
+    farm = Farm("weeder-01")
+    await farm.agents.round()
+    await farm.console.upload_mission("weeder-01", document())
+    assert {one["type"] for one in farm.seen} == {ORDER, ANSWER}
+    for entity in farm.seen:
+        check(entity)
+    (presence,) = await farm.entities(PRESENCE)
+    check(key_values(presence))
+    assert await farm.entities(ORDER) == []
+    assert await farm.entities(ANSWER) == []
+
+
+async def test_a_robot_without_an_agent_is_told_of_before_anything_is_sent() -> None:
+    farm = Farm("weeder-01")
+    with pytest.raises(OrderFailed) as failed:
+        await farm.console.upload_mission("weeder-02", document("weeder-02"))
+    assert (failed.value.code, failed.value.is_outcome_known) == ("no_agent", True)
+    assert farm.seen == []
+
+
+async def test_an_order_that_is_picked_up_late_is_refused_by_the_robot() -> None:
+    farm = Farm("weeder-01")
+    await farm.agents.round()
+    farm.agents_are_slow_s = 21.0
+    answer = await farm.console.upload_mission("weeder-01", document())
+    assert (answer.is_accepted, answer.code) == (False, "expired")
+    assert farm.held("weeder-01") == ""
+    assert farm.acks == []
+    ignored = [one for one in farm.seen if one["type"] == ANSWER]
+    assert {one["result"] for one in ignored} == {"ignore"}
+    for entity in ignored:
+        check(entity)
+
+
+async def test_an_order_left_behind_is_never_carried_out_however_late_it_is_found() -> None:
+    farm = Farm("weeder-01")
+    await farm.agents.round()
+    farm.are_agents_on = False
+    farm.switch.set(Faults(status=503, methods=("DELETE",)))  # it cannot even be withdrawn
+    with pytest.raises(OrderFailed) as failed:
+        await farm.console.upload_mission("weeder-01", document())
+    assert (failed.value.code, failed.value.is_outcome_known) == ("no_answer", False)
+    farm.switch.set(Faults())
+    assert len(await farm.entities(ORDER)) == 1
+    for later_s in (1.0, 60.0, 86_400.0):
+        farm.clock.advance(later_s)
+        await farm.agents.round()
+        assert farm.held("weeder-01") == ""
+
+
+async def test_a_robot_that_is_silent_does_not_hold_up_the_console_or_another_robot() -> None:
+    farm = Farm("weeder-01", "weeder-02")
+    await farm.agents.round()
+    farm.world.robots["weeder-01"].set_fault(Silence(http=True, deaf=True))
+    begin_s = farm.clock.mono_s()
+    with pytest.raises(OrderFailed, match="did not answer"):
+        await farm.console.upload_mission("weeder-01", document())
+    assert farm.clock.mono_s() - begin_s <= ANSWER_S + 1
+    answer = await farm.console.upload_mission("weeder-02", document("weeder-02"))
+    assert answer.is_accepted
+    farm.world.robots["weeder-01"].clear_fault()
+    await farm.agents.round()
+    assert farm.held("weeder-01") == "", "it was withdrawn, and it is too old"
+
+
+async def test_an_order_that_is_found_twice_is_carried_out_once_and_answered_alike() -> None:
+    farm = Farm("weeder-01")
+    await farm.agents.round()
+    presence = await farm.client().get(presence_ref("hof", "weeder-01"))
+    plain = document()
+    order = MissionOrder("weeder-01", "o1", plain["mission_id"], 1, mission_sha256(plain), str(presence.value("value")),
+                         20.0, AT, msgspec.json.encode(plain))  # fmt: skip
+    await farm.client().create(order.to_entity("hof"))
+    await farm.agents.round()
+    await farm.agents.round()
+    assert len(farm.acks) == 1
+    (answer,) = await farm.entities(ANSWER)
+    assert read_answer(answer).is_accepted
+
+
+async def test_the_robots_refusal_comes_back_in_its_words() -> None:
+    farm = Farm("weeder-01")
+    await farm.agents.round()
+    far = document()
+    far["segments"][0]["points"][1] = [90_000.0, 90_000.0]
+    answer = await farm.console.upload_mission("weeder-01", far)
+    assert (answer.is_accepted, answer.code) == (False, "bad_mission")
+    assert "cannot be driven" in answer.text
+
+
+@pytest.mark.parametrize(
+    ("faults", "code", "is_known"),
+    [
+        (Faults(status=503), "cloud_away", True),
+        (Faults(token="other"), "cloud_away", True),
+        (Faults(status=413, methods=("POST",)), "cloud_refused", True),
+        (Faults(status=503, methods=("POST",)), "cloud_silent", False),
+        (Faults(status=504, takes_effect=True, methods=("POST",)), "cloud_silent", False),
+    ],
+)
+async def test_a_cloud_that_fails_is_said_so_and_nothing_is_sent_twice(
+    faults: Faults, code: str, is_known: bool
+) -> None:
+    farm = Farm("weeder-01")
+    await farm.agents.round()
+    farm.switch.set(faults)
+    with pytest.raises(OrderFailed) as failed:
+        await farm.console.upload_mission("weeder-01", document())
+    assert (failed.value.code, failed.value.is_outcome_known) == (code, is_known)
+    farm.switch.set(Faults())
+    assert await farm.entities(ORDER) == [], "what may have been put is withdrawn"
+
+
+async def test_a_mission_that_is_too_large_goes_directly() -> None:
+    farm = Farm("weeder-01")
+    await farm.agents.round()
+    large = document()
+    points = [[n * 1.37 % 313, (n * n * 0.7193) % 977] for n in range(90_000)]
+    large["segments"][0]["points"] = points
+    with pytest.raises(OrderFailed) as failed:
+        await farm.console.upload_mission("weeder-01", large)
+    assert (failed.value.code, failed.value.is_outcome_known) == ("too_large", True)
+
+
+@given(document=st.binary(max_size=5000))
+def test_any_document_comes_back_as_it_went(document: bytes) -> None:
+    assert unpacked(packed(document)) == document
+    order = MissionOrder("weeder-01", "o", "m", 1, "a", "challenge", 20.0, AT, document, ((0.5, 1.0),))
+    assert read_order(entity_from_wire(order.to_entity("hof").to_wire())) == order
+
+
+def test_a_document_that_would_unpack_without_end_is_refused() -> None:
+    with pytest.raises(Unreadable, match="too long"):
+        unpacked(packed(b"0" * (9 * 1024 * 1024)))
+    with pytest.raises(Unreadable):
+        unpacked("not packed at all")
+    with pytest.raises(BadInput):
+        packed(os.urandom(10**6))
+
+
+def test_presence_and_answer_come_back_as_they_went() -> None:
+    order = MissionOrder("weeder-01", "o", "m", 1, "a", "challenge", 20.0, AT, b"{}", ((0.5, 1.0),))
+    answer = MissionAnswer.to(order, is_accepted=False, code="mission_active", text="Another (one).", sha256="",
+                              received_at=AT)  # fmt: skip
+    back = read_answer(entity_from_wire(answer.to_entity("hof").to_wire()))
+    assert (back.code, back.text, back.is_accepted) == ("mission_active", "Another (one).", False)
+    assert Presence("weeder-01", "challenge", AT).to_entity("hof").value("value") == "challenge"

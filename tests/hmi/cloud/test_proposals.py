@@ -1,0 +1,243 @@
+"""What somebody changes in the cloud is proposed and never done, and ours is not written over theirs."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from pydantic import SecretStr
+
+from backend_clients.ngsi import entity as make
+from backend_clients.ngsi.client import NgsiClient
+from backend_clients.ngsi.entity import entity_from_wire
+from backend_clients.ngsi.gate import Gate
+from backend_clients.ngsi.identifier import EntityRef
+from backend_clients.ngsi.tenant import Tenant
+from hmi.cloud.hints import Hints
+from hmi.cloud.map_changes import MapChanges
+from hmi.cloud.proposals import ProposalBook
+from hmi.fiware.farm_map import map_entities
+from hmi.fiware.map_change import KIND_OF, is_as_told, proposed, signed
+from hmi.fiware.normalized import key_values, normalized
+from hmi.fiware.urn import Urns
+from hmi.mapping.feature import MapFeature
+from tests.hmi.cloud.rig import Rig
+from tests.hmi.map_files.features import maps
+
+SECRET = "s" * 32
+RING = [[10.0, 50.0], [10.001, 50.0], [10.001, 50.001], [10.0, 50.001], [10.0, 50.0]]
+WIDER = [[10.0, 50.0], [10.002, 50.0], [10.002, 50.001], [10.0, 50.001], [10.0, 50.0]]
+NORTH = MapFeature("north", "parcel", "North", {"type": "Polygon", "coordinates": [RING]}, {"crop": "Maize"})
+BARN = MapFeature("barn", "building", "Barn", {"type": "Polygon", "coordinates": [RING]}, {"category": "barn"})
+REF = EntityRef("urn:ngsi-ld:AgriParcel:hof:north", "AgriParcel")
+
+
+@given(written=maps)
+@settings(max_examples=20, deadline=None)
+def test_what_we_wrote_is_never_taken_for_somebody_elses_wish(written: list[MapFeature]) -> None:
+    urns = Urns("hof")
+    of = {one.id: one for one in written}
+    for entity in map_entities(written, "hof", "Hof")[0]:
+        if entity["type"] in KIND_OF:
+            back = key_values(entity_from_wire(json.loads(json.dumps(normalized(signed(entity)).to_wire()))))
+            assert is_as_told(back)
+            feature_id = urns.name_of(entity["type"], entity["id"])
+            assert feature_id is not None
+            assert proposed(back, of[feature_id], urns) is None
+
+
+class Farm:
+    """A console with a published map, and somebody else in the cloud."""
+
+    def __init__(self, folder: Path, *features: MapFeature) -> None:
+        self.rig = Rig(folder)
+        self.features = {one.id: one for one in features}
+        self.told = 0
+        self.book = ProposalBook(self.rig.urns)
+        self.hints = Hints(Gate(SecretStr(SECRET)), Tenant("farm"), self.rig.clock)
+        client = self.rig.link.client
+        self.rig.mirror._whole = self._whole
+        self.rig.mirror.changes = MapChanges(client, self.book, self.hints, self.rig.clock, self._map, self._changed)
+        self.others: NgsiClient = client
+        self.tell()
+
+    async def _map(self) -> dict[str, MapFeature]:
+        return self.features
+
+    def _changed(self) -> None:
+        self.told += 1
+
+    def tell(self) -> None:
+        """Let the mirror tell the map, but what is held back."""
+        self.rig.mirror.tell_whole()
+
+    async def _whole(self) -> list[dict[str, Any]]:
+        found = [signed(one) for one in map_entities(list(self.features.values()), "hof", "Hof")[0]]
+        return self.book.held_back(found)
+
+    async def in_cloud(self) -> dict[str, Any]:
+        """Return the parcels of the cloud."""
+        return await self.rig.in_cloud("AgriParcel")
+
+    def notified(self, entity: dict[str, Any], **how: Any) -> bool:
+        """Post a notification."""
+        headers = {"fiware-service": "farm", "fiware-servicepath": "/", **how.get("headers", {})}
+        body = json.dumps({"subscriptionId": "x" * 24, "data": [entity]}).encode()
+        return self.hints.lets_in(how.get("secret", SECRET), "127.0.0.1") and self.hints.take(body, headers)
+
+
+async def test_a_field_that_was_reshaped_in_the_cloud_is_proposed_and_not_written_over(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH, BARN)
+    await farm.rig.run(1)
+    assert farm.book.all() == []
+    shape = make.Attribute(type="geo:json", value={"type": "Polygon", "coordinates": [WIDER]})
+    await farm.others.patch(REF, {"location": shape})
+    await farm.rig.run(301, step_s=50)  # nobody told: it is read every five minutes
+    (one,) = farm.book.all()
+    assert (one.id, one.what, one.name, one.problem) == ("north", "changed", "North", "")
+    assert "moved" in one.text
+    assert one.after is not None
+    assert one.after.geometry["coordinates"][0][1] == [10.002, 50.0]
+    assert one.after.properties == NORTH.properties
+    assert farm.told == 1
+
+    farm.features["barn"] = replace(BARN, name="Old barn")
+    farm.tell()
+    await farm.rig.run(2)
+    assert (await farm.in_cloud())[REF.id]["location"]["coordinates"] == [WIDER], "theirs stays while it is open"
+    assert (await farm.rig.in_cloud("Building"))["urn:ngsi-ld:Building:hof:barn"]["name"] == "Old barn"
+    await farm.rig.close()
+
+
+async def test_a_change_made_while_the_console_was_off_is_not_written_over_at_its_start(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH)
+    await farm.rig.run(1)
+    await farm.others.append(REF, {"cropStatus": make.text("growing")})
+    again = Farm(tmp_path, NORTH)
+    again.rig.road._inner = farm.rig.road._inner
+    await again.rig.run(1)
+    (one,) = again.book.all()
+    assert one.after is not None
+    assert one.after.properties == {"crop": "Maize", "status": "growing"}
+    await again.rig.close()
+    await farm.rig.close()
+
+
+async def test_a_notification_is_a_hint_and_what_it_says_is_read_from_the_broker(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH)
+    await farm.rig.run(1)
+    await farm.others.patch(REF, {"name": make.text("North field")})
+    lie = {"id": REF.id, "type": REF.type, "name": {"type": "Text", "value": "Owned"},
+           "dateModified": {"type": "DateTime", "value": farm.rig.clock.utc().isoformat()}}  # fmt: skip
+    assert farm.notified(lie)
+    await farm.rig.run(1)
+    (one,) = farm.book.all()
+    assert one.after is not None
+    assert one.after.name == "North field"
+    await farm.rig.close()
+
+
+async def test_notifications_of_others_are_refused_and_a_storm_of_ours_is_one_question(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH)
+    await farm.rig.run(1)
+    entity = {"id": REF.id, "type": REF.type}
+    assert not farm.notified(entity, secret="x" * 32)
+    assert not farm.notified(entity, headers={"fiware-service": "other"})
+    assert not farm.hints.take(b"not json", {"fiware-service": "farm"})
+    assert farm.hints.counts.refused == 3
+    for number in range(2000):
+        assert farm.notified({**entity, "id": f"{REF.id}-{number}"})
+    assert farm.hints.is_too_many
+    before = len(farm.rig.road.requests)
+    await farm.rig.run(1)
+    assert len(farm.rig.road.requests) - before < 6
+    await farm.rig.close()
+
+
+async def test_a_field_that_is_new_in_the_cloud_is_proposed_and_nonsense_says_what_is_wrong(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH)
+    shape = {"type": "Polygon", "coordinates": [WIDER]}
+    crop = {"id": "urn:ngsi-ld:AgriCrop:wheat", "type": "AgriCrop", "name": "Wheat"}
+    south = {"id": "urn:ngsi-ld:AgriParcel:South-7", "type": "AgriParcel", "name": "South", "location": shape,
+             "area": 3, "hasAgriCrop": crop["id"]}  # fmt: skip
+    point = {**south, "id": "urn:ngsi-ld:AgriParcel:p", "location": {"type": "Point", "coordinates": [10, 50]}}
+    for entity in (crop, south, point):
+        await farm.others.upsert(normalized(entity))
+    await farm.rig.run(1)
+    fresh, wrong = sorted(farm.book.all(), key=lambda one: one.problem)
+    assert fresh.after is not None
+    assert (fresh.id, fresh.what, fresh.after.name) == ("south-7", "added", "South")
+    assert fresh.after.properties == {"crop": "Wheat"}
+    assert "Point" in wrong.problem
+    await farm.rig.close()
+
+
+async def test_a_field_that_was_deleted_in_the_cloud_is_proposed_to_be_removed(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH)
+    await farm.rig.run(1)
+    await farm.others.delete(REF)
+    told = {"id": REF.id, "type": REF.type, "alterationType": {"type": "Text", "value": "entityDelete"},
+            "dateModified": {"type": "DateTime", "value": farm.rig.clock.utc().isoformat()}}  # fmt: skip
+    assert farm.notified(told)
+    await farm.rig.run(1)
+    (one,) = farm.book.all()
+    assert (one.what, one.after) == ("removed", None)
+    await farm.rig.close()
+
+
+async def test_what_is_published_is_done_and_what_is_refused_is_told_as_we_have_it(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH, BARN)
+    await farm.rig.run(1)
+    await farm.others.patch(REF, {"name": make.text("Taken")})
+    await farm.others.patch(EntityRef("urn:ngsi-ld:Building:hof:barn", "Building"), {"name": make.text("Refused")})
+    await farm.rig.run(301, step_s=50)
+    assert {one.id for one in farm.book.all()} == {"north", "barn"}
+    north = farm.book.get("north")
+    assert north is not None
+    assert north.after is not None
+    farm.book.taken("north", "Martha")
+    assert farm.book.get("north").by == "Martha"  # type: ignore[union-attr]
+    assert not farm.book.published({**farm.features}), "a map without it was published: it stays open"
+    assert farm.book.get("north").by == ""  # type: ignore[union-attr]
+    farm.features["north"] = north.after
+    assert farm.book.published(farm.features)
+    farm.book.drop("barn")
+    farm.tell()
+    await farm.rig.run(1)
+    assert farm.book.all() == [], "what was refused does not come back before it is written over"
+    assert (await farm.rig.in_cloud("Building"))["urn:ngsi-ld:Building:hof:barn"]["name"] == "Barn"
+    farm.rig.mirror.changes.read_soon()  # type: ignore[union-attr]
+    await farm.rig.run(1)
+    assert farm.book.all() == []
+    barn = EntityRef("urn:ngsi-ld:Building:hof:barn", "Building")
+    await farm.others.patch(barn, {"name": make.text("Refused")})
+    farm.rig.mirror.changes.read_soon()  # type: ignore[union-attr]
+    await farm.rig.run(1)
+    assert [one.id for one in farm.book.all()] == ["barn"], "somebody who wants it again is heard again"
+    await farm.rig.close()
+
+
+async def test_what_left_our_map_leaves_the_cloud_unless_somebody_else_changed_it_there(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH, BARN, replace(NORTH, id="south", name="South"))
+    await farm.rig.run(1)
+    south = EntityRef("urn:ngsi-ld:AgriParcel:hof:south", "AgriParcel")
+    await farm.others.patch(south, {"name": make.text("Ours now")})
+    del farm.features["north"], farm.features["south"]
+    farm.tell()
+    await farm.rig.run(1)
+    assert set(await farm.in_cloud()) == {south.id}
+    assert [(one.id, one.what) for one in farm.book.all()] == [("south", "added")]
+    assert await farm.rig.in_cloud("Building")
+    await farm.rig.close()
+
+
+@pytest.mark.parametrize("number", [1.0, 2.5, -3.0])
+def test_a_broker_may_write_numbers_its_own_way(number: float) -> None:
+    entity = {"id": REF.id, "type": REF.type, "name": "N", "location": {"coordinates": [number, [number]]},
+              "headland": {}}  # fmt: skip
+    whole = json.loads(json.dumps(signed(entity)).replace(".0]", "]").replace(".0,", ","))
+    assert is_as_told(whole)

@@ -1,0 +1,137 @@
+"""Changes from the cloud over REST: a person takes them into a draft or refuses them; the broker posts hints."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import httpx
+import pytest
+from fastapi import FastAPI
+
+from hmi.api import errors
+from hmi.api.access import Access
+from hmi.api.cloud import proposal_routes
+from hmi.api.maps import map_routes
+from hmi.cloud.proposals import Proposal, ProposalBook
+from hmi.commands.map_book import parsed
+from hmi.commands.map_proposals import MapProposals
+from hmi.domain.role import Role
+from hmi.fiware.map_change import signed
+from hmi.fiware.parcel import parcel_entity
+from hmi.fiware.urn import Urns
+from hmi.mapping.feature import MapFeature
+from tests.hmi.maps.conftest import MapRig
+from tests.hmi.missions.rig import FARM, Door, NoTokens
+
+URNS = Urns("farm")
+
+
+class Cloud:
+    """What the routes need of the cloud's room."""
+
+    def __init__(self) -> None:
+        self.book = ProposalBook(URNS)
+        self.hints: list[bytes] = []
+        self.told = 0
+
+    def proposals(self) -> list[dict[str, Any]]:
+        """Return ids."""
+        return [{"id": one.id, "by": one.by} for one in self.book.all()]
+
+    def lets_in(self, secret: str, source: str) -> bool:
+        """Let in who has the right secret."""
+        return secret == "right"
+
+    def hint(self, body: bytes, headers: dict[str, str]) -> bool:
+        """Take a hint."""
+        self.hints.append(body)
+        return body == b"{}"
+
+    def refused(self) -> None:
+        """Count what was refused."""
+        self.told += 1
+
+
+def browser(rig: MapRig, cloud: Cloud, role: Role) -> httpx.AsyncClient:
+    """Return somebody's browser, at the routes of the map and of proposals."""
+    app = FastAPI()
+    app.state.access = Access(Door(rig.person(role, FARM)), NoTokens(), rig.authorize)
+    app.include_router(map_routes(rig.map_book, rig.review, rig.exchange))
+    proposals = MapProposals(cloud.book, rig.map_book, rig.authorize, rig.audit, cloud.refused)
+    app.include_router(proposal_routes(cloud, proposals))  # type: ignore[arg-type]  # what these routes ask for
+    errors.install(app)
+    return httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://console.local")
+
+
+async def wished(rig: MapRig, cloud: Cloud) -> Proposal:
+    """Let somebody rename a field in the cloud."""
+    ours: dict[str, MapFeature] = parsed(rig.maps.features_of(FARM, rig.maps.published(FARM).number))
+    entity = {**signed(parcel_entity(URNS, ours["field-1"])), "name": "Renamed there"}
+    assert cloud.book.look([entity], ours, rig.clock.utc())
+    (one,) = cloud.book.all()
+    return one
+
+
+@pytest.fixture
+def cloud() -> Cloud:
+    """Return a cloud that wants nothing yet."""
+    return Cloud()
+
+
+async def test_a_change_from_the_cloud_goes_into_the_draft_as_a_step_that_can_be_undone(
+    rig: MapRig, cloud: Cloud
+) -> None:
+    async with browser(rig, cloud, Role.PLANNER) as client:
+        one = await wished(rig, cloud)
+        early = await client.post(f"/map/proposals/{one.id}/take", json={"id": "ref-early-1"})
+        assert early.status_code == 404, "there is no draft to put it into"
+        await client.post("/map/draft", json={})
+        answer = await client.post(f"/map/proposals/{one.id}/take", json={"id": "ref-take-1"})
+        assert answer.status_code == 200, answer.text
+        (change,) = answer.json()["changes"]
+        assert change["after"]["properties"]["name"] == "Renamed there"
+        assert answer.json()["draft"]["undo"].startswith("From the cloud: ")
+        assert (await client.get("/map/proposals")).json()["proposals"][0]["by"]
+        whole = (await client.get("/map")).json()
+        published = {item["id"]: item for item in whole["features"]["features"]}
+        assert published["field-1"]["properties"]["name"] != "Renamed there"
+        undone = (await client.post("/map/draft/undo")).json()
+        assert undone["changes"][0]["after"]["properties"]["name"] == one.name
+    assert [entry.outcome for entry in rig.audit.entries if entry.ref == one.id][-1] == "taken"
+
+
+async def test_a_refused_change_is_gone_and_the_cloud_is_told(rig: MapRig, cloud: Cloud) -> None:
+    async with browser(rig, cloud, Role.PLANNER) as client:
+        one = await wished(rig, cloud)
+        assert (await client.post(f"/map/proposals/{one.id}/refuse")).status_code == 204
+        assert (await client.get("/map/proposals")).json() == {"proposals": []}
+        assert cloud.told == 1
+        assert (await client.post(f"/map/proposals/{one.id}/refuse")).status_code == 404
+
+
+async def test_who_may_not_edit_the_map_may_look_and_nothing_more(rig: MapRig, cloud: Cloud) -> None:
+    one = await wished(rig, cloud)
+    async with browser(rig, cloud, Role.OPERATOR) as client:
+        assert (await client.get("/map/proposals")).status_code == 200
+        assert (await client.post(f"/map/proposals/{one.id}/take", json={"id": "ref-take-2"})).status_code == 403
+        assert (await client.post(f"/map/proposals/{one.id}/refuse")).status_code == 403
+    assert cloud.book.get(one.id) == one
+
+
+async def test_what_cannot_be_on_a_map_is_not_taken(rig: MapRig, cloud: Cloud) -> None:
+    one = await wished(rig, cloud)
+    cloud.book._open[one.id] = replace(one, problem="A parcel cannot be a Point.", after=None)
+    async with browser(rig, cloud, Role.PLANNER) as client:
+        await client.post("/map/draft", json={})
+        answer = await client.post(f"/map/proposals/{one.id}/take", json={"id": "ref-take-3"})
+    assert (answer.status_code, answer.json()["text"]) == (422, "A parcel cannot be a Point.")
+
+
+async def test_the_broker_posts_without_signing_in_and_nobody_else_gets_an_answer(rig: MapRig, cloud: Cloud) -> None:
+    async with browser(rig, cloud, Role.VIEWER) as client:
+        assert (await client.post("/cloud/notify/right", content=b"{}")).status_code == 204
+        assert (await client.post("/cloud/notify/wrong", content=b"{}")).status_code == 404
+        assert (await client.post("/cloud/notify/right", content=b"x" * (2**20 + 1))).status_code == 413
+        assert (await client.post("/cloud/notify/right", content=b"nonsense")).status_code == 400
+    assert cloud.hints == [b"{}", b"nonsense"]
