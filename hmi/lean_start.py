@@ -8,9 +8,9 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-UNUSED = ("aiohttp", "requests", "rich")
-"""What ``engineio`` imports for its client half, and ``httpx`` for its command line, where it is installed.
-Both do without; together they take a tenth of the console's start.
+UNUSED = ("aiohttp", "requests", "rich", "dns")
+"""What ``engineio`` imports for its client half, ``httpx`` for its command line and ``paho`` for SRV records, where
+it is installed. All do without; together they take a tenth of the console's start.
 """
 
 
@@ -18,7 +18,8 @@ Both do without; together they take a tenth of the console's start.
 def lean_start(*with_them: str) -> Iterator[None]:
     """Import the body's modules without collecting garbage, and first ``with_them`` without what is ``UNUSED``.
 
-    What was imported stays for good: no later collection looks at it again.
+    What was imported stays for good: no collection looks at it, not even once, for there is next to no garbage in it
+    (1,400 of 300,000 objects) and looking takes a fifth of a second.
     """
     gc.disable()
     hidden = [name for name in UNUSED if name not in sys.modules]
@@ -32,6 +33,5 @@ def lean_start(*with_them: str) -> Iterator[None]:
     try:
         yield
     finally:
-        gc.enable()
-        gc.collect()
         gc.freeze()
+        gc.enable()

@@ -6,12 +6,13 @@ Every field is documented here and printed by ``headland check``. Outside demo m
 from __future__ import annotations
 
 import re
+from ipaddress import ip_network
 from pathlib import Path
 from typing import Annotated, Literal
 from urllib.parse import urlsplit
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, SecretStr, field_validator, model_validator
 from pydantic_settings import (
     BaseSettings,
     PydanticBaseSettingsSource,
@@ -45,6 +46,10 @@ def origin_of(template: str) -> str:
     return f"{parts.scheme}://{parts.netloc}"
 
 
+def _no_secret() -> SecretStr:
+    return SecretStr("")
+
+
 class Settings(BaseSettings):
     """Everything an installation can choose; one instance per process."""
 
@@ -64,6 +69,21 @@ class Settings(BaseSettings):
     media: bool = Field(
         True,
         description="Run the media process, which draws the 3D twin. Off, the twin's screen shows the map instead.",
+    )
+    cameras: bool = Field(
+        True, description="Run the camera process. Off, no screen shows pictures; nothing else changes."
+    )
+    camera_viewers: int = Field(
+        64, ge=1, le=500, description="Most WebRTC streams at once. Further viewers get JPEG pictures."
+    )
+    camera_workers: int = Field(
+        32, ge=1, le=200, description="Most cameras pulled at once; each takes 30 to 70 MB while somebody looks."
+    )
+    camera_video_width: int = Field(
+        1280,
+        ge=160,
+        le=4096,
+        description="Wider pictures are made smaller for WebRTC, px. Full size is always there as JPEG.",
     )
     secret: str = Field(
         DEFAULT_SECRET,
@@ -120,6 +140,50 @@ class Settings(BaseSettings):
         description="Times of day when shifts end, on the farm's clock; an alarm can be shelved until then.",
     )
 
+    map_engine: Literal["auto", "full", "simple"] = Field(
+        "auto",
+        description="How maps are drawn: full by WebGL, simple without it. auto draws the map of one robot by WebGL "
+        "only where a graphics chip does it, and the map of the fleet wherever there is WebGL.",
+    )
+    cloud_url: str | None = Field(
+        None,
+        description="Context broker (NGSI-v2) of the cloud, e.g. https://broker.example/orion. Off if not set.",
+    )
+    cloud_tenant: str = Field("", description="Tenant there (Fiware-Service): a-z, 0-9, _; empty is the default one.")
+    cloud_path: str = Field("/", description="Service path there, e.g. /farm/north.")
+    cloud_ca: Path | None = Field(None, description="CA file for a context broker with its own certificate.")
+    cloud_token: SecretStr = Field(
+        default_factory=_no_secret, description="Fixed credentials, the whole value of the header, e.g. Bearer ..."
+    )
+    cloud_token_header: str = Field(
+        "Authorization", description="Header of the credentials, e.g. X-Auth-Token; for OAuth2 too."
+    )
+    cloud_oauth_url: str | None = Field(None, description="OAuth2 token endpoint, instead of fixed credentials.")
+    cloud_oauth_client: str = Field("", description="OAuth2 client id.")
+    cloud_oauth_secret: SecretStr = Field(default_factory=_no_secret, description="OAuth2 client secret.")
+    cloud_oauth_user: str = Field("", description="OAuth2 user; with one the grant is password.")
+    cloud_oauth_password: SecretStr = Field(default_factory=_no_secret, description="OAuth2 password of that user.")
+    cloud_notify_url: str | None = Field(
+        None,
+        description="Address of this console as the context broker reaches it, e.g. https://farm.example, so that it "
+        "tells of changes at once. Without it the map in the cloud is read every five minutes.",
+    )
+    cloud_notify_from: list[str] = Field(
+        default_factory=list, description="Addresses or networks the context broker posts from; none means any."
+    )
+    cloud_period_s: float = Field(
+        1.0, ge=0.1, le=60, description="How often robots that moved are told to the cloud, seconds."
+    )
+    cloud_outbox_mb: int = Field(
+        64, ge=1, le=10_000, description="Room on disk for what waits while the cloud is away, MB; the oldest goes."
+    )
+    cloud_outbox_days: float = Field(7, gt=0, le=365, description="What waited so long is dropped.")
+    demo_cloud: bool = Field(True, description="Run a simulated context broker in the demo.")
+    demo_light: Literal["day", "clock"] = Field(
+        "day",
+        description="What the demo's cameras see: day is a summer morning at any hour, clock the light of now.",
+    )
+
     base_map_mb: int = Field(
         4096, ge=1, description="Room for the base maps of a farm in the data folder, MB. What is over it is refused."
     )
@@ -132,10 +196,73 @@ class Settings(BaseSettings):
     online_tiles_credit: str = Field("", max_length=160, description="Who must be named beside the online map.")
     online_tiles_max_zoom: int = Field(19, ge=1, le=24, description="Nearest zoom the online map has.")
 
+    camera_networks: list[str] = Field(
+        default_factory=list,
+        description="Networks where cameras may be, e.g. 192.168.7.0/24. A robot's own host is always allowed; this "
+        "machine only if a network such as 127.0.0.0/8 names it; link-local and cloud metadata addresses never.",
+    )
+    record_cameras: Literal["auto", "driving", "watched", "off"] = Field(
+        "auto",
+        description="Which cameras keep their last minute for clips: watched, those somebody looks at, and one of a "
+        "robot while it has a STOP or an urgent alarm; driving, also the first camera of each robot that drives or "
+        "works; off, none. auto is watched in the demo, else driving.",
+    )
+    record_most: int = Field(4, ge=1, le=64, description="At most so many cameras are held open for clips.")
+    mission_pictures: Literal["rows", "minutes", "off"] = Field(
+        "rows",
+        description="A picture of each mission at the end of a row, every mission_picture_minutes, or none. With "
+        "record_cameras watched only from cameras that are open anyway.",
+    )
+    mission_picture_minutes: float = Field(5, ge=0.5, le=1440, description="Minutes between two pictures of a mission.")
+    pictures_gb: float = Field(
+        5, ge=0.1, description="Room for kept pictures and clips in the data folder, GB. The oldest go first."
+    )
+    pictures_days: int = Field(
+        30, ge=1, le=36_500, description="Pictures and clips that nobody marked are kept this many days."
+    )
+    pictures_free_gb: float = Field(
+        2, ge=0, description="With less room than this left on the disk, GB, no picture or clip is kept."
+    )
+    picture_watermark: bool = Field(
+        False, description="Burn the person's name and the time into pictures that are sent out. Clips are not changed."
+    )
+
+    @field_validator("camera_networks")
+    @classmethod
+    def _networks(cls, value: list[str]) -> list[str]:
+        try:
+            return [str(ip_network(one, strict=False)) for one in value]
+        except ValueError as error:
+            raise ValueError(f"camera_networks must be networks such as 192.168.7.0/24: {error}") from error
+
     @field_validator("online_tiles_url")
     @classmethod
     def _tile_url(cls, value: str | None) -> str | None:
         return None if not value else checked_template(value)
+
+    @field_validator("cloud_url", "cloud_oauth_url", "cloud_notify_url")
+    @classmethod
+    def _cloud_address(cls, value: str | None) -> str | None:
+        if not value:
+            return None
+        parts = urlsplit(value)
+        if parts.scheme not in ("http", "https") or not parts.hostname or parts.query or "@" in parts.netloc:
+            raise ValueError("an address of the cloud must be http(s)://host/..., without name and password in it")
+        return value.rstrip("/")
+
+    @field_validator("cloud_tenant")
+    @classmethod
+    def _cloud_service(cls, value: str) -> str:
+        if not re.fullmatch(r"[a-z0-9_]{0,50}", value):
+            raise ValueError("cloud_tenant may hold a-z, 0-9 and _, at most 50")
+        return value
+
+    @field_validator("cloud_path")
+    @classmethod
+    def _cloud_service_path(cls, value: str) -> str:
+        if not re.fullmatch(r"/|(/[A-Za-z0-9_]{1,50}){1,10}", value):
+            raise ValueError("cloud_path must be / or /level/level with letters, digits and _, at most ten levels")
+        return value
 
     @field_validator("stop_public_url")
     @classmethod

@@ -27,7 +27,7 @@ from hmi.commands.weather import WeatherBoard
 from hmi.domain.alarm.alarm import CONSOLE
 from hmi.domain.alarm.catalogue import catalogue
 from hmi.domain.alarm.conditions import Change, Conditions
-from hmi.domain.alarm.finding import NOTHING, Finding, detail_of
+from hmi.domain.alarm.finding import NOTHING, Finding, Findings, detail_of
 from hmi.domain.alarm.live_alarm import LiveAlarm, Step
 from hmi.domain.alarm.shift import ShiftBook
 from hmi.domain.event import RobotEvent
@@ -94,6 +94,7 @@ class AlarmRoom:
         self._shifts = ShiftBook(settings.shift_ends, farm_zone(settings.time_zone))
         self._stations: dict[str, str] = {}
         self.weather: WeatherBoard | None = None
+        self.further: dict[str, Callable[[], Findings]] = {}  # what other rooms find wrong with the console
         self._farm_id, self._started_s = settings.farm_id, clock.mono_s()
         self._missing: set[str] = set()
         self._task: asyncio.Task[None] | None = None
@@ -221,6 +222,8 @@ class AlarmRoom:
         now_s = self._clock.mono_s()
         self.watch.report(CONSOLE, "console", self._console.look(self._health, now_s))
         self.watch.report(CONSOLE, "notifications", self.notifications.findings())
+        for name, look in self.further.items():
+            self.watch.report(CONSOLE, name, look())
         self._look_at_gateway()
         self._look_at_weather()
         self._look_for_missing(now_s)

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Coroutine, Sequence
 from typing import Any
 
 from hmi.api.health import KeeperReport
 from hmi.api.metrics import ConsoleMetrics
 from hmi.app.alarms import AlarmRoom
 from hmi.app.base_maps import BaseMapDesk
+from hmi.app.camera_calls import camera_calls
+from hmi.app.camera_rule import CameraRule
+from hmi.app.cameras import CameraDesk
 from hmi.app.chores import Chores
+from hmi.app.cloud import CloudRoom
 from hmi.app.edge import Edge
 from hmi.app.fleet import FleetDesk
 from hmi.app.maps import MapDesk
 from hmi.app.missions import MissionDesk
+from hmi.app.pictures import PictureDesk
 from hmi.app.queue import QueueDesk
 from hmi.app.records import Records
 from hmi.app.stops import StopDesk
@@ -41,6 +46,18 @@ class Console:
     def __init__(self, settings: Settings, clock: Clock, records: Records, edge: Edge, epoch: int) -> None:
         self.settings, self.clock, self.records, self.edge = settings, clock, records, edge
         self.authorize = Authorizer(records.robots.of_any_farm)
+        self.keeper, self.metrics = KeeperReport(settings.data), ConsoleMetrics()
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._undo: list[Callable[[], None]] = []
+        self._refusals: dict[tuple[str, str], float] = {}
+        self._open_knowledge()
+        self._open_commands(epoch)
+        self._open_pictures()
+        self._tell_each_other()
+
+    def _open_knowledge(self) -> None:
+        """Missions, maps and alarms, and the lane that shows them."""
+        settings, clock, records, edge = self.settings, self.clock, self.records, self.edge
         self.missions = MissionDesk(settings, clock, records, edge.fleet, self.authorize, self._lane_event)
         self.maps = MapDesk(settings, clock, records, edge.fleet, self.authorize, self._lane_event)
         self.base_maps = BaseMapDesk(settings, records, clock, self.authorize, self._lane_event)
@@ -55,8 +72,15 @@ class Console:
             lambda: edge.coordinator.is_broker_up,
         )
         self.hub = LiveHub(edge.fleet, edge.ticks, clock, self.missions.title_of, self.missions.facts.of, self.alarms)
-        self.keeper = KeeperReport(settings.data)
-        self.metrics = ConsoleMetrics()
+        self.chores = Chores(records, self.hub, self.keeper, clock)
+        self.twin = TwinDesk.of(settings, records, edge.fleet, self.authorize)
+        self.cloud = CloudRoom(
+            settings, clock, records, edge.fleet, lambda: edge.coordinator.tally.total, self._lane_event
+        )
+
+    def _open_commands(self, epoch: int) -> None:
+        """Commands to one robot, to several, by the queue, and STOP's second path."""
+        settings, clock, records, edge = self.settings, self.clock, self.records, self.edge
         self.desk = CommandDesk(
             CommandPorts(
                 fleet=edge.fleet,
@@ -91,18 +115,38 @@ class Console:
             records.robots,
             records.audit,
             self.desk.leases,
-            on_stop=self.queue.stopped,
+            on_stop=self._stopped,
             on_stop_all=self.queue.freeze.stop_all,
             on_move=self._stop_moved,
         )
-        self.twin = TwinDesk.of(settings, records, edge.fleet, self.authorize)
+
+    def _open_pictures(self) -> None:
+        """Cameras, and what is kept of them."""
+        settings, clock, records, edge = self.settings, self.clock, self.records, self.edge
+        self.cameras = CameraDesk.of(settings, records, edge.fleet, self.authorize, edge.sender)
+        self.pictures = PictureDesk(
+            settings,
+            clock,
+            records,
+            edge.fleet,
+            self.authorize,
+            self._lane_event,
+            self.missions.title_of,
+            camera_calls(self.cameras),
+        )
+        self.cameras.rule = CameraRule(self.pictures.sources)
+
+    def _tell_each_other(self) -> None:
+        """Plug together what knows of each other only here."""
+        records, edge = self.records, self.edge
         self.alarms.weather = self.queue.weather
+        self.alarms.further["cloud"] = self.cloud.findings
+        self.desk.missions.cloud = self.cloud if self.cloud.is_on else None
         self.alarms.notifications.responsible_for = self._responsible_for
-        self.chores = Chores(records, self.hub, self.keeper, clock)
-        see = [records.recorder.see, self.missions.tracking.see, self.alarms.see]
-        self._witness = FleetWitness(edge.fleet, clock, self.stops.service.on_return, see)
-        self._undo: list[Callable[[], None]] = []
-        self._refusals: dict[tuple[str, str], float] = {}
+        self.alarms.store.listeners.append(self.pictures.recorder.alarm)
+        self.alarms.further["pictures"] = self.pictures.findings
+        see = [records.recorder.see, self.missions.tracking.see, self.alarms.see, self.pictures.recorder.see]
+        self._witness = FleetWitness(edge.fleet, self.clock, self.stops.service.on_return, see)
 
     @classmethod
     async def prepare(cls, settings: Settings, clock: Clock) -> Console:
@@ -121,6 +165,7 @@ class Console:
         await console.base_maps.prepare()
         await console.queue.prepare()
         await console.fleet.prepare()
+        await console.pictures.prepare()
         await console.alarms.prepare()
         return console
 
@@ -137,15 +182,20 @@ class Console:
         self.missions.start()
         self.queue.start()
         self.fleet.start()
+        self.pictures.start()
         self.chores.start()
+        self.cloud.start()
 
     async def stop(self) -> None:
         """End everything in the opposite order; what is queued is written."""
+        await self.cloud.stop()
         await self.twin.stop()
         await self.alarms.stop()
         await self.chores.stop()
         for undo in self._undo:
             undo()
+        await self.pictures.stop()
+        await self.cameras.stop()
         await self.fleet.stop()
         await self.queue.stop()
         await self.missions.stop()
@@ -170,7 +220,8 @@ class Console:
         if isinstance(frame, Jog):
             kind, verdict = "jog", self.desk.drive.jog(session, lane_id, JogFrame(frame.robot, frame.rates, frame.tick))
         else:
-            setpoint = DriveFrame(frame.robot, frame.v, frame.w, frame.tick)
+            picture_s = None if frame.picture is None else frame.picture / 1000
+            setpoint = DriveFrame(frame.robot, frame.v, frame.w, frame.tick, picture_s)
             kind, verdict = "drive", self.desk.drive.setpoint(session, lane_id, setpoint)
         if not verdict.is_forwarded and self._is_new_refusal(lane_id, verdict.code):
             told = {"kind": kind, "robot": frame.robot, "code": verdict.code, "text": verdict.text}
@@ -188,6 +239,9 @@ class Console:
         hear.on_safety += [self._safety, self.stops.service.on_safety]
         hear.on_event += [self.records.recorder.see_event, self.alarms.see_event, self._robot_event]
         hear.on_trouble.append(self.alarms.trouble)
+        if self.cloud.is_on:
+            hear.on_event.append(self.cloud.news.see_event)
+            self.alarms.store.listeners.append(self.cloud.news.see_alarm)
         self.desk.ledger.when_settled(self.metrics.observe)
         self.desk.ledger.when_settled(self.missions.acts.settled)
         self._undo = [
@@ -201,6 +255,12 @@ class Console:
 
     def _acknowledged(self, answer: Any) -> None:
         self.desk.ledger.acknowledged(answer)
+
+    def _stopped(self, robot_id: str, by: str) -> None:
+        try:
+            self.queue.stopped(robot_id, by)
+        finally:
+            self.pictures.recorder.stopped(robot_id, by)
 
     def _stop_moved(self, robot_ids: Sequence[str]) -> None:
         for robot_id in robot_ids:
@@ -227,8 +287,14 @@ class Console:
         if event.get("kind") == "map" and event.get("what") == "published":
             self.missions.facts.map_published()
             self.alarms.ground.map_published()
+            self._soon(self.cloud.map_published())
         if event.get("kind") == "lease":
             self.show_lease(str(event["robot"]))
+
+    def _soon(self, work: Coroutine[Any, Any, None]) -> None:
+        task = asyncio.get_running_loop().create_task(work, name="console-soon")
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
 
     def show_lease(self, robot_id: str) -> None:
         """Tell the browsers who has control of a robot."""

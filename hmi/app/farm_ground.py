@@ -33,7 +33,7 @@ class FarmGround:
             return
         geometry = farms[0].geometry
         rings = geometry["coordinates"] if geometry["type"] == "Polygon" else geometry["coordinates"][0]
-        self.now = Ground.of([(float(p[0]), float(p[1])) for p in rings[0]])
+        self.now = await asyncio.to_thread(Ground.of, [(float(p[0]), float(p[1])) for p in rings[0]])
 
     def map_published(self) -> None:
         """Read it again, beside."""

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 
 from hmi.commands.map_watch import MapWatch
 from hmi.commands.refusal import OrderRefused
-from hmi.planning.projection import LocalFrame
 from hmi.presenters.start_checks import MissionFacts, Place
 from hmi.store.database import Database
 from hmi.store.errors import NotFound, StoreError
@@ -75,7 +74,8 @@ class MissionFactsBook:
             document = await self._database.run(self._missions.document, mission.farm_id, mission.id)
             farms = await self._database.run(self._features.all, mission.farm_id, ("farm",))
             fence = _ring(farms[0].geometry) if farms else ()
-            self._around[mission.id] = _Around(key, _start(document), fence, await self._map_text(mission, document))
+            start = await asyncio.to_thread(_start, document)  # the first one loads the geometry
+            self._around[mission.id] = _Around(key, start, fence, await self._map_text(mission, document))
         except (NotFound, StoreError) as error:
             log.info("nothing is known around mission %s: %s", mission.id, error)
         finally:
@@ -92,6 +92,8 @@ class MissionFactsBook:
 
 
 def _start(document: dict[str, Any]) -> Place:
+    from hmi.planning.projection import LocalFrame  # numpy and pyproj: not for a console's start
+
     frame = LocalFrame(document["datum"]["lat_deg"], document["datum"]["lon_deg"])
     lon, lat = frame.to_lon_lat([document["segments"][0]["points"][0]])[0]
     return float(lon), float(lat)

@@ -14,6 +14,7 @@ from hmi.security.stop_tokens import StopTokens
 from hmi.security.walls import WallScreens
 from hmi.store.audit import Audit
 from hmi.store.base_maps import BaseMapRecords
+from hmi.store.camera_sources import CameraSources
 from hmi.store.checklists import Checklists
 from hmi.store.counters import Counters
 from hmi.store.database import Database
@@ -25,6 +26,7 @@ from hmi.store.fleet_groups import FleetGroups
 from hmi.store.history import History
 from hmi.store.maps import Maps
 from hmi.store.missions import Missions
+from hmi.store.pictures import PictureRecords
 from hmi.store.recorder import Recorder
 from hmi.store.robots import Robots
 from hmi.store.state_times import StateRecords
@@ -63,6 +65,8 @@ class Records:
         self.features = Features(self.database, clock)
         self.maps = Maps(self.database, clock)
         self.base_maps = BaseMapRecords(self.database)
+        self.pictures = PictureRecords(self.database)
+        self.camera_sources = CameraSources(self.database, farm)
         self.missions = Missions(self.database, clock)
         self.checklists = Checklists(self.database, clock)
         self.templates = Templates(self.database, clock)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 
+import structlog
 import uvicorn
 
 from hmi.app.console import Console
@@ -55,5 +56,7 @@ async def _serve(settings: Settings) -> None:
 
 def _configure_logging() -> None:
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(levelname)s %(name)s %(message)s")
+    # not each call to the cloud and each robot's message
+    structlog.configure(wrapper_class=structlog.make_filtering_bound_logger(logging.INFO))
     for noisy in ("httpx", "httpcore", "alembic"):
         logging.getLogger(noisy).setLevel(logging.WARNING)

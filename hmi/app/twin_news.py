@@ -11,7 +11,6 @@ from hmi.app.media_link import MediaLink
 from hmi.commands.ports import FleetReader
 from hmi.domain.event import RobotEvent
 from hmi.domain.robot import Robot
-from hmi.planning.projection import LocalFrame
 from hmi.store.database import Database
 from hmi.store.errors import NotFound, StoreError
 from hmi.store.features import Features
@@ -98,6 +97,8 @@ def _one(event: RobotEvent) -> Treated | None:
 
 
 def _path(document: dict[str, Any]) -> list[Swath]:
+    from hmi.planning.projection import LocalFrame  # numpy and pyproj: not for a console's start
+
     frame = LocalFrame(document["datum"]["lat_deg"], document["datum"]["lon_deg"])
     swaths = []
     for segment in document["segments"]:

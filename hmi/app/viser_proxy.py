@@ -10,7 +10,7 @@ import contextlib
 import hashlib
 import logging
 import re
-from collections.abc import AsyncIterator, Callable
+from collections.abc import Callable
 
 import msgspec
 from starlette.routing import WebSocketRoute
@@ -19,6 +19,7 @@ from websockets.asyncio.client import ClientConnection
 from websockets.exceptions import ConnectionClosed
 
 from hmi.app.media_link import MediaDown, MediaLink
+from hmi.app.socket_passage import pass_out
 from hmi.domain.ids import is_id
 from hmi.domain.role import Permission, may
 from hmi.live.lane import SessionGate
@@ -102,7 +103,7 @@ class TwinSockets:
     async def _pass_on(self, socket: WebSocket, inner: ClientConnection, session: SessionInfo, passes: Passes) -> None:
         self._open += 1
         tasks = [
-            asyncio.create_task(_out(inner, socket), name="twin-out"),
+            asyncio.create_task(pass_out(inner, socket), name="twin-out"),
             asyncio.create_task(_in(socket, inner, passes), name="twin-in"),
             asyncio.create_task(self._while_signed_in(session), name="twin-session"),
         ]
@@ -121,20 +122,6 @@ class TwinSockets:
     async def _while_signed_in(self, session: SessionInfo) -> None:
         while self._gate.get(session.session_id) is not None:  # noqa: ASYNC110 - looked up in memory, once a second
             await asyncio.sleep(CHECK_S)
-
-
-async def _out(inner: ClientConnection, socket: WebSocket) -> None:
-    with contextlib.suppress(ConnectionClosed, WebSocketDisconnect, RuntimeError):
-        async for said in _frames(inner):
-            if isinstance(said, str):
-                await socket.send_text(said)
-            else:
-                await socket.send_bytes(said)
-
-
-async def _frames(inner: ClientConnection) -> AsyncIterator[str | bytes]:
-    async for said in inner:
-        yield said
 
 
 async def _in(socket: WebSocket, inner: ClientConnection, passes: Passes) -> None:

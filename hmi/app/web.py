@@ -53,11 +53,12 @@ def build_web(console: Console) -> FastAPI:
             console.desk.drive.connection_lost,
         )
     )
-    web.router.routes.extend(
-        console.twin.routes(
-            lambda origin, host: origins.is_allowed(origin, "https" if settings.is_tls else "http", host or "")
-        )
-    )
+
+    def is_ours(origin: str | None, host: str | None) -> bool:
+        return origins.is_allowed(origin, "https" if settings.is_tls else "http", host or "")
+
+    web.router.routes.extend(console.twin.routes(is_ours))
+    web.router.routes.extend(console.cameras.routes(is_ours))
     web.mount(PREFIX, build_api(_api(console)))
     web.router.routes.append(console.metrics.route())
     web.router.routes.extend(bundle.routes())
@@ -147,7 +148,12 @@ def _api(console: Console) -> ApiServices:
                 _without_credentials(console.settings.broker_url),
             ),
             is_database_reachable=records.database.is_reachable,
-            extra=lambda: {**console.chores.health(), **console.alarms.health()},
+            extra=lambda: {
+                **console.chores.health(),
+                **console.alarms.health(),
+                **console.pictures.health(),
+                **console.cloud.health(),
+            },
         ),
         desk=console.desk,
         stop=console.stops,
@@ -156,6 +162,7 @@ def _api(console: Console) -> ApiServices:
             *console.missions.routes(console.desk),
             console.maps.routes(),
             console.base_maps.routes(),
+            *console.pictures.routes(),
             console.queue.routes(),
             *console.fleet.routes(),
             *console.alarms.routes(),
@@ -164,6 +171,8 @@ def _api(console: Console) -> ApiServices:
                 StateRoutes(edge.fleet.robot, records.state_times, records.database, console.clock, console.authorize)
             ),
             console.twin.rest(records),
+            console.cameras.rest(records, console.desk.leases),
+            *console.cloud.routes(console.maps.book, console.authorize),
             *_demo_routes(console),
         ],
     )
@@ -189,6 +198,7 @@ def _diagnostics(console: Console) -> Sources:
         "alarms": console.alarms.diagnostics,
         "audit": records.audit.health,
         "recorder": records.recorder.health,
+        "pictures": console.pictures.shelf.health,
     }
 
 

@@ -32,6 +32,8 @@ _GAP_M = 0.04
 _GRID_M = 1e-4  # without a grid, a union of many strips with common edges loses some of them
 _TOLD_MISSED = 0.04  # a share of the field; sharp corners of small fields cost that much
 _LONG_WAY_M = 10.0  # ways longer than this are driven at transit speed
+_MORE_PASSES = "Choose more headland passes."
+_DEEPER_RADII = (0.0, 1.0, 2.0)  # a border that slants more than usual needs a deeper headland to turn in
 
 
 def plan_coverage(job: Job) -> Plan:
@@ -43,6 +45,25 @@ def plan_coverage(job: Job) -> Plan:
     field = checked_field(job)
     is_wide = job.pattern is Pattern.SKIP_ROWS
     division = headlands.divide(job.machine, job.width_m, job.headland_passes, is_wide=is_wide)
+    if job.headland_passes is not None or job.machine.can_pivot:
+        return _cover(job, field, division)
+    refusals: list[PlanRefused] = []
+    for radii in _DEEPER_RADII:
+        deeper_by = math.ceil(radii * job.machine.turning_radius_m / job.width_m)
+        try:
+            return _cover(job, field, headlands.deepened(division, job.width_m, deeper_by))
+        except PlanRefused as refusal:
+            refusals.append(refusal)
+            if refusal.code != "turn_does_not_fit":
+                break
+    said = refusals[0]  # as it was before the headland took ground for nothing
+    if said.code != "turn_does_not_fit":
+        raise said
+    text = said.text.replace(_MORE_PASSES, "Choose a larger working width, another row direction or row order.")
+    raise PlanRefused(said.code, text, "width_m")
+
+
+def _cover(job: Job, field: BaseGeometry, division: Headland) -> Plan:
     inner = inner_field(field, division, job)
     ground = Ground(field, job.machine, crop=erode(inner, min(job.width_m, 1.0) * 0.6))
     angle = job.angle_rad if job.angle_rad is not None else rows_of.best_angle(inner, job.width_m)
@@ -121,7 +142,7 @@ class _Course:
             raise PlanRefused("no_way", "No row of this field can be reached.", "field_id")
         left_out = sum(len(cell) for cell in self.cells) - self.row
         if left_out and not self.job.machine.can_pivot:
-            text = f"The robot's turning circle does not fit at {left_out} row ends. Choose more headland passes."
+            text = f"The robot's turning circle does not fit at {left_out} row ends. {_MORE_PASSES}"
             raise PlanRefused("turn_does_not_fit", text, "headland_passes")
         if left_out:
             self.notes.append(f"{left_out} rows cannot be reached from the others and are left out.")
@@ -292,4 +313,4 @@ def _with_pivots(legs: Sequence[Leg], machine: RobotProfile) -> list[Leg]:
 
 def _no_turn(before: Leg, after: Leg) -> str:
     where = f"after row {before.row}" if before.row else f"before row {after.row}" if after.row else "on the headland"
-    return f"The robot's turning circle does not fit {where}. Choose more headland passes."
+    return f"The robot's turning circle does not fit {where}. {_MORE_PASSES}"

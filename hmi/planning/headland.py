@@ -67,6 +67,13 @@ def divide(machine: RobotProfile, width_m: float, passes: int | None, *, is_wide
     return Headland(offsets, depth)
 
 
+def deepened(headland: Headland, width_m: float, passes: int) -> Headland:
+    """Return a headland with more laps on its inner side."""
+    last = headland.offsets_m[-1]
+    more = tuple(last + (k + 1) * width_m for k in range(passes))
+    return Headland((*headland.offsets_m, *more), headland.depth_m + passes * width_m)
+
+
 def _turn_depth(machine: RobotProfile, width_m: float, *, is_wide: bool) -> float:
     """Return how far beyond the row ends a turn into the next row reaches, the border slanting by some 25 degrees.
 

@@ -8,8 +8,7 @@ from typing import TypeVar
 
 from hmi.domain.mission_plan import Candidate, PlannedMission, PlanRefused, PlanWish
 from hmi.domain.mission_rest import PlannedRest, RestWish
-from hmi.planning.mission import plan_candidate, plan_mission
-from hmi.planning.rest import plan_rest
+from hmi.planning import jobs
 from hmi.planning.side_process import SideProcess, SideProcessDied
 
 PLAN_LIMIT_S = 60.0  # a hundred hectares with ten holes at half a metre take less
@@ -39,15 +38,15 @@ class PlanningProcess:
         Raises:
             PlanRefused: it cannot be planned, took too long, or too many are waiting.
         """
-        return await self._run(plan_mission, wish)
+        return await self._run(jobs.mission, wish)
 
     async def rest(self, wish: RestWish) -> PlannedRest:
         """Return the new rest of a mission; raises as ``plan``."""
-        return await self._run(plan_rest, wish)
+        return await self._run(jobs.rest, wish)
 
     async def candidate(self, wish: PlanWish) -> Candidate:
         """Return the plan to look at; raises as ``plan``, and cancelling it frees the process."""
-        return await self._run(plan_candidate, wish)
+        return await self._run(jobs.candidate, wish)
 
     async def _run(self, work: Callable[[W], P], wish: W) -> P:
         if self._waiting >= WAITING_LIMIT:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from hmi.domain.machine import GaugeInfo, JointInfo, Worksite
+from hmi.domain.machine import GaugeInfo, JointInfo, Sight, Worksite
 from hmi.domain.robot import Robot
 from hmi.presenters.units import milliseconds
 
@@ -69,6 +69,22 @@ def seen(robot: Robot) -> dict[str, Any] | None:
         "seen": [
             {"id": one.id, "kind": one.kind, "distance_m": one.distance_m, "x_m": one.x_m, "y_m": one.y_m}
             for one in body.seen
+        ],
+    }
+
+
+def detections(robot: Robot) -> dict[str, Any] | None:
+    """Return what was found in pictures: of the newest one, and of the other cameras that are watched."""
+    newest = sorted((_sight(one) for one in robot.sights.values()), key=lambda one: -one["t"])
+    return {**newest[0], "others": newest[1:]} if newest else None
+
+
+def _sight(one: Sight) -> dict[str, Any]:
+    return {
+        "t": milliseconds(one.stamp.source_s),
+        "camera": one.camera,
+        "boxes": [
+            {"kind": b.kind, "x": b.x, "y": b.y, "w": b.w, "h": b.h, "score": b.score, "hit": b.hit} for b in one.boxes
         ],
     }
 

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-import ssl
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
-
-import httpx
 
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.http import RobotHttp
@@ -42,7 +39,6 @@ class HttpPath:
         self._tasks: set[asyncio.Task[None]] = set()
         self._sending: Counter[str] = Counter()
         self._polling: set[str] = set()
-        self._tls: ssl.SSLContext | None = None
 
     def follow(self, robots: dict[str, RobotEntry]) -> None:
         """Make, replace and close clients after a change of the registry."""
@@ -53,7 +49,7 @@ class HttpPath:
                 self._spawn(client.close(), f"close {robot_id}")
         for robot_id, address in wanted.items():
             if robot_id not in self._clients:
-                self._clients[robot_id] = (address, self._client(robot_id, *address))
+                self._clients[robot_id] = (address, RobotHttp(robot_id, *address))
 
     def has(self, robot_id: str) -> bool:
         """Say whether the robot has an HTTP address."""
@@ -106,11 +102,3 @@ class HttpPath:
         task.set_name(name)
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
-
-    def _client(self, robot_id: str, url: str, token: str) -> RobotHttp:
-        if self._tls is None:  # shared: loading the CA store costs 20 ms, for each robot too much
-            self._tls = ssl.create_default_context()
-        limits = httpx.Limits(max_connections=8, max_keepalive_connections=4)
-        return RobotHttp(
-            robot_id, url, token, transport=httpx.AsyncHTTPTransport(verify=self._tls, trust_env=False, limits=limits)
-        )

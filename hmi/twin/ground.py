@@ -8,7 +8,7 @@ import viser
 from hmi.twin.model import Colour
 
 GROUND: Colour = (142, 138, 126)
-DARK: Colour = (30, 33, 34)
+DARK: Colour = (46, 50, 50)  # darker, and the planned way and the tracks in it cannot be told apart
 SIDE_M = 6000.0
 BELOW_M = 0.03  # what lies on the ground must not flicker through it
 CELL_M, SECTION_M, FADE_M = 1.0, 10.0, 120.0

@@ -8,13 +8,18 @@ import sys
 import pytest
 
 PARTS = {
-    "the console": "from hmi.app import lean_start\nwith lean_start('engineio', 'httpx'): import hmi.app.server",
+    "the console": ("from hmi.app import LEANLY, lean_start\nwith lean_start(*LEANLY): import hmi.app.server"),
     "the STOP gateway": "import hmi.stop_gateway.__main__",
     "the keeper": "import hmi.cli, hmi.keeper.installation, hmi.demo.fleet",
 }
 HEAVY = {
     "the console": (
         "aiohttp",
+        "dns",
+        "numpy",
+        "shapely",
+        "pyproj",
+        "shapefile",
         "requests",
         "rich",
         "alembic",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,8 +12,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
-from hmi.domain.mission_plan import PlanRefused
+from hmi.domain.mission_plan import Pattern, PlanRefused
+from hmi.planning import coverage
 from hmi.planning.coverage import plan_coverage
+from hmi.planning.headland import Headland, divide
 from hmi.planning.job import Job
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import LegKind, Plan
@@ -72,6 +75,39 @@ def test_the_given_fields_are_worked_headland_included(
     assert figures.covered_m2 >= whole_share * figures.area_m2
     assert figures.overlap_m2 <= 0.02 * figures.area_m2
     assert plan.notes == ()
+
+
+SLANTING = Polygon([(25.6, 5.7), (8.0, 72.1), (76.9, 89.1), (74.8, 51.6), (64.2, 19.0)])
+LONG_LEGGED = RobotProfile(length_m=6.4, width_m=2.6, base_to_front_m=4.0, turning_radius_m=3.5, can_pivot=False)
+
+
+@pytest.mark.long
+def test_a_headland_that_nobody_chose_is_deepened_until_the_turns_fit() -> None:
+    job = Job(SLANTING, 1.0, LONG_LEGGED, pattern=Pattern.SPIRAL)
+    usual = len(divide(LONG_LEGGED, 1.0, None).offsets_m)
+    with pytest.raises(PlanRefused, match="Choose more headland passes"):
+        plan_coverage(replace(job, headland_passes=usual))
+    plan = plan_coverage(job)
+    assert plan.figures.headland_passes > usual
+    assert_drivable(job, plan)
+
+
+def test_turns_that_fit_behind_no_headland_ask_for_something_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    tried: list[int] = []
+
+    def never(_job: Job, _field: object, division: Headland) -> Plan:
+        tried.append(len(division.offsets_m))
+        raise PlanRefused("turn_does_not_fit", "It does not fit. Choose more headland passes.", "headland_passes")
+
+    monkeypatch.setattr(coverage, "_cover", never)
+    with pytest.raises(PlanRefused, match="Choose a larger working width") as refused:
+        plan_coverage(Job(SLANTING, 1.0, LONG_LEGGED))
+    assert refused.value.field == "width_m"
+    usual = len(divide(LONG_LEGGED, 1.0, None).offsets_m)
+    assert tried == [usual, usual + 4, usual + 7]  # one and two turning radii of 3.5 m deeper
+    with pytest.raises(PlanRefused, match="Choose more headland passes"):
+        plan_coverage(Job(SLANTING, 1.0, LONG_LEGGED, headland_passes=3))
+    assert tried[3:] == [3]  # what a person chose stays
 
 
 def test_a_step_in_the_outline_costs_neither_a_row_nor_a_strip() -> None:

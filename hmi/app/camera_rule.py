@@ -1,0 +1,56 @@
+"""What the camera process may open: the robots' own cameras, others where an admin said so, and field cameras."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from urllib.parse import urlsplit
+
+from hmi.commands.camera_source_book import CameraSourceBook
+from hmi.domain.camera import CameraInfo, Source, SourceKind
+from hmi.domain.camera_source import FIELD, Reach
+from hmi.store.camera_sources import StoredSource
+
+UNKNOWN_PX = 640, 480  # before the first picture came
+LOOPBACK = ("127.0.0.0/8", "::1/128")
+
+
+class CameraRule:
+    """Called with the robots' own sources; returns what is really opened."""
+
+    def __init__(self, book: CameraSourceBook) -> None:
+        self._book = book
+
+    def __call__(self, own: list[Source]) -> list[Source]:
+        """See ``hmi.app.camera_sources.SourceRule``."""
+        return [self._set(one) for one in own] + [self._field(one) for one in self._book.field_cameras()]
+
+    def _set(self, own: Source) -> Source:
+        wanted = self._book.source_of(own.robot, own.camera.id)
+        if wanted is None:
+            return own
+        return replace(
+            own, kind=wanted.kind, url=wanted.url, token="", user=wanted.user, password=wanted.password,
+            nets=nets_of(self._book.reach(own.robot), wanted.url), is_on=True,
+        )  # fmt: skip
+
+    def _field(self, one: StoredSource) -> Source:
+        wide, high = (one.width_px, one.height_px) if one.width_px else UNKNOWN_PX
+        camera = CameraInfo(one.camera, one.label or one.camera, wide, high)
+        if one.kind is SourceKind.UPLOAD:
+            return Source(FIELD, camera, one.kind, period_s=one.period_s)
+        wanted = self._book.source_of(FIELD, one.camera)
+        password = "" if wanted is None else wanted.password
+        nets = nets_of(self._book.reach(FIELD), one.url)
+        return Source(FIELD, camera, one.kind, one.url, user=one.user_name, password=password, nets=nets)
+
+
+def nets_of(reach: Reach, url: str) -> tuple[str, ...]:
+    """Return where a source's host may lead to; empty for the robot itself, which is where it is registered.
+
+    Of no network at all nothing may be opened: then it is one without any machine in it.
+    """
+    host = urlsplit(url).hostname or ""
+    if reach.names(host):
+        return ()
+    nets = tuple(str(one) for one in reach.networks) + (LOOPBACK if reach.is_loopback_allowed else ())
+    return nets or ("192.0.2.0/32",)

@@ -1,0 +1,228 @@
+"""The cloud in the console; nothing at all if no cloud is set.
+
+What speaks to the broker is loaded some seconds after the start: nobody waits for it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import importlib
+import logging
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from fastapi import APIRouter
+
+from hmi.api.cloud import CloudRefused, cloud_routes, proposal_routes
+from hmi.app.records import Records
+from hmi.clock import Clock
+from hmi.cloud.backlog import Backlog
+from hmi.cloud.news import CloudNews
+from hmi.cloud.outbox import Outbox
+from hmi.cloud.proposals import ProposalBook
+from hmi.commands.map_book import MapBook, parsed
+from hmi.commands.map_proposals import MapProposals
+from hmi.commands.ports import LaneEvent
+from hmi.domain.alarm.finding import NOTHING, Findings
+from hmi.domain.command import Acknowledgement, OrderFailed
+from hmi.domain.family import Family
+from hmi.fiware.farm_map import map_entities
+from hmi.fiware.map_change import signed
+from hmi.fiware.urn import KeyValues, Urns
+from hmi.mapping.feature import MapFeature, as_geojson
+from hmi.presenters.cloud import words_of
+from hmi.security.authorization import Authorize
+from hmi.security.session_info import SessionInfo
+from hmi.settings import Settings
+from hmi.store.audit_chain import AuditEntry
+from hmi.store.errors import StoreError
+from hmi.store.fleet import FleetStore
+from hmi.store.missions import Mission
+
+if TYPE_CHECKING:
+    from hmi.app.cloud_work import CloudWork
+
+LATER_S = 5.0  # as the processes that nobody waits for
+MISSIONS_TOLD = 300  # newest missions told when a tenant knows nothing of us
+log = logging.getLogger(__name__)
+
+
+class CloudRoom:
+    """Everything about the cloud of one farm."""
+
+    def __init__(
+        self,
+        settings: Settings,
+        clock: Clock,
+        records: Records,
+        fleet: FleetStore,
+        heard: Callable[[], Mapping[str, int]],
+        on_event: LaneEvent,
+    ) -> None:
+        self._settings, self._clock, self._records, self._fleet = settings, clock, records, fleet
+        self._heard, self._on_event = heard, on_event
+        self._urns = Urns(settings.farm_id)
+        self.book = ProposalBook(self._urns)
+        self._features: tuple[int, dict[str, MapFeature]] | None = None
+        self._task: asyncio.Task[None] | None = None
+        self._work: CloudWork | None = None
+        folder = settings.data / "cloud"
+        outbox = Outbox(folder / "outbox.db", settings.cloud_outbox_mb * 2**20, settings.cloud_outbox_days * 86_400)
+        self._backlog = Backlog(outbox, clock)
+        self.news = CloudNews(self._urns, clock, self._backlog.put, self._family_of)
+
+    @property
+    def is_on(self) -> bool:
+        """Whether a cloud is set."""
+        return self._settings.cloud_url is not None
+
+    def routes(self, maps: MapBook, authorize: Authorize) -> list[APIRouter]:
+        """Return the REST routes."""
+        proposals = MapProposals(self.book, maps, authorize, self._records.audit, self._refused)
+        return [cloud_routes(self), proposal_routes(self, proposals)]
+
+    def _refused(self) -> None:
+        self._proposals_changed()
+        self.tell_map()
+
+    def start(self) -> None:
+        """Begin to mirror, if a cloud is set."""
+        if not self.is_on:
+            return
+        loop = asyncio.get_running_loop()
+
+        def changed(mission: Mission) -> None:  # in the thread that changed it
+            loop.call_soon_threadsafe(self._mission, mission)
+
+        self._records.missions.on_changed(changed)
+        self._task = asyncio.create_task(self._run(), name="cloud")
+
+    async def stop(self) -> None:
+        """End it; what waits is on disk."""
+        if self._task is None:
+            return
+        self._task.cancel()
+        await asyncio.gather(self._task, return_exceptions=True)
+        await self._backlog.close()
+        if self._work is not None:
+            await self._work.mirror.link.client.close()
+
+    async def upload_mission(self, robot_id: str, document: dict[str, Any]) -> Acknowledgement:
+        """Send a mission through the cloud; see ``MissionWay``. What was read back stands in the mission's log."""
+        if self._work is None:
+            text = "The link to the cloud is not up yet. Try again in a moment, or send the mission directly."
+            raise OrderFailed("cloud_away", text, is_outcome_known=True)
+        begin_s = self._clock.mono_s()
+        answer = await self._work.missions.upload_mission(robot_id, document)
+        if answer.is_accepted:
+            why = f"Went to {robot_id} through the cloud, read back after {self._clock.mono_s() - begin_s:.1f} s."
+            await self._note(document["mission_id"], why)
+        return answer
+
+    async def _note(self, mission_id: str, why: str) -> None:
+        records, farm = self._records, self._settings.farm_id
+        try:
+            await records.database.run(records.missions.note, farm, mission_id, "cloud", why)
+        except StoreError:  # the robot has it all the same
+            log.exception("the log of mission %s lacks: %s", mission_id, why)
+
+    def tell_map(self) -> None:
+        """Tell the map again."""
+        if self._work is not None:
+            self._work.mirror.tell_whole()
+
+    async def map_published(self) -> None:
+        """Take a map that was published: what it fulfils of the cloud's wishes is done."""
+        if self._work is not None and self.book.published(await self._published()):
+            self._proposals_changed()
+        self.tell_map()
+
+    def proposals(self) -> list[dict[str, Any]]:
+        """See ``CloudDesk``."""
+        return [
+            {
+                "id": one.id, "kind": one.kind, "name": one.name, "what": one.what, "text": one.text,
+                "problem": one.problem, "in_draft_by": one.by, "utc": one.at.isoformat(timespec="milliseconds"),
+                "before": None if one.before is None else as_geojson(one.before),
+                "after": None if one.after is None else as_geojson(one.after),
+            }
+            for one in self.book.all()
+        ]  # fmt: skip
+
+    def lets_in(self, secret: str, source: str) -> bool:
+        """See ``CloudDesk``."""
+        hints = None if self._work is None else self._work.hints
+        return hints is not None and hints.lets_in(secret, source)
+
+    def hint(self, body: bytes, headers: dict[str, str]) -> bool:
+        """See ``CloudDesk``."""
+        hints = None if self._work is None else self._work.hints
+        return hints is not None and hints.take(body, headers)
+
+    async def take_tenant(self, session: SessionInfo) -> None:
+        """See ``CloudDesk``."""
+        if self._work is None:
+            raise CloudRefused("There is no link to a cloud.")
+        await self._work.take_tenant()
+        entry = AuditEntry(session.farm_id, session.user_name, session.device_name or "", "cloud", "tenant_taken",
+                           text=f"{self._settings.cloud_tenant or 'default'} {self._settings.cloud_path}")  # fmt: skip
+        self._records.audit.append(entry)
+
+    def findings(self) -> Findings:
+        """Return what is wrong with the link for the alarms."""
+        return NOTHING if self._work is None else self._work.report.findings()
+
+    def health(self) -> dict[str, dict[str, Any]]:
+        """Return the part of the cloud for ``/api/v1/health``."""
+        return {} if self._work is None else self._work.report.health()
+
+    def report(self) -> dict[str, Any]:
+        """See ``CloudDesk``."""
+        if self._work is not None:
+            return self._work.report.whole()
+        words = words_of(state := "connecting" if self.is_on else "off")
+        return {"state": state, "head": words.head, "text": words.text, "level": words.level}
+
+    async def _run(self) -> None:
+        await asyncio.sleep(LATER_S)
+        await asyncio.to_thread(importlib.import_module, "hmi.app.cloud_work")
+        from hmi.app.cloud_work import CloudWork, WorkParts  # loaded above, beside the event loop
+
+        parts = WorkParts(self._settings, self._clock, self._urns, self._fleet, self._backlog, self.book, self._heard)
+        self._work = CloudWork(parts, self._whole, self._published, self._proposals_changed)
+        said = ""
+        while True:
+            try:
+                await self._work.mirror.round()
+                said = ""
+            except Exception as error:  # the next round must come whatever one value is
+                if said != repr(error):  # a database that is away is told once, not each second
+                    log.exception("a round of the cloud failed")
+                said = repr(error)
+            await asyncio.sleep(self._settings.cloud_period_s)
+
+    async def _whole(self) -> Sequence[KeyValues]:
+        features = list((await self._published()).values())
+        farm, name = self._settings.farm_id, self._settings.farm_name
+        found = await asyncio.to_thread(lambda: [signed(one) for one in map_entities(features, farm, name)[0]])
+        newest = self._records.missions.all_known(farm)[:MISSIONS_TOLD]
+        return [*self.book.held_back(found), *(self.news.operation(one) for one in newest)]
+
+    async def _published(self) -> dict[str, MapFeature]:
+        farm, records = self._settings.farm_id, self._records
+        version = await records.database.run(records.maps.published, farm)
+        if self._features is None or self._features[0] != version.number:
+            raw = await records.database.run(records.maps.features_of, farm, version.number)
+            self._features = version.number, await asyncio.to_thread(parsed, raw)
+        return self._features[1]
+
+    def _proposals_changed(self) -> None:
+        self._on_event({"kind": "map", "what": "proposals", "count": len(self.book.all())})
+
+    def _mission(self, mission: Mission) -> None:
+        if mission.farm_id == self._settings.farm_id:
+            self.news.see_mission(mission)
+
+    def _family_of(self, robot_id: str) -> Family | None:
+        robot = self._fleet.robot(robot_id) if robot_id else None
+        return None if robot is None or robot.factsheet is None else robot.factsheet.family

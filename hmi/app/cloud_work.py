@@ -1,0 +1,140 @@
+"""What speaks to the context broker: client, mirror, missions, changes of the map; built by ``hmi.app.cloud``."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from pydantic import SecretStr
+
+from backend_clients.ngsi.client import NgsiClient
+from backend_clients.ngsi.connection import Broker
+from backend_clients.ngsi.errors import NgsiError
+from backend_clients.ngsi.gate import Gate
+from backend_clients.ngsi.identifier import EntityRef
+from backend_clients.ngsi.retry import RetryPolicy
+from backend_clients.ngsi.subscription import Wanted
+from backend_clients.ngsi.subscriptions import Subscriptions
+from backend_clients.ngsi.tenant import Tenant
+from backend_clients.ngsi.token import FixedHeader, OAuth2Settings, OAuth2Tokens, TokenSource
+from hmi.api.cloud import CloudRefused
+from hmi.api.router import PREFIX
+from hmi.app.cloud_report import CloudReport, Heard
+from hmi.clock import Clock
+from hmi.cloud.backlog import Backlog
+from hmi.cloud.delays import Delays
+from hmi.cloud.hints import Hints
+from hmi.cloud.link import CloudLink
+from hmi.cloud.map_changes import MapChanges
+from hmi.cloud.marker import Marker
+from hmi.cloud.mirror import Mirror
+from hmi.cloud.missions import CloudMissions
+from hmi.cloud.proposals import ProposalBook
+from hmi.cloud.secret import kept_secret
+from hmi.cloud.states import RobotStates
+from hmi.fiware.map_change import KIND_OF
+from hmi.fiware.urn import KeyValues, Urns
+from hmi.mapping.feature import MapFeature
+from hmi.settings import Settings
+from hmi.store.fleet import FleetStore
+
+TIMEOUT_S = 8.0
+
+
+@dataclass(frozen=True, slots=True)
+class WorkParts:
+    """What the room has before there is a client."""
+
+    settings: Settings
+    clock: Clock
+    urns: Urns
+    fleet: FleetStore
+    backlog: Backlog
+    book: ProposalBook
+    heard: Heard
+
+
+class CloudWork:
+    """Everything with the broker at its other end.
+
+    Args:
+        whole: the farm's map and missions, as far as they may be told.
+        published: the published map by id.
+        on_proposals: called when proposals came, went or changed.
+    """
+
+    def __init__(
+        self,
+        parts: WorkParts,
+        whole: Callable[[], Awaitable[Sequence[KeyValues]]],
+        published: Callable[[], Awaitable[Mapping[str, MapFeature]]],
+        on_proposals: Callable[[], None],
+    ) -> None:
+        self._parts = parts
+        settings, clock, urns = parts.settings, parts.clock, parts.urns
+        client = NgsiClient(_broker(settings), _tokens(settings))
+        ref = EntityRef(urns.of("Headland", "console"), "Headland")
+        is_demo = settings.demo and settings.demo_cloud
+        marker = Marker(settings.data / "cloud" / "console.json", ref, settings.farm_name, is_strict=not is_demo)
+        link, states = CloudLink(client, marker, clock), RobotStates(parts.fleet, urns, clock)
+        changes = self._make_changes(client, published, on_proposals)
+        self.mirror = Mirror(link, states, parts.backlog, clock, whole, changes)
+        read_back = Delays()
+        self.missions = CloudMissions(client, urns.farm_name, clock, read_back)
+        self.report = CloudReport(settings, clock, self.mirror, parts.backlog, parts.book, read_back, parts.heard)
+
+    @property
+    def hints(self) -> Hints | None:
+        """Who takes notifications, ``None`` where the broker cannot reach this console."""
+        return self.mirror.changes.hints if self.mirror.changes is not None else None
+
+    async def take_tenant(self) -> None:
+        """Keep the farm in this tenant from now on; raises ``CloudRefused``."""
+        try:
+            await self.mirror.link.take_tenant()
+        except NgsiError as error:
+            raise CloudRefused(f"The cloud did not take it: {error}. {error.mend}") from error
+
+    def _make_changes(
+        self,
+        client: NgsiClient,
+        published: Callable[[], Awaitable[Mapping[str, MapFeature]]],
+        on_proposals: Callable[[], None],
+    ) -> MapChanges:
+        settings, clock = self._parts.settings, self._parts.clock
+        hints, subscriptions, wanted = None, None, None
+        if settings.cloud_notify_url:
+            secret = SecretStr(kept_secret(settings.data / "cloud" / "notify.secret"))
+            hints = Hints(Gate(secret, settings.cloud_notify_from), client.connection.broker.tenant, clock)
+            subscriptions = Subscriptions(client.connection, f"console-{self._parts.urns.farm_name}"[:60])
+            url = f"{settings.cloud_notify_url}{PREFIX}/cloud/notify/{secret.get_secret_value()}"
+            wanted = Wanted(key="map", url=url, types=tuple(KIND_OF))
+        return MapChanges(client, self._parts.book, hints, clock, published, on_proposals, subscriptions, wanted)
+
+
+def _broker(settings: Settings) -> Broker:
+    assert settings.cloud_url is not None
+    return Broker(
+        settings.cloud_url,
+        Tenant(settings.cloud_tenant, settings.cloud_path),
+        verify=str(settings.cloud_ca) if settings.cloud_ca else True,
+        timeout_s=TIMEOUT_S,
+        retry=RetryPolicy(attempts=1),  # the mirror itself tries again, with what is newest then
+    )
+
+
+def _tokens(settings: Settings) -> TokenSource | None:
+    if settings.cloud_oauth_url:
+        return OAuth2Tokens(
+            OAuth2Settings(
+                url=settings.cloud_oauth_url,
+                client_id=settings.cloud_oauth_client,
+                client_secret=settings.cloud_oauth_secret,
+                username=settings.cloud_oauth_user,
+                password=settings.cloud_oauth_password,
+                header=settings.cloud_token_header,
+            )
+        )
+    if settings.cloud_token.get_secret_value():
+        return FixedHeader(settings.cloud_token, settings.cloud_token_header)
+    return None

@@ -1,0 +1,67 @@
+"""What the panel, the alarms and health say of the cloud."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import httpx
+
+from backend_clients.simulator.context_broker.faults import Faults
+from hmi.app.cloud_report import CloudReport
+from hmi.cloud.delays import Delays
+from hmi.cloud.outbox import Piece, Rank
+from hmi.cloud.proposals import ProposalBook
+from hmi.settings import Settings
+from tests.hmi.cloud.rig import Rig
+
+
+def report_of(rig: Rig) -> CloudReport:
+    """Return what a console with this rig says."""
+    settings = Settings(demo=True, data=rig.folder, cloud_url="http://broker.test", cloud_tenant="farm")  # type: ignore[call-arg]
+    book = ProposalBook(rig.urns)
+    return CloudReport(settings, rig.clock, rig.mirror, rig.backlog, book, Delays(), lambda: {"repeated": 3})
+
+
+def codes(report: CloudReport) -> list[str]:
+    """Return the alarms that hold."""
+    return [one.code for one in report.findings()]
+
+
+async def test_a_cloud_that_is_well_raises_nothing_and_shows_what_it_did(tmp_path: Path) -> None:
+    rig = Rig(tmp_path)
+    report = report_of(rig)
+    await rig.run(1)
+    shown = report.whole()
+    assert (shown["state"], shown["waiting"]["count"], shown["counts"]["heard_twice"]) == ("ok", 0, 3)
+    assert (codes(report), report.health()["cloud"]["state"]) == ([], "ok")
+    await rig.close()
+
+
+async def test_a_cloud_that_is_away_is_no_degraded_console_and_one_that_refuses_needs_an_admin(tmp_path: Path) -> None:
+    rig = Rig(tmp_path)
+    report = report_of(rig)
+    rig.road.broken = lambda request: httpx.ConnectError("no route", request=request)
+    await rig.run(5)
+    assert codes(report) == ["cloud-away"]
+    assert report.health()["cloud"]["state"] == "ok"
+    rig.road.broken = None
+    rig.switch.set(Faults(token="other"))
+    await rig.run(60)
+    assert codes(report) == ["cloud-refused"]
+    assert report.health()["cloud"]["state"] == "degraded"
+    assert "401" in report.whole()["why"]
+    await rig.close()
+
+
+async def test_what_was_dropped_is_an_alarm_and_is_counted(tmp_path: Path) -> None:
+    rig = Rig(tmp_path, max_bytes=2000)
+    report = report_of(rig)
+    rig.road.broken = lambda request: httpx.ConnectError("no route", request=request)
+    now_s = rig.clock.utc().timestamp()
+    for number in range(40):
+        rig.backlog.put(Piece("weeder-01", Rank.EVENT, now_s, f'{{"n": {number}, "x": "{"y" * 100}"}}'))
+    await rig.run(12)
+    assert "cloud-dropped" in codes(report)
+    assert report.whole()["counts"]["dropped"] > 0
+    assert report.whole()["waiting"]["bytes"] <= 2000
+    await rig.close()
