@@ -18,7 +18,7 @@ from nicegui.events import GenericEventArguments
 
 STATIC = Path(__file__).resolve().parent.parent / "static"
 Mode = Literal["robot", "fleet"]
-Engine = Literal["auto", "canvas"]
+Engine = Literal["auto", "quick", "canvas"]
 
 
 class LiveMap(Element, component="live_map.js"):
@@ -28,7 +28,8 @@ class LiveMap(Element, component="live_map.js"):
         robot_id: the robot to show; in fleet mode the selected one. ``None`` shows the farm alone.
         mode: ``robot`` follows one robot with its mission and trail, ``fleet`` shows all.
         has_buttons: follow, layers, zoom, north and scale; off for a small picture.
-        engine: ``auto`` takes WebGL where there is one, ``canvas`` never does.
+        engine: ``auto`` takes WebGL where there is one, ``quick`` only where a graphics chip draws it,
+            ``canvas`` never.
         features_url: address of the farm's GeoJSON.
         mission_url: address of the mission's GeoJSON, ``{id}`` is the robot.
         on_select: called with the id of a robot that was tapped.

@@ -1,4 +1,4 @@
-"""Admin: robots and new ones to accept, people, tablets, notifications, audit, diagnostics."""
+"""Admin: robots and new ones to accept, cameras, people, tablets, notifications, cloud, audit, diagnostics."""
 
 from __future__ import annotations
 
@@ -13,10 +13,12 @@ from hmi.security.session_info import SessionInfo
 
 SECTIONS = (
     ("robots", "Robots", "smart_toy"),
+    ("cameras", "Cameras", "videocam"),
     ("people", "People", "group"),
     ("tablets", "Tablets", "tablet"),
     ("notifications", "Notifications", "notifications"),
     ("limits", "Alarm limits", "tune"),
+    ("cloud", "Cloud", "network_cell"),
     ("audit", "Audit log", "history"),
     ("diagnostics", "Diagnostics", "monitoring"),
 )

@@ -19,7 +19,7 @@ STATIC = Path(__file__).resolve().parents[2] / "static"
 STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 """Cascade order of what every page carries: tokens first, screens last."""
 
-SCREEN_STYLES = ("maps", "plan", "queue", "alarms", "fleet", "demo", "supervisor", "twin", "machine_dock")
+SCREEN_STYLES = ("maps", "plan", "queue", "alarms", "fleet", "demo", "supervisor", "twin", "machine_dock", "cameras")
 """Styles that a screen fetches with its scripts."""
 STYLE_PARTS = {"supervisor": ("supervisor", "supervisor_panels")}
 """A screen's style that is more than one file."""
@@ -31,7 +31,10 @@ SCRIPTS = {
         "slide_to_confirm", "lease", "hold_to_drive", "stop_card", "action_dock",
         "sign_in", "records", "screen", "keys", "stay_awake",
     ),
-    "admin": ("alarm_channels", "alarm_notifications", "alarm_limits", "admin_robot", "admin_forms"),
+    "admin": (
+        "alarm_channels", "alarm_notifications", "alarm_limits",
+        "admin_robot", "admin_cameras", "admin_cloud", "admin_forms",
+    ),
     "bell": ("alarm_order", "alarm_acts", "alarm_tones", "alarm_bell", "alarm_strip"),
     "alarms": (
         "alarm_words", "alarm_rows", "alarm_kpis", "alarm_shelve", "alarm_diagnose", "alarm_detail", "alarm_journal",
@@ -40,8 +43,9 @@ SCRIPTS = {
     "maps": (
         "maps_kinds", "maps_measure", "maps_queue", "maps_client", "maps_menu", "maps_tools", "maps_hint",
         "maps_fields", "maps_history", "maps_reshape", "maps_export", "maps_import_list", "maps_receiver",
-        "maps_feature", "maps_checks", "maps_changes", "maps_upload", "maps_base", "maps_import", "maps_versions",
-        "maps_publish", "maps_dock", "maps_chips", "maps_walk", "maps_surface", "maps_edits", "maps_screen",
+        "maps_feature", "maps_checks", "maps_changes", "maps_cloud", "maps_upload", "maps_base", "maps_import",
+        "maps_versions", "maps_publish", "maps_dock", "maps_chips", "maps_walk", "maps_surface", "maps_edits",
+        "maps_screen",
     ),
     "missions": (
         "mission_numbers", "plan_client", "plan_path", "plan_picture", "plan_scrubber", "plan_numbers", "plan_checks",
@@ -49,11 +53,13 @@ SCRIPTS = {
         "queue_entry", "queue_arm", "queue_blackouts", "queue_timeline", "queue_list", "queue_view", "plan_queue",
         "missions_bulk", "mission_form", "mission_ways", "missions",
     ),
+    "fleet_ground": ("fleet_order", "fleet_data"),
     "fleet": (
-        "fleet_order", "fleet_data", "fleet_row", "fleet_scroll", "fleet_filter", "fleet_list", "fleet_results",
+        "fleet_row", "fleet_scroll", "fleet_filter", "fleet_list", "fleet_results",
         "fleet_dock", "fleet_duty", "fleet_menu", "fleet_strip", "fleet_map", "fleet_wall", "fleet_screen",
     ),
-    "machine_dock": ("super_base", "super_jog", "super_dock"),
+    "machine": ("super_base", "jog"),
+    "machine_dock": ("super_jog", "super_dock"),
     "supervisor": (
         "super_times", "super_view", "super_chart_facts", "super_chart_draw", "super_chart_layout",
         "super_chart_lists", "super_chart_sheet", "super_chart", "super_gantt_rows", "super_gantt_export",
@@ -65,11 +71,17 @@ SCRIPTS = {
         "twin_link", "twin_layers", "twin_joints", "twin_replay", "twin_details", "twin_model",
         "twin_alarm", "twin_screen",
     ),
+    "camera_door": ("camera/door",),
+    "camera": (
+        "camera/ways", "camera/sight", "camera/says", "camera/socket", "camera/direct", "camera/viewer", "camera/tile",
+        "camera/snapshot", "camera/detections", "camera/gimbal", "camera/pip",
+    ),
+    "cameras": ("camera/order", "camera/state", "camera/pictures", "camera/wall", "camera/dock"),
     "demo": ("demo_panel",),
     "run": ("field_picture", "start_checks", "rest_sheet", "queue_hold"),
     "draw": ("svg_view", "area_shape", "area_pen", "rest_map"),
 }  # fmt: skip
-"""Scripts by file, in load order: each uses only names of those before it.
+"""Scripts by file, in load order: each uses only names of those before it. Those of another folder than ``ui`` name it.
 What few people open loads with its screen; ``bell`` loads on every page, after STOP is ready.
 """
 
@@ -107,8 +119,11 @@ def _styles(names: tuple[str, ...]) -> bytes:
 @cache
 def script(name: str = "headland") -> bytes:
     """Return one of ``SCRIPTS``, joined."""
-    folder = STATIC / "js" / "ui"
-    return "\n;\n".join(_lean((folder / f"{part}.js").read_text("utf-8")) for part in SCRIPTS[name]).encode()
+    return "\n;\n".join(_lean(_source(part).read_text("utf-8")) for part in SCRIPTS[name]).encode()
+
+
+def _source(part: str) -> Path:
+    return STATIC / "js" / (f"{part}.js" if "/" in part else f"ui/{part}.js")
 
 
 def style_url() -> str:

@@ -19,12 +19,12 @@ def build(services: PageServices, _session: SessionInfo) -> None:
         classes="h-screen f-screen",
         data_screen="fleet",
         data_title="Fleet",
-        data_code=bundle.script_url("fleet"),
+        data_code=f"{bundle.script_url('fleet_ground')} {bundle.script_url('fleet')}",
         data_late=demo_button.code(services),
         data_fleet_style=style,
     ):
         with ui.element("section").classes("f-map").props('aria-label="Map"'):
-            LiveMap(mode="fleet").classes("h-mapfill")
+            LiveMap(mode="fleet", engine=services.map_engine(is_near=False)).classes("h-mapfill")
             with ui.element("div").classes("f-over"):
                 LiveElement("hl-fleet-layers")
                 demo_button.place(services)

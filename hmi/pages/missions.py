@@ -23,6 +23,7 @@ def build(services: PageServices, session: SessionInfo) -> None:
         hook="missions",
         data_may_edit="" if services.refusal(session, Permission.EDIT_MISSION) else "yes",
         data_may_send="" if services.refusal(session, Permission.SEND_MISSION) else "yes",
+        data_has_cloud="yes" if services.settings.cloud_url else "",
         data_plan_style=bundle.screen_style_url("plan"),
         data_no_edit=MAY_NOT_EDIT,
         data_no_send=MAY_NOT_SEND,

@@ -36,12 +36,13 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
         data_screen="operate",
         data_robot=robot_id,
         data_title=robot.name,
-        data_late=demo_button.code(services, bundle.script_url("run")),
+        data_late=demo_button.code(services, f"{bundle.script_url('run')} {bundle.script_url('camera_door')}"),
         data_draw=bundle.script_url("draw"),
+        data_screen_style=bundle.screen_style_url("cameras"),
     ):
         with ui.element("section").classes("h-map").props('aria-label="Map"'):
             LiveElement("hl-alarm-strip", hook="alarm-strip", data_right="acknowledge_alarm", hidden="")
-            LiveMap(robot_id).classes("h-mapfill")
+            LiveMap(robot_id, engine=services.map_engine(is_near=True)).classes("h-mapfill")
             _overlay(services, robot_id)
             HoldToDrive()
             LiveElement("hl-connecting", classes="h-connecting", data_name=robot.name)
@@ -51,10 +52,16 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
 
 
 def _overlay(services: PageServices, robot_id: str) -> None:
-    """Over the map: the view that is shown (there is one), who has control, and why the robot does not move."""
+    """Over the map: the view that is shown, who has control, and why the robot does not move.
+
+    The way to the cameras joins the views when the robot has one.
+    """
     with ui.element("div").classes("h-overlay"):
         with ui.element("div").classes("h-bar1"):
-            with ui.element("div").classes("h-seg").props('role="group" aria-label="View"'):
+            with (
+                LiveElement("hl-camera-door", data_camera=" ".join(map(bundle.script_url, ("machine", "camera")))),
+                ui.element("div").classes("h-seg").props('role="group" aria-label="View"'),
+            ):
                 ui.html(f"{icon('map', 'm')}Map", sanitize=False, tag="span").classes("on").props("aria-current=true")
             LiveElement("hl-lease", hidden="")
             demo_button.place(services, robot_id)

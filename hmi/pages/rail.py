@@ -25,6 +25,7 @@ class Destination:
 DESTINATIONS = (
     Destination("operate", "Operate", "gamepad", "/operate", Permission.WATCH),
     Destination("fleet", "Fleet", "lists", "/fleet", Permission.WATCH),
+    Destination("cameras", "Cameras", "grid_view", "/cameras", Permission.WATCH),
     Destination("maps", "Maps", "polyline", "/maps", Permission.WATCH),
     Destination("twin", "Twin", "deployed_code", "/twin", Permission.WATCH),
     Destination("missions", "Missions", "route", "/missions", Permission.WATCH),

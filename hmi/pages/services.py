@@ -7,6 +7,7 @@ from typing import Any
 
 from nicegui import ui
 
+from components.live_map import Engine
 from hmi.clock import Clock
 from hmi.domain.role import Permission
 from hmi.security.authorization import Authorize, is_allowed
@@ -43,6 +44,12 @@ class PageServices:
     def session(self) -> SessionInfo | None:
         """Return who the page being built is for, ``None`` if nobody signed in."""
         return self.sessions.of_headers(ui.context.client.request.scope["headers"])
+
+    def map_engine(self, *, is_near: bool) -> Engine:
+        """Return which engine draws a map: of one robot (``is_near``) or of the whole fleet."""
+        if self.settings.map_engine == "simple":
+            return "canvas"
+        return "quick" if is_near and self.settings.map_engine == "auto" else "auto"
 
     def refusal(self, session: SessionInfo, permission: Permission, robot_id: str | None = None) -> str:
         """Return why this is not allowed now, empty if it is; an ended session may do nothing."""

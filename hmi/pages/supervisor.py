@@ -32,7 +32,7 @@ def build(services: PageServices, session: SessionInfo, robot_id: str, mission_i
         data_robot=robot_id,
         data_title=robot.name,
         data_mission=mission_id if is_id(mission_id) else "",
-        data_code=f"{bundle.script_url('machine_dock')} {bundle.script_url('supervisor')}",
+        data_code=" ".join(bundle.script_url(name) for name in ("machine", "machine_dock", "supervisor")),
         data_layout=bundle.script_url("chart_layout"),
         data_screen_style=f"{bundle.screen_style_url('supervisor')} {bundle.screen_style_url('machine_dock')}",
     ):

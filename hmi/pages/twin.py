@@ -34,7 +34,7 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
         data_screen="twin",
         data_robot=robot_id,
         data_title=robot.name,
-        data_code=f"{bundle.script_url('machine_dock')} {bundle.script_url('twin')}",
+        data_code=" ".join(bundle.script_url(name) for name in ("machine", "machine_dock", "twin")),
         data_screen_style=f"{bundle.screen_style_url('twin')} {bundle.screen_style_url('machine_dock')}",
     ):
         with ui.element("section").classes("t-picture").props('aria-label="3D picture"'):
@@ -48,7 +48,7 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
                 data_may_model="" if services.refusal(session, Permission.MANAGE_ROBOTS, robot_id) else "yes",
             )
             with ui.element("div").classes("t-map").props("hidden"):
-                LiveMap(robot_id).classes("h-mapfill")
+                LiveMap(robot_id, engine=services.map_engine(is_near=True)).classes("h-mapfill")
         with ui.element("aside").classes("h-side t-side").props('aria-label="Joints and values"'):
             LiveElement("hl-twin-alarm", hook="twin-alarm", data_right=Permission.ACKNOWLEDGE_ALARM.value, hidden="")
             LiveElement("hl-twin-side", classes="t-sidebox")

@@ -239,6 +239,14 @@ def test_without_webgl_the_same_map_comes_from_a_canvas_and_says_so(
         browser.close()
 
 
+def test_a_map_that_shall_be_quick_is_not_drawn_by_webgl_in_software(the_map: MapPage) -> None:
+    the_map.open(engine="quick")
+    the_map.on_row()
+    assert the_map.state()["engine"] == "canvas"
+    expect(the_map.page.get_by_test_id("map-notice")).not_to_contain_text("Simple map")
+    assert not any("maplibre-gl.mjs" in url for url in the_map.urls), "nothing is loaded that is not used"
+
+
 @pytest.mark.long
 def test_graphics_that_fail_while_running_are_replaced_by_the_canvas(the_map: MapPage) -> None:
     the_map.open()

@@ -9,6 +9,7 @@ import { haloText, line } from './ink.js';
 const SHAPES = { 2: 'M12 1.5 23.5 22H.5z', 3: 'M12 .5 23.5 12 12 23.5.5 12z' };
 const SIZE_PX = 34;
 const TAP_PX = 24;
+const NAME_PX = 40; // the middle of a feature carries its name
 const AT_EDGE_M = 0.05; // the place of a crossing is rounded
 const MOST_EDGES = 1500; // pairs beyond are the server's work
 
@@ -18,9 +19,10 @@ export function marksOf(findings, draft) {
   for (const finding of findings) {
     const feature = draft.get(finding.feature_id);
     const crossing = feature && /cross/.test(finding.code) ? crossingEdges(feature, finding.at) : [];
-    const at = finding.at ?? meetingOf(crossing) ?? (feature && placeOf(feature));
+    const place = finding.at ?? meetingOf(crossing);
+    const at = place ?? (feature && placeOf(feature));
     if (!at) continue;
-    marks.push({ finding, at, level: finding.level, crossing });
+    marks.push({ finding, at, level: finding.level, crossing, rise: place ? 0 : NAME_PX });
   }
   return marks;
 }
@@ -62,7 +64,7 @@ function cuts(a, b, c, d) {
 export function markAt(marks, toPx, [x, y]) {
   return marks.find((mark) => {
     const [mx, my] = toPx(mark.at);
-    return Math.hypot(mx - x, my - y) <= TAP_PX;
+    return Math.hypot(mx - x, my - mark.rise - y) <= TAP_PX;
   }) ?? null;
 }
 
@@ -76,8 +78,9 @@ export function paintCrossings(context, marks, toPx, palette) {
 }
 
 export function paintMarks(context, marks, toPx, palette) {
-  for (const { at, level, crossing } of marks) {
-    const [x, y] = toPx(at);
+  for (const { at, level, crossing, rise } of marks) {
+    const [x, below] = toPx(at);
+    const y = below - rise;
     const scale = (SIZE_PX * palette.scale) / 24;
     context.save();
     context.translate(x, y);

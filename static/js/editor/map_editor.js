@@ -82,6 +82,11 @@ export class MapEditor {
     this.bench.notice(NO_WEBGL);
   }
 
+  /** Why nothing can be drawn on this device; empty while that is not known or it can. */
+  get drawingReason() {
+    return this.bench.isReady && !this.bench.surface.isEditable ? NO_WEBGL : '';
+  }
+
   get #canEdit() {
     return this.bench.isReady && this.bench.surface.isEditable && !this.options.readOnly;
   }

@@ -5,7 +5,8 @@ import { farmLabels, readableLabels } from '../map/captions.js';
 import { Controls } from '../map/controls.js';
 import { boxOf, latOf, lonOf, mercX, mercY } from '../map/geometry.js';
 import { farmWidths } from '../map/farm_style.js';
-import { GlEngine, hasWebGl } from '../map/gl_engine.js';
+import { GlEngine } from '../map/gl_engine.js';
+import { webgl } from '../map/webgl.js';
 import { LabelLayer } from '../map/labels.js';
 import { Scene } from '../map/scene.js';
 import { baseChoice } from '../map/layers.js';
@@ -57,7 +58,7 @@ export class Surface {
 
   async #gl() {
     try {
-      if (hasWebGl()) return await GlEngine.create(this.element, this.setup);
+      if (webgl() !== 'none') return await GlEngine.create(this.element, this.setup);
     } catch (error) {
       console.warn('map builder: the GL engine did not start:', error);
     }

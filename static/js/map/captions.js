@@ -8,6 +8,7 @@ const MOST_GHOST_NAMES = 30;
 const MOST_LETTERS = 30; // of what is wrong, beside a robot; the list has all of it
 const SMALL_PX = 11; // around the others, as long as they are few, no name of a place
 const MOST_CLEAR = 60;
+const HOMES_PX = 84; // the width of "Home, bay 12"
 const BODY_PX = 26; // around the chosen robot no name of the farm may stand
 
 /** Field area as a person says it: "17.26 ha", small ones in m2. */
@@ -46,9 +47,36 @@ function extent(feature) {
 
 /** Farm texts that make sense at this zoom: a name wider than its field would say the wrong thing. */
 export function readableLabels(labels, camera) {
-  return labels.filter((label) => label.kind === 'home' || label.widthM === 0
+  const readable = labels.filter((label) => label.kind === 'home' || label.widthM === 0
     ? camera.zoom > 15
     : label.widthM * camera.worldPx > (label.kind === 'parcel' ? 70 : 34));
+  const homes = readable.filter((label) => label.kind === 'home');
+  return homes.length < 2 ? readable : [...readable.filter((label) => label.kind !== 'home'), ...together(homes, camera)];
+}
+
+/** Homes that stand closer than their names are wide get one name: "Home" and how many they are. */
+function together(homes, camera) {
+  const groups = [];
+  for (const home of homes) {
+    const near = groups.find(([first]) => Math.hypot(...apart(first, home, camera)) < HOMES_PX);
+    if (near) near.push(home);
+    else groups.push([home]);
+  }
+  return groups.map((group) => (group.length === 1 ? group[0] : grouped(group)));
+}
+
+function apart(one, other, camera) {
+  const [x, y] = camera.project(one.mx, one.my);
+  const [u, v] = camera.project(other.mx, other.my);
+  return [u - x, v - y];
+}
+
+function grouped(group) {
+  const mean = (key) => group.reduce((sum, one) => sum + one[key], 0) / group.length;
+  const names = group.map((one) => one.lines[0].text.split(/,| (?=\d)/)[0].trim());
+  const name = names.every((one) => one === names[0]) ? names[0] : 'Homes';
+  const [first] = group;
+  return { ...first, mx: mean('mx'), my: mean('my'), dx: 0, dy: 0, name, lines: [{ ...first.lines[0], text: name }, { text: `${group.length} places`, size: 12, weight: 550 }] };
 }
 
 /** Texts beside robots. `look`: {ageOf, reachOf, selected, isFleet, palette, now}. */

@@ -25,16 +25,6 @@ async function load(base) {
 }
 
 /** True where WebGL 2 works. */
-export function hasWebGl() {
-  try {
-    const gl = document.createElement('canvas').getContext('webgl2');
-    gl?.getExtension('WEBGL_lose_context')?.loseContext();
-    return Boolean(gl);
-  } catch {
-    return false;
-  }
-}
-
 export class GlEngine {
   kind = 'gl';
   #pace = new FramePace();

@@ -1,6 +1,7 @@
 // Names and warnings over the map, drawn with the page's own font on a 2D canvas: no glyph server, same in both engines.
 
 const MOST_LABELS = 80; // more cannot be read
+const MARGIN_PX = 6;
 const HALO = 0.28; // of the type size
 const ASIDE_PX = [0, -34, 34, -60, 60, -104, 104]; // where the name of a place may go when something stands on it
 
@@ -9,6 +10,13 @@ export function asides(label, scale, worldPx) {
   if (!label.kind) return [0];
   const shifts = ASIDE_PX.map((shift) => shift * scale);
   return label.room ? shifts.filter((shift) => Math.abs(shift) <= label.room[shift < 0 ? 0 : 1] * worldPx) : shifts;
+}
+
+/** Where the middle of a place's name goes so that the edge of the map does not cut it: as far as its own ground lies. */
+export function withinSight(x, wide, room, edge) {
+  if (x < 0 || x > edge) return x;
+  const shift = Math.max(0, MARGIN_PX - (x - wide / 2)) - Math.max(0, x + wide / 2 + MARGIN_PX - edge);
+  return x + Math.max(-room, Math.min(room, shift));
 }
 
 /** The layer of texts; `draw` is called after each frame of the engine. */
@@ -47,6 +55,7 @@ export class LabelLayer {
     context.textBaseline = 'alphabetic';
     const taken = [...this.blocked];
     this.edge = camera.width;
+    this.worldPx = camera.worldPx;
     let count = 0;
     this.texts = [];
     const order = [...labels].sort((a, b) => b.priority - a.priority);
@@ -69,8 +78,9 @@ export class LabelLayer {
   }
 
   /** Draw one label; false if something else is there. */
-  #one(label, x, y, palette, taken) {
+  #one(label, at, y, palette, taken) {
     const { context } = this;
+    let x = at;
     if (label.cluster) return drawCluster(context, label, x, y, palette, taken, this.texts);
     if (label.clearPx) {
       const clear = label.clearPx * palette.scale;
@@ -89,6 +99,7 @@ export class LabelLayer {
       wide = Math.max(wide, line.wide);
       high += line.px * 1.25;
     }
+    if (label.kind) x = withinSight(x, wide, ((label.widthM ?? 0) * this.worldPx) / 2, this.edge);
     const left = label.align === 'left' ? x : label.align === 'right' ? x - wide : x - wide / 2;
     const box = [left - 4, y - high / 2 - 2, left + wide + 4, y + high / 2 + 2];
     const overlaps = (o) => !(o.isSoft && label.pill) && box[0] < o[2] && o[0] < box[2] && box[1] < o[3] && o[1] < box[3];

@@ -131,6 +131,14 @@
       new HL.AlarmLimits(place);
     },
 
+    cameras(place) {
+      new HL.AdminCameras(place);
+    },
+
+    cloud(place) {
+      new HL.AdminCloud(place);
+    },
+
     diagnostics(place) {
       const rows = el("div");
       const again = () => load(rows, "Diagnostics", "/diagnostics", (answer) => flat(answer.data ?? {}).map(([head, entries]) => el("div", { class: "h-sec" }, el("h2", {}, head), table(["What", "Value"], entries.map(([key, value]) => ({ cells: [key, value] }))))));

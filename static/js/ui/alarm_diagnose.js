@@ -7,7 +7,7 @@
 
   function step(one) {
     const [sign, word] = SIGNS[String(one.ok ?? null)];
-    return el("li", { class: "al-check", "data-state": one.ok === null || one.ok === undefined ? "unknown" : one.ok ? "good" : "bad" }, icon(sign), el("span", {}, el("b", { class: "h-t16 h-b" }, one.text), el("span", { class: "h-t14 h-2" }, `${word}. ${one.found ?? ""}`)));
+    return el("li", { class: "al-check", "data-state": one.ok === null || one.ok === undefined ? "unknown" : one.ok ? "good" : "bad" }, icon(sign), el("span", {}, el("b", { class: "h-t16 h-b" }, one.text), el("span", { class: "h-t14 h-2" }, one.ok && one.found ? one.found : `${word}. ${one.found ?? ""}`)));
   }
 
   async function diagnose(id, one) {

@@ -17,7 +17,7 @@
       this.place = el("div", { class: "h-col" });
       this.more = el("button", { type: "button", class: "h-btn", hidden: true, onclick: () => this.load(true) }, "Older");
       this.spans = el("div", { class: "h-seg", role: "radiogroup", "aria-label": "Time" }, ...SPANS.map(([name, hours]) => el("button", { type: "button", role: "radio", "data-hours": hours, onclick: () => ((this.span = hours), this.load()) }, name)));
-      this.node = el("div", { class: "al-page h-scroll", "data-testid": "alarm-journal" }, el("div", { class: "h-row" }, this.spans), this.place, this.more);
+      this.node = el("div", { class: "al-page al-journal h-scroll", "data-testid": "alarm-journal" }, el("div", { class: "h-row" }, this.spans), this.place, this.more);
     }
 
     query(extra = {}) {

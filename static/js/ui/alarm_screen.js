@@ -84,12 +84,14 @@
     refresh(isForced = false) {
       const tab = this.filter.tab;
       const isList = tab === "active" || tab === "shelved";
+      attr(this, "data-tab", tab); // the detail of one makes room for what is about all
       const wide = this.list.clientWidth >= HL.alarmWide;
       toggle(this, "compact", !wide);
       for (const [node, isOn] of [[this.head, isList && wide], [this.rows.node, isList], [this.journal.node, tab === "journal"], [this.statistics.node, tab === "statistics"]]) attr(node, "hidden", !isOn);
       HL.style(this.head, "padding-right", `${8 + this.rows.box.offsetWidth - this.rows.box.clientWidth}px`); // above a scroll bar columns would shift
       const alarms = HL.alarms.all();
       this.wanted = Order.rows(alarms, { isWanted: tab === "shelved" ? Order.isAside : Order.isActive, filter: this.filter.value(), isFlood: this.isFlood(), open: this.open });
+      toggle(this, "no-seq", !this.wanted.some(({ one }) => one.group > 1)); // a column for nothing would cut the words beside it
       if (isList) this.rows.take(this.wanted, this.view(!wide), isForced);
       if (isForced && tab === "journal") this.journal.load();
       if (isForced && tab === "statistics") this.statistics.draw(this.figures(), this.problem, () => this.count());

@@ -52,7 +52,7 @@
   }
 
   // a part of the server that is down, or was a moment ago: the keeper restarts it and everybody is told
-  const PARTS = { stop: "STOP process", broker: "message broker", simulator: "simulator", console: "console", media: "process of the 3D twin" };
+  const PARTS = { stop: "STOP process", broker: "message broker", simulator: "simulator", console: "console", media: "process of the 3D twin", cameras: "camera process" };
   const TOLD_MS = 60000;
   const told = new Map(); // part and time of its return -> when this page heard of it; wall clocks are not compared
   let isFirstLook = true;

@@ -20,7 +20,8 @@
   async function handOver(robots) {
     if (!robots.length) return;
     await HL.fleet.loadDuty();
-    const person = el("select", { class: "h-select", "data-testid": "duty-person" }, ...HL.fleet.people.map((one) => el("option", { value: one.id }, one.id === HL.fleet.me() ? `${one.name} (me)` : `${one.name}, ${one.role}`)));
+    const me = HL.fleet.me();
+    const person = el("select", { class: "h-select", "data-testid": "duty-person" }, ...[...HL.fleet.people].sort((a, b) => (a.id === me) - (b.id === me)).map((one) => el("option", { value: one.id }, one.id === HL.fleet.me() ? `${one.name} (me)` : `${one.name}, ${one.role}`)));
     const note = el("textarea", { class: "h-input f-text", maxlength: "500", rows: "3", placeholder: "What the next one should know", "aria-label": "Note", "data-testid": "duty-note" });
     const said = el("span", { class: "h-error", role: "alert" });
     const go = async (close) => {

@@ -50,12 +50,19 @@
     });
   }
 
+  // what a view keeps, in words
+  function filterWords({ q, sort, families = [], group, mine, state }) {
+    const named = HL.fleet.groups.find((one) => one.id === group)?.name;
+    const parts = [mine ? "mine" : "", ...families.map((key) => (HL.fleetOrder.FAMILIES[key] ?? key).toLowerCase()), state ? STATES.find(([value]) => value === state)?.[1].toLowerCase() : "", named ? `group ${named}` : "", q ? `“${q}”` : "", sort && sort !== "attention" ? `by ${sort}` : ""];
+    return parts.filter(Boolean).join(", ") || "all robots";
+  }
+
   function views() {
     const list = el("div", { class: "f-kept" });
     const name = el("input", { class: "h-input", maxlength: "80", placeholder: "Name of this view", "aria-label": "Name of this view", "data-testid": "fleet-view-name" });
     const said = el("span", { class: "h-error", role: "alert" });
     const draw = () => list.replaceChildren(...HL.fleet.views.map((view) => el("div", { class: "h-row" },
-      el("button", { type: "button", class: "h-btn f-view", "data-testid": `fleet-view-${view.id}`, onclick: () => (HL.fleet.setFilter({ ...HL.fleet.NO_FILTER, ...view.filter }), HL.closeSheet()) }, view.name),
+      el("button", { type: "button", class: "h-btn f-view", "data-testid": `fleet-view-${view.id}`, onclick: () => (HL.fleet.setFilter({ ...HL.fleet.NO_FILTER, ...view.filter }), HL.closeSheet()) }, view.name, el("span", { class: "h-2 h-t13 h-plain h-ell" }, filterWords(view.filter))),
       el("button", { type: "button", class: "h-btn q ico", "aria-label": `Delete view ${view.name}`, onclick: async () => (await HL.port.api("DELETE", `/fleet/views/${view.id}`), await HL.fleet.loadViews(), draw()) }, icon("delete", "m")))));
     const save = async () => {
       if (!name.value.trim()) return text(said, "Give the view a name.");
@@ -81,5 +88,5 @@
     return el("section", { class: "f-kepts" }, el("b", { class: "h-t16" }, "Groups of this farm"), list);
   }
 
-  Object.assign(HL, { FleetFilter, fleetFilters: openFilters });
+  Object.assign(HL, { FleetFilter, fleetFilters: openFilters, fleetFilterWords: filterWords });
 })();

@@ -120,6 +120,7 @@
       if (made === this.made && groups === this.groups && (isHeld || !this.wasHeld)) return this.refresh();
       [this.made, this.groups, this.wasHeld] = [made, groups, isHeld];
       const items = HL.fleet.visible();
+      this.isNarrow = !items.length && HL.fleet.isNarrowed(HL.fleet.filter);
       const now = HL.fleetOrder.sections(items, { sort: filter.sort, groups, open });
       const { sections, moved } = isHeld ? HL.fleetOrder.hold(this.held, now) : { sections: now, moved: 0 };
       this.key = key;
@@ -143,7 +144,7 @@
       const lines = [];
       for (const section of sections) {
         const count = section.count ?? section.items.length;
-        if (!count && section.key !== "needs-you") continue;
+        if (!count && (section.key !== "needs-you" || this.isNarrow)) continue;
         lines.push(section.canFold ? { key: `fold ${section.key}`, kind: "fold", section: section.key, height: HEIGHTS.fold, gap: GAP, title: section.title, count, folded: section.folded }
           : { key: `head ${section.key}`, kind: "head", height: HEIGHTS.head, title: section.title, count, note: this.noteOf(section), from: section, hook: `fleet-group-${section.key}` });
         if (section.kind === "cells") this.addCells(lines, section, columns);
@@ -177,7 +178,7 @@
       const isNew = !isOld && !isBlind && !isPart && performance.now() - this.from < LATE_MS;
       const loaded = isNew ? HL.fleet.items.filter((one) => Number.isFinite(one.ageMs)).length : total;
       const isLoading = loaded < total;
-      const key = isOld ? `old ${Math.floor(silentMs / 60000)}` : isBlind ? `blind ${Math.floor(alarmsMs / 1000)}` : isPart ? `part ${shown} ${total}` : isLoading ? `load ${loaded} ${total}` : "";
+      const key = isOld ? `old ${Math.floor(silentMs / 60000)}` : isBlind ? `blind ${Math.floor(alarmsMs / 1000)}` : isPart ? `part ${shown} ${total} ${shown ? "" : HL.fleet.filter.q}` : isLoading ? `load ${loaded} ${total}` : "";
       toggle(this, "old", isOld);
       attr(this.note, "hidden", !key);
       if (key === this.noted) return;
@@ -185,7 +186,7 @@
       const again = (label, act) => el("button", { type: "button", class: "h-btn", "data-testid": "fleet-note-act", onclick: act }, label);
       if (isOld) this.note.replaceChildren(icon("cloud_off", "m"), el("span", {}, `List is from ${words.wall(new Date(Date.now() - silentMs))}.`), again("Try again", () => window.dispatchEvent(new Event("online"))));
       else if (isBlind) this.note.replaceChildren(icon("warning", "m"), el("span", {}, `Alarms are ${words.since(alarmsMs)} old. Do not rely on them.`));
-      else if (isPart) this.note.replaceChildren(el("span", {}, `You see ${shown} of ${total} robots.`), again("Show all", () => HL.fleet.setFilter({ ...HL.fleet.NO_FILTER, sort: HL.fleet.filter.sort })));
+      else if (isPart) this.note.replaceChildren(el("span", {}, shown ? `You see ${shown} of ${total} robots.` : HL.fleet.filter.q ? `No robot, mission or field is called “${HL.fleet.filter.q}”.` : "No robot fits these filters."), again("Show all", () => HL.fleet.setFilter({ ...HL.fleet.NO_FILTER, sort: HL.fleet.filter.sort })));
       else if (isLoading) this.note.replaceChildren(icon("hourglass_top", "m"), el("span", {}, `${total} robots, ${loaded} loaded`));
     }
     say(count) {

@@ -2,6 +2,7 @@
 (() => {
   "use strict";
   const { el, alarm, robotGlyph, text, attr, LiveElement } = HL;
+  const GAP_PX = 8; // as in its style
   const MOST = 12; // what can be read across a room
 
   class WallRow {
@@ -41,9 +42,17 @@
     }
     enter() {
       HL.fleet.begin();
+      this.sizes = new ResizeObserver(() => (this.looked = null));
+      this.sizes.observe(this.list);
     }
     leave() {
       HL.fleet.end();
+      this.sizes.disconnect();
+    }
+    // whole rows alone: half a row says nothing
+    room() {
+      const high = this.rows[0]?.node.offsetHeight;
+      return high ? Math.min(MOST, Math.max(1, Math.floor((this.list.clientHeight + GAP_PX) / (high + GAP_PX)))) : MOST;
     }
     paint() {
       const silentMs = HL.port.server().silentMs;
@@ -51,10 +60,10 @@
       text(this.old, `No data for ${HL.words.since(silentMs)}. What is below is old.`);
       attr(this, "data-old", silentMs < HL.STALE_MS ? null : "");
       if (this.looked === HL.fleet.looks) return;
-      this.looked = HL.fleet.looks;
+      this.looked = this.rows.length ? HL.fleet.looks : null; // before the first row nothing could be measured
       const sections = HL.fleetOrder.sections(HL.fleet.items, { groups: HL.fleet.groups });
       const [needs, watch] = sections;
-      const shown = [...needs.items, ...watch.items].slice(0, MOST);
+      const shown = [...needs.items, ...watch.items].slice(0, this.room());
       while (this.rows.length < shown.length) this.rows.push(new WallRow());
       const nodes = shown.map((one, i) => (this.rows[i].paint(one), this.rows[i].node));
       if (nodes.length !== this.list.children.length) this.list.replaceChildren(...nodes);

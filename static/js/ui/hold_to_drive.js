@@ -5,6 +5,8 @@
   const { el, icon, text, attr, toggle, LiveElement, define, words } = HL;
   const PERIOD_MS = 100; // 10 Hz: the robot's dead-man of 0.5 s is five missed pulses
   const LIMIT_MS = 300; // above this round trip nobody can steer by eye
+  const PICTURE_SLOW_MS = 500; // a camera picture this old lowers the speed of who steers by it
+  const PICTURE_LIMIT_MS = 1000; // and nobody steers by an older one
   const IDLE_MS = 5 * 60 * 1000; // without input control ends
   const SETTLE_MS = 2000; // the robot says its mode twice a second; this long it may still say the old one
   const STEPS = [
@@ -37,8 +39,12 @@
       w += part.w;
     }
     const cap = (share) => Math.min(1, Math.max(-1, share));
-    return { v: cap(v) * drive.step.mps, w: cap(w) * drive.step.turn };
+    const step = pictureMs() > PICTURE_SLOW_MS ? STEPS[0] : drive.step;
+    return { v: cap(v) * step.mps, w: cap(w) * step.turn };
   }
+
+  // age of the camera picture that is open for this robot; null when nobody steers by one
+  const pictureMs = () => HL.picture?.ageMs(drive.robot) ?? null;
 
   // why nothing may move now; empty when it may
   function obstacle() {
@@ -46,6 +52,7 @@
     if (HL.offline(drive.robot)) return "No fresh link";
     if (delayMs === null) return "Delay unknown";
     if (delayMs > LIMIT_MS) return `Off, ${Math.round(delayMs)} ms`;
+    if (pictureMs() > PICTURE_LIMIT_MS) return HL.picture.why(PICTURE_LIMIT_MS);
     if (document.hidden) return "Screen is hidden";
     return "";
   }
@@ -59,7 +66,7 @@
     } else if (drive.held.size) {
       drive.lastInput = performance.now();
       const { v, w } = setpoint();
-      HL.port.drive(drive.robot, v, w);
+      HL.port.drive(drive.robot, v, w, pictureMs());
     }
     if (drive.endsInMs() === 0) end("Control ended after 5 minutes without input.");
     HL.repaint();
@@ -220,7 +227,9 @@
       if (!drive.isMine()) return;
       if (mode !== "manual" && mode !== "stopped" && performance.now() - drive.begunAt > SETTLE_MS) return ended("The robot ended driving by hand.");
       if (mode === "stopped" || (HL.lease.of(drive.robot).owner && !HL.lease.isMine(drive.robot))) return stopBeating();
-      text(this.promise, `Let go and ${HL.view.name()} stops. ${HL.port.robot(drive.robot).body?.tool_label || "The tool"} stays off in manual.`);
+      const isSlow = !drive.blockedBy && pictureMs() > PICTURE_SLOW_MS;
+      attr(this, "data-picture", isSlow ? "slow" : drive.blockedBy && pictureMs() > PICTURE_LIMIT_MS ? "old" : null);
+      text(this.promise, isSlow ? HL.picture.slow() : pictureMs() > PICTURE_LIMIT_MS ? HL.picture.advice() : `Let go and ${HL.view.name()} stops. ${HL.port.robot(drive.robot).body?.tool_label || "The tool"} stays off in manual.`);
       this.steps.forEach((button, i) => attr(button, "aria-pressed", String(STEPS[i] === drive.step)));
       for (const [name, { node, sign, label, pad }] of Object.entries(this.pads)) {
         const isHeld = [...drive.held.values()].some((part) => (pad.v && Math.sign(part.v) === pad.v) || (pad.w && Math.sign(part.w) === pad.w));
@@ -228,7 +237,7 @@
         attr(node, "data-state", isHeld ? "held" : isOff ? "off" : "idle");
         toggle(node, "held", isHeld);
         toggle(node, "off", isOff);
-        text(sign, isOff ? "signal_disconnected" : pad.icon);
+        text(sign, isOff ? (pictureMs() > PICTURE_LIMIT_MS ? "videocam_off" : "signal_disconnected") : pad.icon);
         text(label, isOff ? drive.blockedBy : PADS[name].label);
       }
       return undefined;

@@ -18,7 +18,8 @@
   function row(one, fields) {
     const field = fieldOf(one.key, fields);
     const label = field?.label ?? one.label;
-    const head = one.key ? (one.before === one.after ? `${label}: ${words(one.after, field)}` : `${label}: ${words(one.before, field)} to ${words(one.after, field)}`) : one.label;
+    const isFirst = [undefined, null, "", one.after].includes(one.before);
+    const head = one.key ? (isFirst ? `${label}: ${words(one.after, field)}` : `${label}: ${words(one.before, field)} to ${words(one.after, field)}`) : one.label;
     const valid = one.valid_from ? `valid from ${one.valid_from}` : "";
     const line = [`v${one.version}`, HL.records.when(one.published_utc), one.by, one.note, valid].filter(Boolean).join(" · ");
     return el("div", { class: "m-item m-past", "data-testid": `history-${one.key || "feature"}-${one.version}` }, el("div", { class: "h-sp" }, el("div", { class: "h-t16 h-b" }, head), el("div", { class: "h-t13 h-2" }, line)));

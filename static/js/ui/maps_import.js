@@ -4,6 +4,7 @@
   const { el, icon, text, attr } = HL;
   const M = HL.maps;
   const ACCEPT = ".geojson,.json,.kml,.kmz,.zip,.shp,.xml,.gpx,.csv,.dxf,.tif,.tiff,.pmtiles";
+  const FORMATS = { geojson: "GeoJSON", kml: "KML", kmz: "KMZ", shapefile: "Shapefile", isoxml: "ISOXML", gpx: "GPX", fiware: "FIWARE" };
   const TAKE_MS = 180000; // thousands of shapes at once
   const ASK_MS = 500; // how far the server is
 
@@ -67,12 +68,12 @@
       text(take, `Take ${list.taken.length} of ${all}`);
       attr(take, "disabled", list.taken.length === 0);
     };
-    const row = (one) => el("div", { class: "m-item" }, el("span", { class: "m-skip" }, icon("block", "m")), el("div", { class: "h-sp" }, el("div", { class: "h-t14 h-b" }, `${one.which}: ${one.why}`), el("div", { class: "h-t13 h-2" }, one.mend)));
+    const row = (one) => el("div", { class: "m-item" }, el("span", { class: "m-skip" }, icon("block", "m")), el("div", { class: "h-sp" }, el("div", { class: "h-t14 h-b" }, `${one.which[0].toUpperCase()}${one.which.slice(1)}: ${one.why}`), el("div", { class: "h-t13 h-2" }, one.mend)));
     const close = HL.sheet({
       title: `Import ${file.name}`,
       hook: "import-sheet",
       body: [
-        el("p", { class: "h-t14 h-2" }, [found.format, found.crs].filter(Boolean).join(", ")),
+        el("p", { class: "h-t14 h-2" }, [FORMATS[found.format] ?? found.format, found.crs].filter(Boolean).join(", ")),
         list.node,
         ...(skipped.length ? [el("h3", { class: "h-t16 h-b", "data-testid": "import-skipped" }, `Import skipped ${skipped.length} of ${M.count(all, "shape")}`), M.longList(skipped, row)] : []),
         said,

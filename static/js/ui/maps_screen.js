@@ -29,6 +29,7 @@
       });
       this.checkList = new M.Checks({ robot: () => this.check(), fix: (one) => this.operate(one.fix.op, one.fix.features, one.fix.args, one.fix.label), show: (one) => this.show([one.feature_id, one.other_id]) });
       this.changes = new M.Changes();
+      this.cloud = new M.CloudWishes({ client: this.client, mayEdit: this.may.edit, reason: () => this.dataset.noEdit, fit: (ids) => this.surface.fit(ids) });
       this.dock = new M.Dock(act);
       this.chips = new M.Chips(act, this.dataset.farm);
       this.walk = new M.Walk({ finished: (ring, accuracy, robot) => this.walked(ring, accuracy, robot) });
@@ -37,7 +38,7 @@
       this.status = el("div", { class: "h-card m-status h-t13", hidden: true, "data-testid": "editor-place" });
       this.notice = el("div", { class: "m-notice" });
       this.field = el("div", { class: "m-map", "aria-label": "Map" }, this.surface.node, this.hint.node, this.walk.node, this.status, this.notice, this.file);
-      this.side = el("aside", { class: "m-side", "aria-label": "Details" }, this.reshape.node, this.panel.node, this.checkList.node, this.changes.node);
+      this.side = el("aside", { class: "m-side", "aria-label": "Details" }, this.cloud.node, this.reshape.node, this.panel.node, this.checkList.node, this.changes.node);
       this.append(this.chips.node, el("div", { class: "m-work" }, this.bar.node, this.tools.column, this.field), this.side, this.dock.node);
       this.drops();
       this.addEventListener("headland:base-maps", () => this.baseMaps());
@@ -46,9 +47,10 @@
     enter() {
       this.onKey = (event) => this.key(event);
       document.addEventListener("keydown", this.onKey);
-      this.unsubscribe = [window.headland?.on("event", (event) => event?.kind === "map" && (this.client.isEditing ? this.stillMine() : this.lookAgain())), window.headland?.on("link", (state) => state === "ok" && this.client.queue.length && this.client.flush())];
+      this.unsubscribe = [window.headland?.on("event", (event) => event?.kind === "map" && (event.what === "proposals" ? this.cloud.load() : this.client.isEditing ? this.stillMine() : this.lookAgain())), window.headland?.on("link", (state) => state === "ok" && this.client.queue.length && this.client.flush())];
       this.timer = setInterval(() => this.lookAgain(), LOOK_MS);
       this.load();
+      this.cloud.load();
     }
 
     leave() {
@@ -282,6 +284,7 @@
       if (this.tool !== "select" && this.tool !== "merge") this.editor.setTool(this.pen ?? this.tool);
       if (this.chosen.length) this.editor.select(this.chosen);
       if (this.checks?.findings) this.editor.setFindings(this.checks.findings);
+      this.changed(); // what this device can draw is known now
     }
 
     refused(labels, why) {
@@ -317,7 +320,7 @@
       if (!client.published) return;
       const reason = this.editReason();
       const lock = this.lockReason();
-      this.tools.paint(this.tool, reason);
+      this.tools.paint(this.tool, reason, this.editor?.drawingReason ?? "");
       this.bar.paint({ undo: client.undoLabel, redo: client.redoLabel, reason, version: client.published.version, hasDraft: Boolean(client.draft), isEmpty: !client.features.size, isNew: !client.published.version });
       this.paintHint();
       this.panel.paint({ features: client.features, chosen: this.chosen, canEdit: client.isEditing, point: this.point, farm: this.dataset.farm, isSeveral: Boolean(this.isSeveral), isUnlocked: Boolean(this.isUnlocked), revision: client.revision });

@@ -41,7 +41,8 @@
       this.editor?.destroy();
       this.editor = null;
       const host = el("div", { class: "m-host", "data-testid": "map-editor" });
-      this.node.replaceChildren(host);
+      const wait = el("div", { class: "m-notice", role: "status", "data-testid": "surface-loading" }, el("div", { class: "h-card h-skeleton m-loading" }, el("span", { class: "h-t14 h-2" }, "Drawing the map"), el("i"), el("i"), el("i")));
+      this.node.replaceChildren(host, wait);
       try {
         const base = window.path_prefix ?? "";
         const { scripts, vendor } = this.address;
@@ -49,6 +50,7 @@
         if (turn !== this.turn) return undefined;
         const editor = new MapEditor(host, { vendorUrl: `${base}${vendor}`, baseMapsUrl: `${HL.config.apiPath}/base-maps`, readOnly: isReadOnly, ...this.on });
         await editor.start();
+        wait.remove();
         if (turn !== this.turn) return editor.destroy();
         this.editor = editor;
         const features = this.on.features();

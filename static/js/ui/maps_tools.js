@@ -28,10 +28,11 @@
       if (button.getAttribute("aria-disabled") === "true") return button.dataset.reason && HL.toast(button.dataset.reason, "lock");
       return this.act.tool(name);
     }
-    paint(tool, reason) {
+    // reason: why nothing may be changed; noDrawing: why this device cannot draw
+    paint(tool, reason, noDrawing = "") {
       this.tool = tool;
       for (const [name, button] of this.buttons) {
-        const why = FREE.has(name) ? "" : reason;
+        const why = name === "select" ? "" : FREE.has(name) ? noDrawing : reason || noDrawing;
         attr(button, "aria-pressed", String(name === tool));
         attr(button, "aria-disabled", why ? "true" : null);
         attr(button, "data-reason", why || null);

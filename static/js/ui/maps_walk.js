@@ -59,7 +59,7 @@
     }
 
     open() {
-      const robots = Object.entries(HL.port.fleet()).filter(([, one]) => one.is_online && one.has_place);
+      const robots = Object.entries(HL.port.fleet()).filter(([, one]) => one.is_online && one.has_place).sort(([, a], [, b]) => (a.family === "uav") - (b.family === "uav")); // an edge is walked, seldom flown
       this.names = new Map([...robots.map(([id, one]) => [id, one.name]), [M.TABLET, "This tablet"]]);
       this.robot.replaceChildren(...[...this.names].map(([id, name]) => el("option", { value: id }, name)));
       this.points = [];

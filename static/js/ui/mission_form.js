@@ -2,7 +2,7 @@
 (() => {
   "use strict";
   const { el, icon, attr, text } = HL;
-  const { Inputs, Treatment, Step, Picture, Path, Scrubber, Compare, NAMES } = HL.planner;
+  const { Inputs, Treatment, Step, Picture, Path, Scrubber, Compare } = HL.planner;
   const PLAN_LIMIT_MS = 70000; // the planner gives up after 60 s and says so
 
   const sheets = new Map();
@@ -84,7 +84,7 @@
     // what is typed is kept, and a plan that no longer fits is not sent
     follow() {
       this.inputs.get("field_id").addEventListener("change", () => this.newField());
-      this.inputs.get("robot_id").addEventListener("change", () => (this.inputs.offerField() ? this.newField() : this.outline()));
+      this.inputs.get("robot_id").addEventListener("change", () => (this.inputs.offerField() ? this.newField() : (this.inputs.offerWidth(), this.outline())));
       this.inputs.offerField();
       if (!this.inputs.isKept) this.inputs.offerWidth();
       this.form.addEventListener("input", () => this.changed());
@@ -131,6 +131,9 @@
       this.shown = null;
       this.planned = this.ground();
       this.isPlanning = true;
+      this.begunAt = performance.now();
+      clearInterval(this.ticker);
+      this.ticker = setInterval(() => this.tick(), 1000);
       this.stop = HL.planner.compare(this.wish(), {
         line: (answer) => this.heard(answer),
         failed: (refusal) => this.refused(refusal),
@@ -145,6 +148,24 @@
       if (this.isPlanning) this.planned = this.answers.size ? this.planned : null;
       this.isPlanning = false;
       this.paint();
+    }
+
+    // a second more of planning: only words change, so that a tap on a row is never lost
+    tick() {
+      if (!this.isPlanning || !this.node.isConnected) return clearInterval(this.ticker);
+      this.compare.progress(this.answers.size, this.plannedForS());
+      return this.picture.say(this.said());
+    }
+
+    plannedForS() {
+      return Math.floor((performance.now() - this.begunAt) / 1000);
+    }
+
+    // over the picture: what is under way, what went wrong, or that the plan is of before the last change
+    said() {
+      const isStale = this.shown !== null && !this.isFresh;
+      if (this.isPlanning) return this.shown ? "" : HL.planner.planningWords(this.inputs.get("pattern").value, this.answers.size, this.plannedForS());
+      return this.refusal ? `Not planned. ${this.refusal}` : isStale ? "Changed. Preview again." : "";
     }
 
     heard(answer) {
@@ -240,7 +261,8 @@
       this.side.hidden = !this.answers.size && !this.isPlanning;
       attr(this.node, "data-state", isFresh ? "fresh" : isStale ? "stale" : "none");
       this.compare.paint(this.answers, this.shown, this.isPlanning);
-      this.picture.say(this.isPlanning && !this.shown ? `Planning ${NAMES[this.inputs.get("pattern").value].toLowerCase()}` : this.isPlanning ? "" : this.refusal ? `Not planned. ${this.refusal}` : isStale ? "Changed. Preview again." : "");
+      if (this.isPlanning) this.compare.progress(this.answers.size, this.plannedForS());
+      this.picture.say(this.said());
       text(this.dockHint, !this.maySend ? "Sending needs the operator role." : isFresh ? "The person on site starts it with a slide." : this.isPlanning ? "" : "Preview first.");
     }
 

@@ -186,6 +186,7 @@
       const label = () => [icon("route", "m"), `Send to ${robotName(target.value || mission.robot_id)}`];
       const isOnRobot = ["sent", "accepted", "running", "paused", "resuming"].includes(mission.status);
       const send = el("button", { type: "button", class: isOnRobot ? "h-btn" : "h-btn pri", "data-testid": "plan-send", disabled: !this.may.send, onclick: () => this.send(mission, target.value || mission.robot_id, send, result) }, ...label());
+      const byCloud = el("button", { type: "button", class: "h-btn", "data-testid": "plan-send-cloud", disabled: !this.may.send, onclick: () => this.send(mission, target.value || mission.robot_id, byCloud, result, "cloud") }, icon("network_cell", "m"), "Send through the cloud");
       target.addEventListener("change", () => send.replaceChildren(...label()));
       const operate = el("a", { class: "h-btn pri", href: `/operate/${mission.robot_id}`, "data-testid": "mission-operate" }, icon("gamepad", "m"), "Operate");
       if (HL.isInterrupted(mission) || ["running", "resuming", "paused"].includes(mission.status)) return [operate];
@@ -193,7 +194,7 @@
       const queue = isQueued
         ? el("button", { type: "button", class: "h-btn", "data-testid": "mission-show-queue", onclick: () => this.tab("queue") }, icon("schedule", "m"), "Show in queue")
         : el("button", { type: "button", class: "h-btn", "data-testid": "mission-add-to-queue", disabled: !this.may.send || isOnRobot, onclick: () => HL.queue.add(mission).then((entry) => entry && this.load(false)) }, icon("add", "m"), "Add to queue");
-      return [isOnRobot ? operate : "", robots.length > 1 ? target : "", send, queue];
+      return [isOnRobot ? operate : "", robots.length > 1 ? target : "", send, this.dataset.hasCloud ? byCloud : "", queue];
     }
 
     // signs only, beside the name: what is done with a mission every day stands in words below
@@ -206,15 +207,16 @@
       ];
     }
 
-    async send(mission, robot, button, result) {
+    async send(mission, robot, button, result, way = "direct") {
       button.disabled = true;
-      text(result, `Sending to ${robotName(robot)}`);
-      const answer = await HL.port.sendMission(robot, mission.id);
+      text(result, `Sending to ${robotName(robot)}${way === "cloud" ? " through the cloud. Its robot asks once a second" : ""}`);
+      const answer = await HL.port.sendMission(robot, mission.id, way);
       button.disabled = false;
       const isTaken = answer.outcome === "accepted";
       attr(result, "data-state", answer.outcome ?? "unknown");
       text(result, isTaken ? answer.text : `Not sent: ${answer.text || "no answer. Look at the robot before you send again."}`);
-      HL.toast(isTaken ? `${robotName(robot)} has ${mission.name}. It does not move yet.` : `Not sent: ${answer.text || "no answer"}`, isTaken ? "check" : "block");
+      const how = answer.way === "cloud" ? ` It went through the cloud in ${answer.took_s.toFixed(1)} s.` : "";
+      HL.toast(isTaken ? `${robotName(robot)} has ${mission.name}. It does not move yet.${how}` : `Not sent: ${answer.text || "no answer"}`, isTaken ? "check" : "block");
       this.load(false);
     }
 

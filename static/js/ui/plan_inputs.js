@@ -14,6 +14,12 @@
   const number = (hook, name, props) => el("input", { class: "h-input", "data-testid": hook, name, type: "number", inputmode: "decimal", step: "any", ...props });
   const field = (label, input) => el("label", { class: "h-field" }, label, input);
 
+  // what one pass of the tool takes, in whole rows as the field was planted; metres, null if neither is known
+  function usualWidth(tool, spacing) {
+    if (!tool) return spacing ? Math.max(spacing, 0.5) : null;
+    return spacing && spacing < tool ? Number((Math.floor(tool / spacing + 1e-9) * spacing).toFixed(3)) : tool;
+  }
+
   // one of a few, as buttons; reads and writes like an input
   class Choice {
     constructor(hook, label, rows, value) {
@@ -49,7 +55,7 @@
         overlap: number("plan-overlap", "overlap", { min: "0", max: "50", placeholder: "0" }),
         headland_passes: number("plan-headland", "headland_passes", { min: "0", max: "50", step: "1", placeholder: "as needed" }),
         row_bearing_deg: number("plan-bearing", "row_bearing_deg", { min: "-360", max: "360", placeholder: "as planted" }),
-        plant_spacing_m: number("plan-spacing", "plant_spacing_m", { min: "0.05", max: "100", placeholder: "usual density" }),
+        plant_spacing_m: number("plan-spacing", "plant_spacing_m", { min: "0.05", max: "100", placeholder: "usual" }),
         name: el("input", { class: "h-input", "data-testid": "plan-name", name: "name", maxlength: "80", placeholder: "field and width", autocomplete: "off" }),
         returns_home: el("input", { type: "checkbox", name: "returns_home", "data-testid": "plan-return", checked: true }),
         pattern: new Choice("plan-pattern", "Pattern", PATTERNS.map((key) => [key, HL.planner.NAMES[key]]), "shortest"),
@@ -81,10 +87,9 @@
       return this.places.homes.find((one) => one.id === this.all.home_id.value);
     }
 
-    // the map knows how a field was planted: its row distance is the first offer
     offerWidth() {
-      const spacing = this.fieldPlace?.properties?.row_spacing_m;
-      if (spacing) this.all.width_m.value = String(Math.max(spacing, 0.5));
+      const width = usualWidth(this.robot?.tool_width_m, this.fieldPlace?.properties?.row_spacing_m);
+      if (width) this.all.width_m.value = String(width);
     }
 
     // a field of another site is of no use to a robot: the nearest one is offered
@@ -154,5 +159,5 @@
     }
   }
 
-  Object.assign(HL.planner, { Inputs, CORNERS: Object.fromEntries(CORNERS) });
+  Object.assign(HL.planner, { Inputs, usualWidth, CORNERS: Object.fromEntries(CORNERS) });
 })();

@@ -4,11 +4,22 @@
   const { el, attr, text, words } = HL;
   const { NAMES } = HL.planner;
 
+  const SOON_S = 2; // before that nobody counts
+  const LONG_S = 6;
+  const MANY_S = 360000; // of a hundred hours nobody counts the minutes
+
+  // what is said over the empty picture; whoever waits long learns how long it can take
+  function planningWords(pattern, done, seconds) {
+    const name = `Planning ${NAMES[pattern].toLowerCase()}`;
+    if (seconds < SOON_S) return name;
+    return `${name}, ${seconds} s. ${done} of ${Object.keys(NAMES).length} row orders are done.${seconds < LONG_S ? "" : " A large field with narrow rows takes up to a minute each; Cancel planning ends it at once."}`;
+  }
+
   const share = (part, whole) => (whole > 0 ? (100 * part) / whole : 0);
   const kwh = (j) => (j / 3.6e6).toFixed(1);
   const hours = (s) => `${Math.floor(s / 3600)}:${String(Math.round((s % 3600) / 60) % 60).padStart(2, "0")}`;
   // the last word is the unit: 6 h 12 and min
-  const time = (s) => [words.left(s).replace(/ min$/, ""), "min"];
+  const time = (s) => (s >= MANY_S ? [String(Math.round(s / 3600)), "h"] : [words.left(s).replace(/ min$/, ""), "min"]);
   const km = (m) => (m >= 1000 ? [(m / 1000).toFixed(2), "km"] : [m.toFixed(0), "m"]);
 
   function card(hook, label, [number, unit], line, value) {
@@ -60,9 +71,12 @@
     paint(answers, chosen, isPlanning) {
       this.node.hidden = !answers.size && !isPlanning;
       const patterns = Object.keys(NAMES).filter((pattern) => answers.has(pattern) || isPlanning);
-      const done = [...answers.values()].length;
-      text(this.state, isPlanning ? `${done} of ${Object.keys(NAMES).length} planned` : "");
+      if (!isPlanning) text(this.state, "");
       this.body.replaceChildren(...patterns.map((pattern) => this.row(pattern, answers, chosen)));
+    }
+
+    progress(done, seconds) {
+      text(this.state, `${done} of ${Object.keys(NAMES).length} planned${seconds < SOON_S ? "" : `, ${seconds} s`}`);
     }
 
     row(pattern, answers, chosen) {
@@ -73,7 +87,7 @@
       const name = el("button", { type: "button", class: "p-pick", disabled: state !== "planned", "aria-pressed": isShown ? "true" : "false", onclick: () => this.choose(pattern) }, NAMES[pattern]);
       const row = el("tr", { "data-testid": `plan-compare-${pattern}`, "data-state": state, "aria-current": isShown ? "true" : null });
       if (s) row.append(el("td", {}, name), ...[hours(s.duration_s), (s.length_m / 1000).toFixed(2), s.turns, kwh(s.energy_j)].map((value) => el("td", { class: "num" }, String(value))));
-      else row.append(el("td", {}, name), el("td", { colspan: "4", class: "p-why" }, why(answer)));
+      else row.append(el("td", { colspan: "5" }, name, el("div", { class: "p-why" }, why(answer))));
       if (s) row.addEventListener("click", (event) => event.target.closest("button") || this.choose(pattern));
       attr(row, "data-value", s ? s.duration_s : null);
       return row;
@@ -85,5 +99,5 @@
     return answer.state === "same" ? `the same path as ${NAMES[answer.as].toLowerCase()}` : answer.text;
   }
 
-  Object.assign(HL.planner, { cards, energy, Compare });
+  Object.assign(HL.planner, { cards, energy, Compare, planningWords });
 })();

@@ -22,7 +22,7 @@
   const polygon = (outline) => ({ type: "Polygon", coordinates: [[...outline, outline[0]]] });
   const meet = (a, b) => a && b && a[0] <= b[2] && b[0] <= a[2] && a[1] <= b[3] && b[1] <= a[3];
   const select = (hook, label, rows) => el("select", { class: "h-select", "data-testid": hook, "aria-label": label }, ...rows.map(([value, word]) => el("option", { value }, word)));
-  const metres = (hook, label) => el("input", { class: "h-input", type: "number", inputmode: "decimal", min: "0", max: "10", step: "any", placeholder: "as the tool needs", "data-testid": hook, "aria-label": label });
+  const metres = (hook, label) => el("input", { class: "h-input", type: "number", inputmode: "decimal", min: "0", max: "10", step: "any", placeholder: "usual", "data-testid": hook, "aria-label": label });
 
   class Treatment {
     // areas: features of the map that may have a dose of their own; actions: {draw(done, ended), changed()}

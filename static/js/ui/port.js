@@ -60,7 +60,7 @@
 
   function watch() {
     if (!config.user) return;
-    const wanted = ["fleet", "alarms", ...new Set([HL.view?.robot, followed, ...held].filter(Boolean).map((id) => `robot/${id}`)), ...(INSIDE.includes(HL.view?.screen) && HL.view.robot ? [`inside/${HL.view.robot}`] : [])].slice(0, MOST_TOPICS);
+    const wanted = ["fleet", "alarms", ...new Set([HL.view?.robot, followed, ...held].filter(Boolean).map((id) => `robot/${id}`)), ...((INSIDE.includes(HL.view?.screen) || HL.looksInside) && HL.view.robot ? [`inside/${HL.view.robot}`] : [])].slice(0, MOST_TOPICS);
     if (wanted.join() === topics) return;
     topics = wanted.join();
     lane.sub(wanted);
@@ -120,12 +120,13 @@
 
   const reset = (id, stopIds, reason) => order(`${of(id)}/stop-reset`, { reset_id: lane.uuid(), stop_ids: stopIds, reason });
   const seen = (id, stopId) => lane.api("POST", `${of(id)}/seen`, { stop_id: stopId });
-  const sendMission = (id, missionId) => lane.api("POST", `${of(id)}/mission`, { mission_id: missionId }, 15000);
+  const sendMission = (id, missionId, way = "direct") => lane.api("POST", `${of(id)}/mission`, { mission_id: missionId, way }, way === "cloud" ? 40000 : 15000);
   const api = (method, path, body, limitMs) => lane.api(method, path, body, limitMs);
 
-  function drive(id, v, w) {
+  // picture: age in ms of the camera picture the person steers by, null without one
+  function drive(id, v, w, picture = null) {
     const tick = lane.tick();
-    return tick !== null && lane.send({ k: "drive", robot: id, v, w, tick });
+    return tick !== null && lane.send({ k: "drive", robot: id, v, w, tick, ...(picture === null ? {} : { picture: Math.round(picture) }) });
   }
 
   const EVENTS = {

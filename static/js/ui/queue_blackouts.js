@@ -42,7 +42,7 @@
       HL.toast("Saved. The queues it is about are disarmed.", "check");
       return changed();
     };
-    HL.sheet({ title: window ? `Change ${window.name}` : "Add a blackout window", hook: "queue-blackout", body: [field("Name", name), el("div", { class: "h-seg q-week", role: "group", "aria-label": "Days on which it begins" }, ...days), el("div", { class: "h-form" }, field("From", from), field("To", to, "earlier than the beginning: on the next day")), el("div", { class: "h-col" }, el("span", { class: "h-t13 h-b h-2" }, "Robots (none: all)"), el("div", { class: "h-row h-wrap" }, ...robots.map((one) => one.label))), problem], buttons: [["Leave it", (close) => close()], ["Save", save, true]] });
+    HL.sheet({ title: window ? `Change ${window.name}` : "Add a blackout window", hook: "queue-blackout", body: [field("Name", name), el("div", { class: "h-seg q-week", role: "group", "aria-label": "Days on which it begins" }, ...days), el("div", { class: "h-form" }, field("From", from), field("To", to, "earlier than the beginning: on the next day")), el("div", { class: "h-col" }, el("span", { class: "h-t13 h-b h-2" }, "Robots (none: all)"), el("div", { class: "q-robots" }, ...robots.map((one) => one.label))), problem], buttons: [["Leave it", (close) => close()], ["Save", save, true]] });
   }
 
   async function remove(window, changed) {

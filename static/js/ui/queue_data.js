@@ -63,6 +63,15 @@
     return [...done, ...planned];
   }
 
+  // robots with something in the queue or armed, then those under way or just done; and, apart, the others
+  function split(queue) {
+    const named = new Set([...queue.entries, ...queue.ended.filter((one) => one.started_utc && one.state !== "removed")].map((one) => one.robot_id));
+    const isBusy = (robot) => named.has(robot.robot_id) || Boolean(robot.arming || robot.now || robot.holds);
+    const waits = (robot) => queue.entries.some((one) => one.robot_id === robot.robot_id) || Boolean(robot.arming || robot.holds);
+    const busy = queue.robots.filter(isBusy);
+    return [[...busy.filter(waits), ...busy.filter((robot) => !waits(robot))], queue.robots.filter((robot) => !isBusy(robot))];
+  }
+
   // an order that can lead to motion carries the newest tick; without one nothing is sent and nothing waits
   async function order(path, body) {
     const tick = window.headland?.tick() ?? null;
@@ -90,5 +99,5 @@
     return parts.join(", ");
   }
 
-  HL.queue = { load, ms, clock, day, when, fromLocal, toLocal, duration, bars, order, repeatWords, conditionWords, DAYS };
+  HL.queue = { load, ms, clock, day, when, fromLocal, toLocal, duration, bars, split, order, repeatWords, conditionWords, DAYS };
 })();

@@ -15,8 +15,11 @@
     const rows = mine.map((entry) => row(queue, entry, movable, actions));
     const past = ended.map((entry) => el("li", { class: "q-entry past", "data-state": entry.state }, el("span", { class: "h-col h-sp" }, el("b", { class: "h-t16" }, entry.name), el("span", { class: "h-t14 h-2" }, `${HL.queue.when(Date.parse(entry.ended_utc), queue.zone)} · ${entry.why}`))));
     const state = robot.arming ? `armed by ${robot.arming.by} until ${HL.queue.clock(Date.parse(robot.arming.until_utc), queue.zone)}` : "not armed";
-    return el("section", { class: "h-card q-listcard", "aria-label": `Queue of ${robot.name}` }, el("div", { class: "h-row" }, el("h3", { class: "h-t18 h-b h-sp" }, robot.name), el("span", { class: robot.arming ? "h-chip dark" : "h-chip line" }, state), robot.arming ? el("button", { type: "button", class: "h-btn", onclick: () => actions.disarm(robot) }, "Disarm") : ""), rows.length ? el("ol", {}, ...rows) : el("p", { class: "h-t14 h-2" }, "Nothing in the queue."), past.length ? el("details", {}, el("summary", { class: "h-t14 h-b" }, "Ended lately"), el("ul", {}, ...past)) : "");
+    return el("section", { class: "h-card q-listcard", "aria-label": `Queue of ${robot.name}` }, el("div", { class: "h-row" }, el("h3", { class: "h-t18 h-b h-sp" }, robot.name), el("span", { class: robot.arming ? "h-chip dark" : "h-chip line" }, state), robot.arming ? el("button", { type: "button", class: "h-btn", onclick: () => actions.disarm(robot) }, "Disarm") : ""), robot.now && !mine.some((entry) => entry.mission_id === robot.now.mission_id) ? el("p", { class: "h-t14 h-b", "data-testid": `queue-now-${robot.robot_id}` }, nowWords(robot.now)) : "", rows.length ? el("ol", {}, ...rows) : el("p", { class: "h-t14 h-2" }, "Nothing in the queue."), past.length ? el("details", {}, el("summary", { class: "h-t14 h-b" }, "Ended lately"), el("ul", {}, ...past)) : "");
   }
+
+  // what a person started, which the queue waits for
+  const nowWords = ({ name, remaining_s: left }) => `Under way: ${name}${left ? `, about ${HL.queue.duration(left)} left` : ""}. Not from the queue.`;
 
   function row(queue, entry, movable, actions) {
     const isFixed = HL.queue.isFixed(entry) || !actions.mayEdit;

@@ -8,6 +8,7 @@
   const MOST_MS = 26 * HOUR;
   const STEPS = [0.25, 0.5, 1, 2, 3, 4];
   const MOST_TICKS = 9;
+  const SLIM = 0.1; // of the shown time: too narrow for a name
 
   const isFixed = (entry) => !entry || ["sent", "accepted", "running", "paused", "resuming"].includes(entry.status) || entry.state !== "open";
 
@@ -39,7 +40,7 @@
     const track = el("div", { class: "q-track", role: "list", "aria-label": `Queue of ${robot.name}` }, scale.line());
     const movable = [];
     for (const bar of row.bars) {
-      const node = barNode(queue, bar, scale, actions);
+      const node = barNode(queue, bar, scale, actions, row.bars);
       if (!node) continue;
       track.append(node);
       if (bar.entry && !isFixed(bar.entry)) movable.push(node);
@@ -52,7 +53,14 @@
     return el("div", { class: "q-robot", "data-testid": `queue-row-${robot.robot_id}` }, el("div", { class: "q-name" }, el("b", { class: "h-t16 h-ell" }, robot.name), armed(queue, robot, actions)), el("div", { class: "q-lane" }, track, reason(queue, robot, actions)));
   }
 
-  function barNode(queue, bar, scale, actions) {
+  // a name that does not fit into its bar stands beside it, where the row is free
+  function isSlim(bar, bars, { from, to }) {
+    const width = to - from;
+    const next = Math.min(to, ...bars.filter((one) => one !== bar && one.from >= bar.from).map((one) => one.from));
+    return bar.to - bar.from < SLIM * width && next - bar.to > 2 * SLIM * width;
+  }
+
+  function barNode(queue, bar, scale, actions, bars) {
     if (bar.to <= scale.from || bar.from >= scale.to) return null;
     const { entry } = bar;
     const name = entry ? entry.name : bar.name;
@@ -62,7 +70,7 @@
     const why = entry?.waiting && entry.status !== "running" ? ` ${entry.waiting.text}` : "";
     const status = entry ? (entry.state === "open" ? HL.plan.status(entry.status) : entry.why) : "Not from the queue";
     const tag = entry?.state === "open" ? "button" : "div";
-    const node = el(tag, { type: tag === "button" ? "button" : null, class: "q-bar", role: "listitem", "data-testid": entry ? `queue-bar-${entry.id}` : null, "data-look": bar.look, "data-state": entry?.status ?? null, style: `left:${scale.share(left)};width:${width}`, title: `${name}, ${times}. ${status}.${why}`, "aria-label": `${name}, ${times}. ${status}.${why}`, onclick: entry?.state === "open" ? () => actions.open(entry) : null }, entry?.repeat ? icon("autoplay", "s") : "", el("span", { class: "h-ell" }, name));
+    const node = el(tag, { type: tag === "button" ? "button" : null, class: isSlim(bar, bars, scale) ? "q-bar slim" : "q-bar", role: "listitem", "data-testid": entry ? `queue-bar-${entry.id}` : null, "data-look": bar.look, "data-state": entry?.status ?? null, style: `left:${scale.share(left)};width:${width}`, title: `${name}, ${times}. ${status}.${why}`, "aria-label": `${name}, ${times}. ${status}.${why}`, onclick: entry?.state === "open" ? () => actions.open(entry) : null }, entry?.repeat ? icon("autoplay", "s") : "", el("span", { class: "h-ell" }, name));
     if (bar.look === "running") node.style.setProperty("--done", `${Math.min(100, Math.max(0, (100 * (scale.now - left)) / Math.max(1, bar.to - left)))}%`);
     return node;
   }
@@ -80,5 +88,5 @@
     return el("div", { class: "q-reason h-t14", "data-testid": `queue-reason-${robot.robot_id}`, "data-code": first.waiting.code }, icon(first.waiting.step === "wait" ? "hourglass_top" : "play_arrow", "s"), el("span", {}, el("b", {}, `${first.name}: `), first.waiting.text), first.waiting.code === "holds_other" ? HL.queueHold.button(robot, actions.changed) : "");
   }
 
-  Object.assign(HL.queue, { timeline, isFixed });
+  Object.assign(HL.queue, { timeline, isFixed, isSlim });
 })();

@@ -4,6 +4,7 @@
   const { el, icon, text, attr } = HL;
   const RELOAD_MS = 400; // moves come close together
   const LOOK_MS = 10000; // sentences with a number in them (wind, battery) grow old without an event
+  const LEAST_FOLDED = 4; // fewer empty rows than that are no trouble
   const ABOUT = ["queue", "mission-status", "lease"];
 
   class QueueView {
@@ -16,7 +17,7 @@
       this.armButton = el("button", { type: "button", class: "h-btn pri", "data-testid": "queue-arm-open", onclick: () => this.arm() }, icon("autoplay", "m"), "Let it start by itself");
       this.armWhy = el("span", { class: "h-t13 h-2" });
       const windows = el("button", { type: "button", class: "h-btn", "data-testid": "queue-blackouts-open", onclick: () => this.queue && HL.queue.blackouts.list(this.queue, this.mayEdit, () => this.load()) }, icon("timer_off", "m"), "Blackout windows");
-      const seg = el("div", { class: "h-seg", role: "group", "aria-label": "Look" }, ...["timeline", "list"].map((one) => el("button", { type: "button", "data-look": one, "data-testid": `queue-look-${one}`, onclick: () => this.show(one) }, one === "timeline" ? "Timeline" : "List")));
+      const seg = el("div", { class: "h-seg", role: "group", "aria-label": "Look" }, ...["timeline", "list"].map((one) => el("button", { type: "button", "data-look": one, "aria-pressed": String(one === this.look), "data-testid": `queue-look-${one}`, onclick: () => this.show(one) }, one === "timeline" ? "Timeline" : "List")));
       this.seg = seg;
       this.hint = el("p", { class: "h-t13 h-2 q-hint" }, "Drag to reorder, or use ", el("kbd", { class: "h-key" }, "Alt"), " ", el("kbd", { class: "h-key" }, "↑"), ". Tap a mission to change it.");
       this.weather = el("span", { class: "h-t13 h-2", "data-testid": "queue-weather" });
@@ -58,13 +59,20 @@
       if (!answer.ok) {
         const since = this.loadedAt ? ` What you see is from ${HL.queue.clock(this.loadedAt, this.queue.zone)}.` : "";
         this.said.replaceChildren(el("div", { class: "h-card h-notice", role: "alert", "data-testid": "queue-error" }, icon("cloud_off", "l"), el("b", { class: "h-t18 h-b" }, "The queue did not load"), el("span", { class: "h-2" }, `${answer.text || "Server did not answer in 5 s. STOP still works."}${since}`), el("button", { type: "button", class: "h-btn", onclick: () => this.load() }, icon("refresh", "m"), "Try again")));
-        if (!this.queue) this.body.replaceChildren();
+        if (!this.queue) this.bare();
         return;
       }
       this.said.replaceChildren();
       this.loadedAt = Date.now();
       this.queue = answer;
       this.draw();
+    }
+
+    // nothing is known: nothing to order, and nothing to arm
+    bare() {
+      this.body.replaceChildren();
+      attr(this.armButton, "disabled", true);
+      attr(this.hint, "hidden", true);
     }
 
     // a drag or an armed slide is not torn out of a hand by news
@@ -90,8 +98,17 @@
       const focus = document.activeElement?.closest?.("[data-testid^=queue-]")?.dataset.testid;
       if (!queue.robots.length) this.body.replaceChildren(HL.records.empty("No robots yet", "Accept a robot under Admin, Robots."));
       else if (!queue.entries.length && !queue.ended.some((one) => one.started_utc) && this.look === "list") this.body.replaceChildren(this.nothing());
-      else this.body.replaceChildren(HL.queue[this.look](queue, this.actions()), queue.entries.length ? "" : this.nothing());
+      else this.body.replaceChildren(...this.parts(queue), queue.entries.length ? "" : this.nothing());
       if (focus) this.body.querySelector(`[data-testid="${focus}"]`)?.focus({ preventScroll: true });
+    }
+
+    // robots that have something to show, and the others behind one line, so that nobody scrolls past empty rows
+    parts(queue) {
+      const draw = (robots) => HL.queue[this.look]({ ...queue, robots }, this.actions());
+      const [busy, idle] = HL.queue.split(queue);
+      if (!busy.length || idle.length < LEAST_FOLDED) return [draw([...busy, ...idle])];
+      const fold = el("details", { class: "q-idle", "data-testid": "queue-idle", open: Boolean(this.isIdleOpen), ontoggle: () => (this.isIdleOpen = fold.open) }, el("summary", { class: "h-btn" }, `${idle.length} robots with nothing in the queue`), draw(idle));
+      return [draw(busy), fold];
     }
 
     nothing() {

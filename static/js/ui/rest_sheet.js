@@ -12,7 +12,8 @@
   const kwh = (j) => `${(j / 3.6e6).toFixed(1)} kWh`;
   const share = (part) => `${Math.round(100 * part)} %`;
   const area = (m2) => { const shown = HL.units.area(m2); return `${shown.text} ${shown.unit}`; };
-  const less = (before, after, words) => (Math.abs(before - after) < 1e-6 ? "same" : `${after < before ? "−" : "+"}${words(Math.abs(after - before))}`);
+  // a difference that its own words round to nothing is no difference anybody can see
+  const less = (before, after, words) => (words(Math.abs(after - before)) === words(0) ? (before === after ? "same" : "about the same") : `${after < before ? "−" : "+"}${words(Math.abs(after - before))}`);
 
   function table(shown) {
     const { before: a, after: b } = shown;
@@ -27,7 +28,7 @@
       this.options = el("div", { class: "h-col" });
       this.shown = el("div", { class: "h-col" });
       this.map = new HL.RestMap(`New path of ${mission.name}`, () => this.soon());
-      this.close = HL.sheet({ title: kind === "change" ? `Change the rest: ${mission.name}` : `Resume later: ${mission.name}`, hook: "rest-sheet", body: [this.options, this.said, this.shown, this.map.node], buttons: [["Keep it as it is", (close) => close()], [kind === "change" ? "Send update" : "Send the way back", () => this.send(), true]] });
+      this.close = HL.sheet({ title: kind === "change" ? `Change the rest: ${mission.name}` : `Resume later: ${mission.name}`, hook: "rest-sheet", body: [el("div", { class: "h-restcols" }, el("div", { class: "h-col" }, this.options, this.said, this.shown), this.map.node)], buttons: [["Keep it as it is", (close) => close()], [kind === "change" ? "Send update" : "Send the way back", () => this.send(), true]] });
       this.button = document.querySelector("[data-testid=rest-sheet] .foot .pri");
       attr(this.button, "data-testid", "rest-send");
       this.button.disabled = true;

@@ -75,7 +75,7 @@
     resume: operate("resume-on-operate", "play_arrow", "Resume on Operate"),
     home: (dock) => [slide(dock, { hook: "mission-return-home", icon: "home", label: "Slide to return home", line: "It drives home by itself", button: { icon: "home", label: "Return home" }, act: order("return_home") }), "return_home"],
     retract: (dock) => [slide(dock, { hook: "tool-retract", icon: "undo", label: `Slide to retract the ${tool()}`, line: `The ${tool()} moves. Check that nobody is near it`, button: { icon: "undo", label: `Retract ${tool()}` }, act: order("tool_retract") }), "tool_retract"],
-    jog: () => [button("jog-open", "sports_esports", jogWords(), () => HL.jog.open(HL.view.robot)), "jog"],
+    jog: () => [button("jog-open", "sports_esports", jogWords(), () => HL.jogSheet.open(HL.view.robot)), "jog"],
     skip: () => [button("target-skip", "keyboard_double_arrow_right", target(), order("skip_target")), "skip_target", target],
     refilled: (dock) => [slide(dock, { hook: "stock-refilled", icon: "done_all", label: "Slide: trays are full", line: "It may go on by itself. Keep clear", button: { icon: "done_all", label: "Trays full" }, act: order("stock_refilled") }), "stock_refilled"],
   };

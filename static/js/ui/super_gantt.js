@@ -84,6 +84,7 @@
       const scene = this.scene(data);
       const wide = width - LEFT - RIGHT;
       const rows = HL.ganttRows.rows(scene.intervals, HL.superChart?.facts, data.resting ?? [], { ...scene, width: wide });
+      HL.style(this.closest("section") ?? this, "--lanes", String(rows.length)); // on a tablet the card is as high as it has lanes
       const high = Math.max(LEAST_ROW, Math.min(MOST_ROW, Math.floor((room - TOP - FOOT) / Math.max(1, rows.length))));
       const height = TOP + rows.length * high + FOOT;
       for (const [name, value] of [["width", width], ["height", height], ["viewBox", `0 0 ${width} ${height}`], ["aria-label", this.said(rows)]]) attr(this.drawing, name, value);

@@ -3,6 +3,7 @@
   "use strict";
   const { el, icon } = HL;
   const TAP_PX = 10;
+  const NEARER = 0.98; // of the whole drawing
   const MOST_ZOOM = 6;
   const LARGEST = 1.6; // a small chart is not blown up beyond this
 
@@ -56,8 +57,23 @@
       this.apply();
     }
 
+    // there is more of the drawing than is in sight
+    isNear() {
+      return this.box.w < this.size[0] * NEARER || this.box.h < this.size[1] * NEARER;
+    }
+
+    // by so many units of the drawing; its middle, or its edge, stays in sight
+    pan(dx, dy) {
+      const { x, y, w, h } = this.box;
+      const within = (at, wide, size) => Math.min(Math.max(at, -wide / 2), size - wide / 2);
+      this.isWhole = false;
+      this.box = { x: within(x + dx, w, this.size[0]), y: within(y + dy, h, this.size[1]), w, h };
+      this.apply();
+    }
+
     apply() {
       const { x, y, w, h } = this.box;
+      HL.attr(this.root, "data-near", this.isNear());
       HL.attr(this.root, "viewBox", `${x.toFixed(1)} ${y.toFixed(1)} ${w.toFixed(1)} ${h.toFixed(1)}`);
     }
 
@@ -77,9 +93,7 @@
         one.hasMoved = others[0].hasMoved = true;
       } else if (one.hasMoved) {
         const px = this.box.w / this.root.getBoundingClientRect().width;
-        this.isWhole = false;
-        this.box = { ...this.box, x: this.box.x - (event.clientX - one.at.clientX) * px, y: this.box.y - (event.clientY - one.at.clientY) * px };
-        this.apply();
+        if (this.isNear()) this.pan((one.at.clientX - event.clientX) * px, (one.at.clientY - event.clientY) * px);
       }
       one.at = event;
     }

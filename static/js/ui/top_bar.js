@@ -63,7 +63,7 @@
       attr(this, "hidden", Boolean(HL.view.robot));
       const title = this.dataset.fixed || (HL.view.screen === "operate" ? this.dataset.farm : HL.view.title || this.dataset.farm);
       text(this.main, title);
-      const isList = ["fleet", "alarms"].includes(HL.view.screen);
+      const isList = ["fleet", "alarms", "cameras"].includes(HL.view.screen);
       const count = HL.port.ids.size;
       text(this.line, isList ? `${this.dataset.farm}, ${count === 1 ? "1 robot" : `${count} robots`}` : "");
     }

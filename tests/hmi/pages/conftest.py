@@ -53,6 +53,16 @@ class Theatre:
         """Set what the planter does: ``anew``, ``active=[[state, age_s]]``, ``last``, ``has_chart``, ``is_silent``."""
         self._post("/stage-super", wish)
 
+    def cameras(self, **wish: Any) -> None:
+        """Set cameras, see ``CameraStage``; ``anew=True`` begins anew."""
+        self._post("/stage-cameras", wish)
+
+    def heard_cameras(self) -> dict[str, Any]:
+        """Return what pages watch now, and what was asked of cameras."""
+        with urllib.request.urlopen(f"{self.url}/stage-cameras") as reply:
+            answer: dict[str, Any] = json.loads(reply.read())
+            return answer
+
     def heard_map(self) -> dict[str, Any]:
         """Return what reached the farm map, and what it is now."""
         with urllib.request.urlopen(f"{self.url}/stage-map") as reply:

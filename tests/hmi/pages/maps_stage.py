@@ -190,6 +190,19 @@ class StageMap:
     is_down: bool = False
     slow_s: float = 0.0
     asked: list[dict[str, Any]] = field(default_factory=list)
+    proposals: list[dict[str, Any]] = field(default_factory=list)
+
+    def propose(self, session: SessionInfo, more: list[str], body: dict[str, Any]) -> Any:
+        """Answer a request about changes from the cloud."""
+        if not more:
+            return {"proposals": self.proposals}
+        one = next(one for one in self.proposals if one["id"] == more[0])
+        if more[1] == "refuse":
+            self.proposals.remove(one)
+            return {}
+        one["in_draft_by"] = session.user_name
+        change = {"id": one["id"], "before": self.mine(session).features.get(one["id"]), "after": one["after"]}
+        return self.change(session, body["id"], f"From the cloud: {one['name']}", [change])
 
     def published(self, session: SessionInfo) -> dict[str, Any]:
         """Return what ``GET /map`` answers."""
@@ -403,6 +416,8 @@ class MapStage:
             self.map.features, self.map.version = {}, 0
         if "is_down" in wish:
             self.map.is_down = wish["is_down"]
+        if "proposals" in wish:
+            self.map.proposals = wish["proposals"]
         if "slow_s" in wish:
             self.map.slow_s = wish["slow_s"]
         if "rename" in wish:

@@ -59,6 +59,8 @@ def _play(played: StageMap, request: Request, rest: str, session: SessionInfo, b
             found: Any = played.published(session)
         case "draft":
             found = _draft(played, request.method, more, session, body)
+        case "proposals":
+            found = played.propose(session, more, body)
         case "versions":
             found = _versions(played, more, session)
         case "imports":

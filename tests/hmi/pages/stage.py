@@ -25,6 +25,7 @@ from hmi.clock import SystemClock
 from hmi.domain import robot as domain
 from hmi.domain.freshness import TickRing
 from hmi.domain.role import Permission, Role, may
+from hmi.live.frames import Drive
 from hmi.live.hub import LiveHub
 from hmi.live.lane import lane_route, same_origin_or
 from hmi.pages import bundle
@@ -37,7 +38,15 @@ from hmi.settings import Settings
 from hmi.store.fleet import FleetStore
 from tests.components import map_field
 from tests.hmi.live.crowd import Crowd
-from tests.hmi.pages import alarm_stage, fleet_stage, machine_stage, maps_stage, maps_stage_routes, super_stage
+from tests.hmi.pages import (
+    alarm_stage,
+    camera_stage,
+    fleet_stage,
+    machine_stage,
+    maps_stage,
+    maps_stage_routes,
+    super_stage,
+)
 
 SHA = "ab" * 32
 NAMES = {Role.OPERATOR: "Martha Keller", Role.SUPERVISOR: "Anna Ostermeier", Role.ADMIN: "Jonas Weber"}
@@ -152,6 +161,7 @@ class Stage:
         self.machine = machine_stage.MachineStage(self.fleet, self.clock.mono_s, self.register)
         self.register(False)
         self.fleet.put_factsheet("weeder-07", factsheet("Weeder 07"))
+        self.cameras = camera_stage.CameraStage(self.clock.mono_s)
         self.planter = super_stage.SuperStage(self.clock, is_silent=True)
 
     def register(self, has_machine: bool) -> None:
@@ -293,6 +303,7 @@ def build(stage: Stage) -> FastAPI:
         return stage.mission
 
     app.include_router(alarm_stage.router(stage.alarms, stage.orders.append))
+    app.include_router(camera_stage.router(stage.cameras))
     app.include_router(fleet_stage.router(fleet_stage.FleetStage()))
     app.include_router(stage.machine.router(stage.orders))
     app.include_router(maps_stage_routes.router(maps_stage.MapStage(), stage.sessions))
@@ -313,7 +324,8 @@ def build(stage: Stage) -> FastAPI:
 
     @app.get("/stage-heard")
     async def heard() -> dict[str, Any]:
-        drives = [{"v": f.v, "w": f.w} for f in stage.frames if type(f).__name__ == "Drive"]
+        frames = [f for f in stage.frames if isinstance(f, Drive)]
+        drives = [{"v": f.v, "w": f.w} | ({} if f.picture is None else {"picture": f.picture}) for f in frames]
         heres = sum(type(f).__name__ == "Here" for f in stage.frames)
         jogs = [f.rates for f in stage.frames if type(f).__name__ == "Jog"]
         return {"orders": stage.orders, "drives": drives, "jogs": jogs, "heres": heres}
@@ -323,7 +335,12 @@ def build(stage: Stage) -> FastAPI:
         return await answer(stage, rest, request)
 
     services = PageServices(
-        Settings(demo=True, farm_name="Hof Brandt"), stage.clock, stage.fleet, stage.sessions, authorize, StopAddress(1)
+        Settings(demo=True, farm_name="Hof Brandt", map_engine="full"),
+        stage.clock,
+        stage.fleet,
+        stage.sessions,
+        authorize,
+        StopAddress(1),
     )
     ui.run_with(
         app,

@@ -14,7 +14,8 @@ UI = bundle.STATIC / "js" / "ui"
 
 def test_every_script_and_style_is_in_exactly_one_file() -> None:
     listed = [name for parts in bundle.SCRIPTS.values() for name in parts]
-    assert sorted(listed) == sorted(path.stem for path in UI.glob("*.js"))
+    cameras = [f"camera/{path.stem}" for path in (bundle.STATIC / "js" / "camera").glob("*.js")]
+    assert sorted(listed) == sorted([*cameras, *(path.stem for path in UI.glob("*.js"))])
     own = {"stop", "viser_frame"}  # STOP and the twin's frame bring their own
     styles = {path.stem for path in (bundle.STATIC / "css").glob("*.css")} - own
     of_screens = [part for name in bundle.SCREEN_STYLES for part in bundle.STYLE_PARTS.get(name, (name,))]
@@ -23,7 +24,7 @@ def test_every_script_and_style_is_in_exactly_one_file() -> None:
 
 def test_no_string_of_a_script_spans_lines() -> None:
     """Else dropping indents and comments would change what it says."""
-    for path in UI.glob("*.js"):
+    for path in [*UI.glob("*.js"), *(bundle.STATIC / "js" / "camera").glob("*.js")]:
         for number, line in enumerate(path.read_text("utf-8").splitlines(), 1):
             assert line.count("`") % 2 == 0, f"{path.name}:{number}"
 

@@ -10,6 +10,7 @@ LISTED = (ROOT / "static/icons/icons.txt").read_text("utf-8").split()
 SOURCES = [
     *(ROOT / "static/js").glob("*.js"),
     *(ROOT / "static/js/ui").glob("*.js"),
+    *(ROOT / "static/js/camera").glob("*.js"),
     *(ROOT / "hmi/pages").glob("*.py"),
     *(ROOT / "components").glob("*.py"),
 ]

@@ -126,7 +126,7 @@ def test_sending_says_that_nothing_moves(show: Callable[..., tuple[Page, Played]
     expect(page.locator(".h-mdetail").get_by_text("Sending does not move the robot.")).to_be_visible()
     page.get_by_test_id("plan-send").click()
     expect(page.get_by_test_id("toast")).to_contain_text("It does not move yet.")
-    assert played.asked == [("POST", "robots/weeder-07/mission", {"mission_id": "m-1"})]
+    assert played.asked == [("POST", "robots/weeder-07/mission", {"mission_id": "m-1", "way": "direct"})]
 
 
 def test_a_refused_sending_gives_the_reason(show: Callable[..., tuple[Page, Played]]) -> None:

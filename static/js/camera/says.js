@@ -1,0 +1,54 @@
+// What a picture says about itself, in words. Pure.
+(() => {
+  "use strict";
+  const { words } = HL;
+  const DOWN_MS = 1000;
+
+  // "118 ms", "1.4 s"; a camera that tells no time of its own is later than what can be measured
+  function delay({ delayMs, isDated }) {
+    if (delayMs === null) return "delay unknown";
+    const measured = delayMs < DOWN_MS ? `${Math.round(delayMs)} ms` : words.age(delayMs);
+    return isDated ? measured : `over ${measured}`;
+  }
+
+  const fps = (value) => (value === null ? "" : value < 2 ? `1 per ${words.age(1000 / value).replace(".0 ", " ")}` : `${Math.round(value)} fps`);
+  const rate = (judged) => [delay(judged), fps(judged.fps)].filter(Boolean).join(", ");
+
+  // the corner of a tile: short, always with its unit
+  function corner(judged, { way }) {
+    if (judged.state === "connecting") return "starting";
+    if (judged.state === "off") return `no picture ${words.since(judged.silentMs)}`;
+    if (judged.state === "frozen") return `frozen ${words.since(judged.ageMs)}`;
+    if (judged.state === "late") return `late, ${words.age(judged.delayMs)} old`;
+    if (way === "still") return `still pictures, ${judged.delayMs === null ? "delay unknown" : words.age(judged.delayMs)}`;
+    return rate(judged);
+  }
+
+  // said beside the corner while pictures do not come the best way
+  const note = (judged, { way, hasGivenUp }) => (judged.state === "live" && hasGivenUp && way !== "still" ? "Single pictures" : "");
+
+  // one sentence for a big picture and for what reads aloud
+  function sentence(label, judged, how) {
+    if (judged.state === "frozen") return `${label}, frozen, ${words.since(judged.ageMs)} old`;
+    if (judged.state === "late") return `${label}, late: ${words.age(judged.delayMs)} old`;
+    if (judged.state === "off") return `${label}: no picture for ${words.since(judged.silentMs)}`;
+    if (judged.state === "connecting") return `${label}, starting`;
+    const undated = judged.isDated ? "" : ". Delay without the camera's own";
+    if (how.way === "still") return `${label}. Still pictures, ${judged.delayMs === null ? "delay unknown" : words.age(judged.delayMs)}${undated}`;
+    return `${label}, ${rate(judged)}${undated}${how.hasGivenUp ? `. Single pictures: ${(how.why || "no direct way").replace(/\.$/, "")}` : ""}`;
+  }
+
+  // why there is none: the camera's own reason, then how often it was started again
+  function reason(camera, problem) {
+    if (problem) return problem;
+    if (!camera) return "The server has not said anything about it yet.";
+    const said = camera.reason || { off: "The robot is not connected.", failed: "The camera gives no pictures.", starting: "It is starting.", idle: "It is being asked." }[camera.state] || "The camera gives no pictures.";
+    const times = camera.restarts === 1 ? "once" : camera.restarts ? `${camera.restarts} times` : "";
+    return `${said.replace(/\.?$/, ".")}${times ? ` Restarted ${times}.` : ""}`;
+  }
+
+  // what the state is called outside: the names of the stable hooks
+  const hook = (judged, { way, hasGivenUp }) => ({ late: "frozen" })[judged.state] ?? (judged.state === "live" && (hasGivenUp || way === "still") ? "stills" : judged.state);
+
+  Object.assign(HL.camera, { says: { delay, corner, note, sentence, reason, hook, rate } });
+})();

@@ -1,0 +1,118 @@
+// Admin: the link to the cloud. What is so, what waits, how long things take; asked again while somebody looks.
+(() => {
+  "use strict";
+  const { el, icon, text } = HL;
+  const { table, empty } = HL.records;
+  const EVERY_MS = 2000;
+  const SIGNS = { ok: "done", watch: "hourglass_top", bad: "error" };
+
+  const button = (label, onclick, hook, look = "") => el("button", { type: "button", class: `h-btn ${look}`.trim(), "data-testid": hook, onclick }, label);
+
+  function span(seconds) {
+    if (seconds === null || seconds === undefined) return "–";
+    if (seconds < 60) return `${seconds.toFixed(seconds < 9.95 ? 1 : 0)} s`;
+    const minutes = Math.round(seconds / 60);
+    if (minutes < 60) return `${minutes} min`;
+    if (minutes < 2880) return `${Math.floor(minutes / 60)} h ${String(minutes % 60).padStart(2, "0")}`;
+    return `${Math.round(minutes / 1440)} days`;
+  }
+  const ms = (seconds) => (seconds === null || seconds === undefined ? "–" : `${Math.round(seconds * 1000)} ms`);
+  const size = (bytes) => (bytes < 1e6 ? `${Math.ceil(bytes / 1000)} kB` : `${(bytes / 1e6).toFixed(1)} MB`);
+  const clock = (skew) => (skew === null || skew === undefined ? "not known" : skew === 0 ? "agrees with ours within 2 s" : `${Math.abs(skew).toFixed(0)} s ${skew > 0 ? "ahead of" : "behind"} ours`);
+
+  class Panel {
+    constructor(place) {
+      this.place = place;
+      this.head = el("div", { class: "h-card h-sec", "data-testid": "cloud-state", role: "status" });
+      this.body = el("div", { class: "h-sec" });
+      this.error = el("div", { class: "h-error", role: "alert", hidden: true });
+      place.append(el("h2", {}, "Cloud"), this.error, this.head, this.body);
+      this.head.append(el("span", { class: "h-2" }, "Loading"));
+      this.ask();
+    }
+
+    async ask() {
+      const answer = await HL.port.api("GET", "/cloud");
+      if (!this.head.isConnected) return;
+      if (answer.ok) this.draw(answer);
+      this.error.hidden = answer.ok;
+      text(this.error, answer.ok ? "" : `${answer.text || "The server did not answer."} What is below is old.`);
+      setTimeout(() => this.head.isConnected && this.ask(), EVERY_MS);
+    }
+
+    draw(told) {
+      this.state(told);
+      if (told.state === "off") return this.body.replaceChildren(empty("Nothing goes to a cloud", "Robots, STOP and everything on these screens work without one."));
+      this.body.replaceChildren(
+        el("h2", {}, "Waiting here"), this.waiting(told.waiting, told.counts),
+        el("h2", {}, "Delays"), this.delays(told.delays),
+        el("h2", {}, "Since the start"), this.counts(told.counts),
+        el("h2", {}, "Where"), table(["What", "Value"], [
+          ["Broker", told.url], ["Tenant", told.tenant || "the default one"], ["Service path", told.path],
+          ["Last answer", told.heard_utc ? HL.records.when(told.heard_utc) : "none yet"], ["Its clock", clock(told.skew_s)],
+        ].map((cells) => ({ cells }))),
+      );
+    }
+
+    state(told) {
+      this.head.dataset.state = told.state;
+      const key = JSON.stringify([told.state, told.why, told.mend, told.can_take_tenant]);
+      if (this.head.dataset.key !== key) {
+        this.head.dataset.key = key;
+        this.age = el("span", { class: "h-2" });
+        this.head.replaceChildren(...[
+          el("div", { class: "h-row" }, icon(SIGNS[told.level], "l"), el("b", { class: "h-t18 h-b" }, told.head), this.age),
+          el("p", {}, told.text),
+          told.why && el("p", { class: "h-2" }, told.why),
+          told.mend && el("p", {}, el("b", {}, "To do: "), told.mend),
+          told.can_take_tenant && el("div", {}, button("Use this tenant", () => this.take(), "cloud-take-tenant")),
+        ].filter(Boolean));
+      }
+      text(this.age, told.for_s === undefined ? "" : `for ${span(told.for_s)}`);
+    }
+
+    waiting(waiting, counts) {
+      const share = Math.round((100 * waiting.bytes) / waiting.limit_bytes);
+      const rows = [
+        ["Records not in the cloud yet", el("span", { "data-testid": "cloud-waiting", "data-value": waiting.count }, String(waiting.count))],
+        ["Oldest", waiting.oldest_age_s === null ? "–" : el("span", { "data-testid": "cloud-oldest", "data-value": waiting.oldest_age_s }, `${span(waiting.oldest_age_s)} old`)],
+        ["Room", `${size(waiting.bytes)} of ${size(waiting.limit_bytes)}, ${share} %`],
+        ["Dropped", counts.dropped ? `${counts.dropped}: no room, or too old` : "none"],
+      ];
+      if (waiting.trouble) rows.push(["Disk", `${waiting.trouble}. New records wait in memory.`]);
+      return table(["What", "Value"], rows.map((cells) => ({ cells })));
+    }
+
+    delays({ robot_console, robot_cloud, mission, published_mean_s }) {
+      const row = (label, one, beside, hook) => ({ hook, cells: [label, ms(one.mean_s), ms(one.p50_s), ms(one.p99_s), one.count, beside] });
+      return table(["From, to", "Mean", "Median", "99 of 100 below", "Measured", "Published"], [
+        row("Robot to console", robot_console, "–", "cloud-delay-console"),
+        row("Robot to cloud", robot_cloud, `${ms(published_mean_s)} mean`, "cloud-delay-cloud"),
+        row("Mission sent, read back", mission, "–", "cloud-delay-mission"),
+      ]);
+    }
+
+    counts(counts) {
+      return table(["What", "Value"], [
+        ["Reports of robots", counts.states], ["Events, alarms and missions", counts.records],
+        ["Sent twice, since an answer was lost", counts.sent_twice],
+        ["Heard twice from robots", counts.heard_twice], ["Lost on the way from robots", counts.lost_from_robots],
+        ["Refused by the cloud", counts.refused ? `${counts.refused}, the last: ${counts.last_refusal}` : 0],
+      ].map((cells) => ({ cells })));
+    }
+
+    take() {
+      HL.sheet({
+        title: "Use this tenant?",
+        body: [el("p", { class: "h-2 h-t16" }, "This console will keep the farm in this tenant from now on. If another console does too, they write over each other."), this.said = el("div", { class: "h-error", role: "alert" })],
+        buttons: [["Cancel", (close) => close()], ["Use it", async (close) => {
+          const answer = await HL.port.api("POST", "/cloud/tenant", {});
+          if (!answer.ok) return text(this.said, answer.text || "The server did not answer.");
+          return close();
+        }, true]],
+      });
+    }
+  }
+
+  HL.AdminCloud = Panel;
+})();

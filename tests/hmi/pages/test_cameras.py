@@ -1,0 +1,258 @@
+"""Cameras: a wall that says how old each picture is, and a picture on Operate that driving depends on."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from tests.hmi.pages.conftest import TABLETS, Theatre
+from tests.hmi.pages.test_shell import is_stop_on_top
+
+pytestmark = pytest.mark.browser
+Look = Callable[..., Page]
+SHOWN = re.compile("^(live|stills)$")
+
+
+@pytest.fixture
+def cameras(theatre: Theatre) -> Callable[..., None]:
+    """Set what cameras do; begins with all of them giving pictures."""
+    theatre.play("running")
+    theatre.cameras(anew=True)
+    return theatre.cameras
+
+
+def tile(page: Page, name: str) -> Locator:
+    """Return the tile of a camera once it shows pictures."""
+    found = page.get_by_test_id(f"camera-{name.replace('/', '-')}")
+    expect(found).to_have_attribute("data-state", SHOWN)
+    return found
+
+
+def hold(page: Page, pad: Locator) -> None:
+    """Put a finger on a pad and leave it there."""
+    box = pad.bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    page.mouse.down()
+
+
+def covers(page: Page, inner: str, outer: str) -> Any:
+    """Return by how many px one box sticks out of another."""
+    return page.evaluate(
+        """([inner, outer]) => {
+          const [a, b] = [inner, outer].map((one) => document.querySelector(one).getBoundingClientRect());
+          return Math.round(Math.max(0, b.left - a.left, b.top - a.top, a.right - b.right, a.bottom - b.bottom));
+        }""",
+        [inner, outer],
+    )
+
+
+def test_each_picture_says_its_delay_and_a_frozen_one_how_old_it_is(look: Look, cameras: Callable[..., None]) -> None:
+    page = look("/cameras")
+    front = tile(page, "weeder-07/front")
+    expect(front).to_have_attribute("data-fps", re.compile(r"^[3-6]\."))
+    assert 80 <= float(front.get_attribute("data-delay-ms") or "nan") < 1000
+    expect(front.locator(".c-head .end")).to_have_text(re.compile(r"^\d+ ms, [3-6] fps$"))
+    expect(front.locator(".c-foot .end")).to_have_text(re.compile("^(Single pictures)?$"))
+    expect(page.get_by_test_id("cameras-sum")).to_have_text("4 streams, 3.6 Mbit/s.")
+    down = {"state": "failed", "reason": "Node camera_rear is in error", "restarts": 3}
+    cameras(frozen=["weeder-07/front"], cameras={"planter-02/head": down})
+    expect(front).to_have_attribute("data-state", "frozen", timeout=4000)
+    expect(front.locator(".c-head .end")).to_have_text(re.compile(r"^frozen \d+ s$"))
+    expect(front.locator(".c-foot .end")).to_have_text(re.compile(r"^Last picture \d\d:\d\d:\d\d$"))
+    cameras(frozen=[], cameras={})
+    tile(page, "weeder-07/front")
+    assert is_stop_on_top(page)
+
+
+def test_who_steers_by_a_frozen_picture_does_not_drive_and_reads_why(
+    look: Look, theatre: Theatre, cameras: Callable[..., None]
+) -> None:
+    page = look("/operate/weeder-07")
+    page.get_by_test_id("pip-toggle").click()
+    expect(page.get_by_test_id("pip")).to_have_attribute("data-state", SHOWN)
+    assert covers(page, ".c-pip", ".h-map") == 0
+    theatre.play("manual")
+    page.get_by_test_id("drive-open").click()
+    pad = page.get_by_test_id("drive-forward")
+    expect(pad).to_have_attribute("data-state", "idle")
+    hold(page, pad)
+    expect(pad).to_have_attribute("data-state", "held")
+    cameras(frozen=["weeder-07/front"])
+    expect(pad).to_have_attribute("data-state", "off", timeout=4000)
+    expect(pad).to_have_text(re.compile(r"^videocam_off\s*Picture .* old$"))
+    drives = theatre.heard()["drives"]
+    assert drives[-1] == {"v": 0.0, "w": 0.0}
+    assert all(one["picture"] <= 1000 for one in drives if one["v"])
+    page.mouse.up()
+    page.get_by_test_id("pip-close").click()
+    expect(pad).to_have_attribute("data-state", "idle")
+    assert is_stop_on_top(page)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("size", TABLETS)
+def test_the_wall_fits_every_size_and_its_buttons_can_be_hit(
+    look: Look, cameras: Callable[..., None], size: str
+) -> None:
+    page = look("/cameras", size=size)
+    tile(page, "weeder-07/front")
+    for n in (2, 3, 4):
+        page.get_by_test_id(f"cameras-size-{n}").click()
+        tile(page, "weeder-07/front")
+        assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    small = page.evaluate(
+        """[...document.querySelectorAll('.c-screen button:not([hidden])')].map((b) => [b, b.getBoundingClientRect()])
+        .filter(([, box]) => box.width && (box.width < 46 || box.height < 46)).map(([b]) => b.dataset.testid)"""
+    )
+    assert small == []
+    assert is_stop_on_top(page)
+
+
+@pytest.mark.long
+def test_only_pictures_that_can_be_seen_are_fetched_and_none_after_leaving(
+    look: Look, theatre: Theatre, cameras: Callable[..., None]
+) -> None:
+    page = look("/cameras")
+    tile(page, "weeder-07/front")
+    assert len(theatre.heard_cameras()["watched"]) == 4
+    page.get_by_test_id("camera-weeder-07-front").dblclick()
+    expect(page.get_by_test_id("cameras-sum")).to_have_text(re.compile("^1 stream, .* Off-screen streams pause."))
+    page.keyboard.press("Escape")
+    tile(page, "weeder-01/front")
+    page.keyboard.press("g")
+    page.keyboard.press("f")
+    expect(page.get_by_test_id("fleet")).to_be_visible()
+    page.wait_for_function("!HL.camera.socket.count()")
+    assert theatre.heard_cameras()["watched"] == []
+
+
+@pytest.mark.long
+def test_a_camera_that_is_down_says_why_and_can_be_started_again_by_those_who_may(
+    look: Look, theatre: Theatre, cameras: Callable[..., None]
+) -> None:
+    cameras(cameras={"planter-02/head": {"state": "failed", "reason": "Node camera_head is in error", "restarts": 3}})
+    page = look("/cameras")
+    head = page.get_by_test_id("camera-planter-02-head")
+    expect(head).to_have_attribute("data-state", "off")
+    expect(head).to_contain_text("Node camera_head is in error. Restarted 3 times.")
+    page.get_by_test_id("camera-restart-planter-02-head").click()
+    expect(page.get_by_test_id("toast")).to_contain_text("The camera is being started again.")
+    assert "planter-02/head/restart" in theatre.heard_cameras()["asked"]
+    viewer = look("/cameras", role="viewer")
+    expect(viewer.get_by_test_id("camera-planter-02-head")).to_contain_text("No picture for")
+    expect(viewer.get_by_test_id("camera-restart-planter-02-head")).to_be_hidden()
+
+
+@pytest.mark.long
+def test_the_screen_says_what_is_wrong_when_there_is_no_wall(look: Look, cameras: Callable[..., None]) -> None:
+    cameras(none=True)
+    page = look("/cameras")
+    expect(page.get_by_test_id("cameras-notice")).to_contain_text("No camera yet")
+    cameras(anew=True, status=403)
+    page.reload()
+    expect(page.get_by_test_id("cameras-notice")).to_contain_text("Video of this site is not shared with you.")
+    cameras(anew=True, down=True)
+    page.reload()
+    expect(page.get_by_test_id("cameras-notice")).to_contain_text("Cameras do not answer")
+    cameras(anew=True)
+    tile(page, "weeder-07/front")
+    cameras(down=True)
+    expect(page.get_by_test_id("camera-weeder-07-front")).to_have_attribute("data-state", "frozen", timeout=4000)
+    cameras(anew=True)
+    tile(page, "weeder-07/front")
+
+
+@pytest.mark.long
+def test_a_snapshot_is_kept_and_found_under_pictures(
+    look: Look, theatre: Theatre, cameras: Callable[..., None]
+) -> None:
+    page = look("/cameras")
+    tile(page, "weeder-07/front").click()
+    page.get_by_test_id("camera-snapshot").click()
+    expect(page.get_by_test_id("toast")).to_contain_text("It is under Cameras, Pictures.")
+    page.get_by_test_id("cameras-pictures").click()
+    kept = page.get_by_test_id("picture-p-0")
+    expect(kept).to_contain_text("Weeder 07, front")
+    expect(kept).to_contain_text("51.750000, 5.750000")
+    expect(page.get_by_test_id("picture-download-p-0")).to_have_attribute("href", re.compile(r"download=true$"))
+    assert is_stop_on_top(page)
+
+
+@pytest.mark.long
+def test_my_wall_is_kept_and_keys_walk_it(look: Look, cameras: Callable[..., None]) -> None:
+    page = look("/cameras")
+    tile(page, "weeder-07/front")
+    page.get_by_test_id("cameras-mode-mine").click()
+    page.get_by_test_id("my-wall-weeder-07-rear").click()
+    page.get_by_test_id("my-wall-weeder-01-front").click()
+    page.get_by_role("button", name="Use these").click()
+    tile(page, "weeder-07/rear")
+    expect(page.locator(".c-tile")).to_have_count(2)
+    page.reload()
+    tile(page, "weeder-07/rear")
+    expect(page.locator(".c-tile")).to_have_count(2)
+    page.keyboard.press("j")
+    expect(page.get_by_test_id("camera-weeder-07-rear")).to_have_attribute("aria-pressed", "true")
+    page.keyboard.press("Enter")
+    page.wait_for_url("**/operate/weeder-07")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("size", TABLETS)
+def test_the_small_picture_moves_to_a_corner_swaps_with_the_map_and_covers_nothing_that_stops(
+    look: Look, cameras: Callable[..., None], size: str
+) -> None:
+    page = look("/operate/weeder-07", size=size)
+    page.get_by_test_id("pip-toggle").click()
+    pip = page.get_by_test_id("pip")
+    expect(pip).to_have_attribute("data-state", SHOWN)
+    expect(pip).to_have_attribute("data-corner", "bottom-left")
+    head, area = page.locator(".c-piphead").bounding_box(), page.locator(".h-map").bounding_box()
+    assert head is not None
+    assert area is not None
+    page.mouse.move(head["x"] + 16, head["y"] + 20)
+    page.mouse.down()
+    page.mouse.move(area["x"] + area["width"] - 60, area["y"] + 40, steps=6)
+    page.mouse.up()
+    expect(pip).to_have_attribute("data-corner", "top-right")
+    page.reload()
+    expect(pip).to_have_attribute("data-corner", "top-right")
+    assert covers(page, ".c-pip", ".h-map") == 0
+    page.get_by_test_id("view-camera").click()
+    expect(pip).to_have_class(re.compile("big"))
+    assert covers(page, ".h-mapfill", ".h-map") == 0
+    page.get_by_test_id("pip-swap").click()
+    expect(pip).not_to_have_class(re.compile("big"))
+    page.get_by_test_id("pip-close").click()
+    expect(pip).to_have_count(0)
+    assert is_stop_on_top(page)
+
+
+@pytest.mark.long
+def test_a_slow_picture_lets_only_creep(look: Look, theatre: Theatre, cameras: Callable[..., None]) -> None:
+    cameras(lag_ms=520)
+    page = look("/operate/weeder-07")
+    page.get_by_test_id("pip-toggle").click()
+    expect(page.get_by_test_id("pip")).to_have_attribute("data-state", SHOWN)
+    theatre.play("manual")
+    page.get_by_test_id("drive-open").click()
+    page.get_by_test_id("drive-speed-slow").click()
+    expect(page.locator("hl-drive")).to_have_attribute("data-picture", "slow")
+    expect(page.locator(".h-drivecard")).to_contain_text("Creep only.")
+    hold(page, page.get_by_test_id("drive-forward"))
+    page.wait_for_timeout(300)
+    page.mouse.up()
+    moved = [one["v"] for one in theatre.heard()["drives"] if one["v"]]
+    assert moved
+    assert set(moved) == {0.2}
+
+
+def test_the_whole_rail_of_an_admin_is_seen_on_a_tablet(look: Look, cameras: Callable[..., None]) -> None:
+    page = look("/cameras", role="admin")
+    expect(page.get_by_test_id("nav-admin")).to_be_visible()
+    assert covers(page, "[data-nav=admin]", ".h-rail") == 0

@@ -1,0 +1,73 @@
+// Rules of the screens for missions, queue and supervisor that need no page.
+
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { test } from 'node:test';
+import vm from 'node:vm';
+
+// a script of the bundle on a bare HL; gives HL back
+function load(names, HL) {
+  const world = vm.createContext({ HL, Intl, Date, window: {}, ResizeObserver: class { observe() {} }, Event });
+  for (const name of names) vm.runInContext(readFileSync(new URL(`../../static/js/ui/${name}.js`, import.meta.url), 'utf8'), world);
+  return HL;
+}
+
+const bare = () => ({ el: () => ({}), icon: () => ({}), attr: () => {}, text: () => {}, planner: { NAMES: {} } });
+
+test('the first offer of a working width is what the tool takes, in whole rows of the field', () => {
+  const { usualWidth } = load(['plan_inputs'], bare()).planner;
+  assert.equal(usualWidth(1.5, 0.5), 1.5);
+  assert.equal(usualWidth(4, 0.45), 3.6);
+  assert.equal(usualWidth(1.5, 0.7), 1.4);
+  assert.equal(usualWidth(1.5, 2.5), 1.5);
+  assert.equal(usualWidth(1.5, undefined), 1.5);
+  assert.equal(usualWidth(null, 0.2), 0.5);
+  assert.equal(usualWidth(null, undefined), null);
+});
+
+test('robots with nothing to show come after the others and in their own list', () => {
+  const { split } = load(['queue_data'], { port: {} }).queue;
+  const robot = (robot_id, more = {}) => ({ robot_id, ...more });
+  const queue = {
+    robots: [robot('a'), robot('b'), robot('c', { now: { name: 'x' } }), robot('d', { arming: {} }), robot('e'), robot('f', { holds: {} })],
+    entries: [{ robot_id: 'b' }],
+    ended: [{ robot_id: 'e', started_utc: '2026-01-01T00:00:00Z', state: 'removed' }],
+  };
+  assert.deepEqual(Array.from(split(queue), (list) => Array.from(list, (one) => one.robot_id)), [['b', 'd', 'f', 'c'], ['a', 'e']]);
+});
+
+test('a name stands beside its bar only where the bar is narrow and the row free behind it', () => {
+  const { isSlim } = load(['queue_timeline'], { ...bare(), queue: {} }).queue;
+  const scale = { from: 0, to: 100 };
+  const short = { from: 10, to: 14 };
+  assert.equal(isSlim(short, [short], scale), true);
+  assert.equal(isSlim(short, [short, { from: 20, to: 40 }], scale), false);
+  assert.equal(isSlim({ from: 95, to: 99 }, [], scale), false);
+  assert.equal(isSlim({ from: 10, to: 60 }, [], scale), false);
+});
+
+test('one finger moves the chart only when there is more of it than is in sight, and never out of sight', () => {
+  const attrs = {};
+  const HL = load(['super_view'], { ...bare(), attr: (_, name, value) => (attrs[name] = value) });
+  const root = { addEventListener: () => {}, getBoundingClientRect: () => ({ width: 100, height: 100, left: 0, top: 0 }), setPointerCapture: () => {} };
+  const view = new HL.SuperView(root, () => {});
+  view.fit([200, 200]);
+  assert.equal(attrs['data-near'], false);
+  view.zoom(0.5);
+  assert.equal(attrs['data-near'], true);
+  view.pan(10000, -10000);
+  assert.deepEqual([view.box.x + view.box.w / 2, view.box.y + view.box.h / 2], [200, 0]);
+});
+
+test('who waits for a plan sees how long, how far, and how to end it', () => {
+  const { planningWords } = load(['plan_numbers'], { ...bare(), planner: { NAMES: { shortest: 'Shortest', spiral: 'Spiral' } }, words: {} }).planner;
+  assert.equal(planningWords('shortest', 0, 1), 'Planning shortest');
+  assert.equal(planningWords('shortest', 1, 4), 'Planning shortest, 4 s. 1 of 2 row orders are done.');
+  assert.match(planningWords('shortest', 1, 12), /12 s.*up to a minute each; Cancel planning ends it at once/);
+});
+
+test('a kept view of the fleet says what it keeps', () => {
+  const HL = load(['fleet_filter'], { ...bare(), toggle: () => {}, fleet: { groups: [{ id: 7, name: 'North' }] }, fleetOrder: { FAMILIES: { weeder: 'Weeders' } } });
+  assert.equal(HL.fleetFilterWords({ q: '', sort: 'attention', families: [], group: '', mine: false, state: '' }), 'all robots');
+  assert.equal(HL.fleetFilterWords({ q: 'ha', sort: 'name', families: ['weeder'], group: 7, mine: true, state: 'offline' }), 'mine, weeders, no link, group North, “ha”, by name');
+});
