@@ -30,7 +30,15 @@ MODULES: dict[str, tuple[str, ...]] = {
     "bench.editor": ("editor_drag_ms_10000",),
     "bench.planter_times": ("planter_total_s",),
     "bench.twin": ("twin_50x10_cpu_pct", "twin_naive_ratio"),
+    "bench.video": (
+        "video_32_viewers_cpu_pct",
+        "video_viewer_naive_ratio",
+        "video_delay_p50_ms",
+        "video_first_frame_ms",
+        "video_large_cpu_pct",
+    ),
     "bench.simulator": ("simulator_fleet_cpu_pct", "simulator_lean_cpu_pct"),
+    "bench.camera_pictures": ("camera_picture_640_ms", "camera_picture_2048_ms"),
     "bench.demo": (
         "demo_ready_s",
         "screen_delay_p50_ms",

@@ -26,6 +26,7 @@ from tests.find_browser import find_browser
 
 ROBOT, HOOK = "weeder-01", "value-cross-track"
 WATCHED_S, CPU_S = 20.0, 20.0
+SETTLED_S = 20.0  # the demo's past is written and geometry loaded in the first seconds: that is no idle console
 PAGES = 5
 NAIVE_PERIOD_MS = 250
 READY = """() => document.querySelector('[data-testid=stop]')?.dataset.state === 'ready'
@@ -62,7 +63,7 @@ def run() -> Iterator[dict[str, Any]]:
                     yield from _measure(browser, running)
                 finally:
                     browser.close()
-                # a map drawn by WebGL in software keeps the page waiting, which no tablet with a graphics chip does
+                # as `map_engine = "auto"` draws it where WebGL is in software, which keeps the page waiting
                 browser = playwright.chromium.launch(args=[*flags, "--disable-webgl"], **options)
                 try:
                     yield from _delay(browser, running)
@@ -77,15 +78,17 @@ def _start() -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         times = []
         for _ in range(3):
-            running = Installation.start(Path(folder) / "data", fleet="full", has_media=True)
+            running = Installation.start(Path(folder) / "data", fleet="full", has_media=True, has_cameras=True)
             times.append(running.ready_s)
             running.end()
     return _figure("demo_ready_s", min(times[1:]), "s", f"24 robots, second start; the first {times[0]:.1f} s")
 
 
 def _measure(browser: Browser, running: Installation) -> Iterator[dict[str, Any]]:
+    time.sleep(SETTLED_S)
     idle = _cpu_pct(running)
-    yield _figure("console_idle_cpu_pct", idle, "% of a core", "three robots at 10 Hz, no page open")
+    conditions = "three robots at 10 Hz, no page open, 20 s after the start"
+    yield _figure("console_idle_cpu_pct", idle, "% of a core", conditions)
     yield from _bytes(browser, running)
     yield from _pages(browser, running, idle)
 

@@ -39,7 +39,7 @@ def main() -> int:
     """Write the pictures; return an exit code."""
     OUT.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
-        running = Installation.start(Path(folder) / "data", fleet="full", has_media=True)
+        running = Installation.start(Path(folder) / "data", fleet="full", has_media=True, has_cameras=True)
         try:
             path = find_browser()
             options: dict[str, Any] = {"executable_path": path} if path else {}
@@ -200,6 +200,11 @@ def _twin(someone: Person) -> None:
     someone.page.wait_for_timeout(15_000)  # the model and its surroundings come after the first picture
 
 
+def _cameras(someone: Person) -> None:
+    someone.sees("camera-weeder-01-front", "live|stills", within_s=60)
+    someone.page.wait_for_timeout(8_000)  # each camera's worker starts when it is first looked at
+
+
 WORKING = "a weeder at work"
 WIDE = ("supervisor", "twin")
 """Screens that a mouse on a desk shows otherwise than a finger does."""
@@ -207,6 +212,7 @@ SCREENS: dict[str, tuple[str, str, Prepare]] = {
     "fleet": ("supervisor", "/fleet", _as_it_opens),
     "alarms": ("supervisor", "/alarms", _alarms),
     "operate": ("operator", WORKING, _as_it_opens),
+    "cameras": ("operator", "/cameras", _cameras),
     "maps": ("planner", "/maps", _as_it_opens),
     "missions": ("operator", "/missions", _as_it_opens),
     "plan": ("planner", "/missions", _plan),

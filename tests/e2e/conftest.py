@@ -12,6 +12,7 @@ from playwright.sync_api import Browser, BrowserContext
 from tests.e2e.installation import ROBOTS, Installation
 from tests.e2e.person import Person
 
+IS_LONG = bool(os.environ.get("HEADLAND_LONG"))  # cameras cost the regular run more than they prove in it
 SIZES = {"landscape": (1280, 800), "portrait": (800, 1280), "desk": (1920, 1080)}
 
 
@@ -19,7 +20,8 @@ SIZES = {"landscape": (1280, 800), "portrait": (800, 1280), "desk": (1920, 1080)
 def installation(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Installation]:
     """A demo that runs for the whole session; ends with Ctrl+C."""
     host = os.environ.get("HEADLAND_TEST_HOST", "127.0.0.1")
-    running = Installation.start(tmp_path_factory.mktemp("demo") / "data", host=host, has_media=True)
+    data = tmp_path_factory.mktemp("demo") / "data"
+    running = Installation.start(data, host=host, has_media=True, has_cameras=IS_LONG)
     yield running
     running.end()
 

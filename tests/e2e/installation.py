@@ -36,13 +36,31 @@ class Installation:
 
     @classmethod
     def start(
-        cls, data: Path, *options: str, host: str = "127.0.0.1", fleet: str = "small", has_media: bool = False
+        cls,
+        data: Path,
+        *options: str,
+        host: str = "127.0.0.1",
+        fleet: str = "small",
+        has_media: bool = False,
+        has_cameras: bool = False,
+        map_engine: str = "full",
+        has_cloud: bool = False,
     ) -> Installation:
-        """Start the demo with its data in ``data`` and wait until it says that it is ready; the twin on demand."""
+        """Start the demo with its data in ``data`` and wait until it says that it is ready; twin and cameras on demand.
+
+        Args:
+            map_engine: browsers of tests draw WebGL in software, where ``auto`` would never show the full map.
+        """
         port = free_port()
         env = {k: v for k, v in os.environ.items() if not k.startswith("HEADLAND_")}
         env |= {"HEADLAND_HOST": host, "HEADLAND_PORT": str(port), "HEADLAND_DATA": str(data)}
-        env |= {"HEADLAND_DEMO_FLEET": fleet, "HEADLAND_MEDIA": str(has_media).lower()}
+        env |= {
+            "HEADLAND_MAP_ENGINE": map_engine,
+            "HEADLAND_DEMO_FLEET": fleet,
+            "HEADLAND_MEDIA": str(has_media).lower(),
+            "HEADLAND_CAMERAS": str(has_cameras).lower(),
+            "HEADLAND_DEMO_CLOUD": str(has_cloud).lower(),
+        }
         started_s = time.monotonic()
         process = subprocess.Popen(
             [sys.executable, "-m", "hmi", "demo", *options],

@@ -34,10 +34,10 @@ def headland(*arguments: str, **env: str) -> subprocess.CompletedProcess[str]:
 
 
 def test_ctrl_c_ends_everything_and_leaves_no_process_and_no_port(tmp_path: Path) -> None:
-    running = Installation.start(tmp_path / "data", has_media=True)
-    wait_for(lambda: running.keeper()["media"]["pid"], within_s=30, what="the media process starts")
+    running = Installation.start(tmp_path / "data", has_media=True, has_cameras=True)
+    wait_for(lambda: running.keeper()["cameras"]["pid"], within_s=30, what="what nobody waits for starts")
     pids = [part["pid"] for part in running.keeper().values()]
-    assert len(pids) == 5
+    assert len(pids) == 6
     took_s = running.end()
     assert running.process.returncode == 0
     assert took_s <= 2 * END_LIMIT_S  # two stories share the machine; `make bench` has the figure

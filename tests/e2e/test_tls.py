@@ -29,6 +29,7 @@ def safe(tmp_path: Path) -> Iterator[Installation]:
     running.end()
 
 
+@pytest.mark.long
 def test_a_tablet_that_trusts_the_farm_operates_and_stops_by_https(safe: Installation, plain_browser: Browser) -> None:
     trust = ssl.create_default_context(cafile=safe.data / "tls" / "ca.pem")
     assert httpx.get(f"{safe.url}/api/v1/health", verify=trust, trust_env=False).status_code == 200
