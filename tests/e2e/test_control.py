@@ -35,8 +35,7 @@ def hold_forward(martha: Person, calm: Installation) -> None:
 def drive_forward(martha: Person, calm: Installation) -> None:
     """Open manual driving and hold forward until the robot really moves."""
     martha.operate(ROBOT)
-    martha.hook("drive-open").click()
-    martha.sees("robot-mode", "manual")
+    martha.order("drive-open", into="manual")
     hold_forward(martha, calm)
 
 

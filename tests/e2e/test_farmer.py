@@ -55,8 +55,7 @@ def test_a_farmer_weeds_pauses_drives_by_hand_and_stops(person: Come, calm: Inst
 
     martha.press("mission-pause")
     martha.sees("robot-mode", "paused")
-    martha.hook("drive-open").click()
-    martha.sees("robot-mode", "manual")
+    martha.order("drive-open", into="manual")
     hold_forward(martha, calm)
     assert not calm.world(ROBOT)["laser_on"]
     martha.let_go()

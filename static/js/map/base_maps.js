@@ -22,7 +22,7 @@ function node(tag, className, ...children) {
 
 export class BaseMaps {
   #failure = '';
-  #failedAt = 0;
+  #failedAt = -Infinity; // nothing has failed: a picture in the first second of a page counts too
 
   /** host: the map's element; url: of the list; changed(): note, credit or colours are others now. */
   constructor({ host, url, changed }) {
@@ -172,7 +172,7 @@ export class BaseMaps {
 
   /** Ask again for what failed. */
   retry() {
-    this.#failedAt = -SETTLED_MS;
+    this.#failedAt = -Infinity;
     this.drawn?.retry();
   }
 
