@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hmi.domain.field_sensor import Station, WeatherReading
+from hmi.domain.sensors.observation import Station, WeatherReading
 from hmi.fiware.urn import KeyValues, Urns, moment, point, told
 
 
