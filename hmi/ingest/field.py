@@ -24,6 +24,7 @@ from backend_clients.field.codec import decode_body, decode_frame, encode
 from backend_clients.field.topics import Address, Down, Up, every_station, parse, topic
 from hmi.clock import Clock
 from hmi.domain.sensors.observation import SensorKind
+from hmi.domain.sensors.order import NoticeOrder, TriggerOrder
 from hmi.domain.sensors.quantity import Channel, is_unit_right
 from hmi.domain.sensors.station import Announcement, Report, StationAnswer
 from hmi.ingest.coordinator import BrokerLink, OnFault
@@ -184,10 +185,11 @@ class FieldCoordinator:
             await asyncio.to_thread(self._link.stop)
             self._link = None
 
-    def send(self, message: messages.Notice | messages.Trigger) -> bool:
+    def send(self, order: NoticeOrder | TriggerOrder) -> bool:
         """Send now or not at all; a notice is retained."""
-        kind = Down.NOTICE if isinstance(message, messages.Notice) else Down.TRIGGER
-        return self._publish(topic(message.station, kind), encode(message), retain=kind is Down.NOTICE)
+        if isinstance(order, NoticeOrder):
+            return self._publish(topic(order.station_id, Down.NOTICE), encode(_notice(order)), retain=True)
+        return self._publish(topic(order.station_id, Down.TRIGGER), encode(_trigger(order)), retain=False)
 
     def clear_notice(self, station_id: str) -> bool:
         """Take the retained notice of a station away."""
@@ -297,3 +299,19 @@ def _report(said: messages.Data) -> Report:
     )
     battery = None if said.battery is UNSET else said.battery
     return Report(said.station, said.boot, said.seq, said.utc, values, battery)
+
+
+def _notice(order: NoticeOrder) -> messages.Notice:
+    return messages.Notice(
+        station=order.station_id,
+        id=order.ref,
+        utc=order.at,
+        is_treating=order.is_treating,
+        robots=list(order.robots),
+        parcel=order.parcel,
+        until_utc=order.until,
+    )
+
+
+def _trigger(order: TriggerOrder) -> messages.Trigger:
+    return messages.Trigger(station=order.station_id, id=order.ref, utc=order.at, ttl_s=order.ttl_s)

@@ -19,7 +19,6 @@ from hmi.domain.sensors.quantity import Channel
 from hmi.domain.sensors.station import Announcement, FieldStation, Report, new_station
 
 MOST_STATIONS = 200  # accepted and not: names on a broker cost nothing to invent
-MOST_CHANNELS = 64
 TREND_S, TREND_LEAST_S, TREND_STEP_S = 7200.0, 3000.0, 540.0
 Keep = Callable[[str, Channel, datetime, float], None]
 
@@ -92,7 +91,7 @@ class SensorBoard:
         self._stations: dict[str, StationNow] = {}
         self._calibrations: dict[tuple[str, Channel], Calibration] = {}
         self.limits: list[SensorLimit] = []
-        self.counts = dict.fromkeys(("repeated", "late", "too_old", "implausible", "too_many"), 0)
+        self.counts = dict.fromkeys(("repeated", "late", "too_old", "implausible", "unannounced", "too_many"), 0)
         self.on_changed: list[Callable[[str], None]] = []
         self.on_report: list[Callable[[StationNow], None]] = []
 
@@ -221,6 +220,9 @@ class SensorBoard:
 
     def _value(self, known: StationNow, channel: Channel, raw: float, arrival: Arrival) -> None:
         station = known.station
+        if channel not in station.units:  # nobody knows in which unit this is
+            self.counts["unannounced"] += 1
+            return
         calibration = self._calibrations.get((station.id, channel))
         value = raw if calibration is None else calibration.apply(raw)
         is_plausible = channel.about().is_plausible(value)
@@ -232,8 +234,6 @@ class SensorBoard:
             return
         shown = known.values.get(channel)
         if shown is None:
-            if len(known.values) >= MOST_CHANNELS:
-                return
             shown = known.values[channel] = ValueNow(channel, value, arrival.measured_s, arrival.measured_at)
         shown.is_plausible = is_plausible
         if is_plausible:
