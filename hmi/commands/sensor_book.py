@@ -21,6 +21,15 @@ from hmi.store.database import Database
 from hmi.store.sensor_board import SensorBoard, StationNow
 from hmi.store.sensor_stations import SensorStations
 
+
+class SensorRefused(OrderRefused):
+    """A wish that cannot be fulfilled; ``field`` is the input at fault."""
+
+    def __init__(self, code: str, text: str, field: str = "") -> None:
+        super().__init__(code, text)
+        self.field = field
+
+
 Cameras = Callable[[FieldStation, str], Awaitable[None]]
 
 
@@ -122,12 +131,15 @@ class SensorBook:
         async with self._changing:
             known = self._accepted(one.station_id)
             if one.channel not in known.units:
-                raise OrderRefused("unknown_quantity", f"{known.name} does not measure {one.channel.label}.")
+                text = f"{known.name} does not measure {one.channel.label}."
+                raise SensorRefused("unknown_quantity", text, "quantity")
             if not MIN_GAIN <= one.gain <= MAX_GAIN:
-                raise OrderRefused("bad_calibration", f"The gain must lie between {MIN_GAIN:g} and {MAX_GAIN:g}.")
+                text = f"The gain must lie between {MIN_GAIN:g} and {MAX_GAIN:g}."
+                raise SensorRefused("bad_calibration", text, "gain")
             about = one.channel.about(known.units[one.channel])
             if abs(one.offset) > about.high - about.low:
-                raise OrderRefused("bad_calibration", f"An offset of {one.offset:g} {about.unit} is no calibration.")
+                text = f"An offset of {about.text(one.offset)} is no calibration."
+                raise SensorRefused("bad_calibration", text, "offset")
             made = replace(one, by=session.user_name, at=self._parts.clock.utc())
             await self._parts.database.run(self._parts.stations.add_calibration, made)
             self._history.append(made)
@@ -146,9 +158,12 @@ class SensorBook:
         self._may(session)
         async with self._changing:
             before = {one.channel: one for one in self._parts.board.limits}
-            made = [self._checked(session, one, before.get(one.channel)) for one in limits]
-            if len({one.channel for one in made}) != len(made):
-                raise OrderRefused("bad_limit", "A quantity has two limits at the same depth. Keep one.")
+            made: list[SensorLimit] = []
+            for number, one in enumerate(limits):
+                if one.channel in {other.channel for other in made}:
+                    text = f"{one.channel.label} has two limits. Keep one."
+                    raise SensorRefused("bad_limit", text, f"limits.{number}.high")
+                made.append(self._checked(session, one, before.get(one.channel), f"limits.{number}"))
             await self._parts.database.run(self._parts.stations.set_limits, made)
             self._parts.board.limits = made
         for one in made:
@@ -158,15 +173,16 @@ class SensorBook:
             self._note(session, "limit", f"{channel.label}: no limit any more.", channel.key)
         return made
 
-    def _checked(self, session: SessionInfo, one: SensorLimit, before: SensorLimit | None) -> SensorLimit:
-        about = one.channel.about()
-        for bound in (one.low, one.high):
+    def _checked(self, session: SessionInfo, one: SensorLimit, before: SensorLimit | None, place: str) -> SensorLimit:
+        about, label = one.channel.about(), one.channel.label
+        for name, bound in (("low", one.low), ("high", one.high)):
             if bound is not None and not about.is_plausible(bound):
-                raise OrderRefused("bad_limit", f"{one.channel.label}: {about.text(bound)} never happens.")
+                raise SensorRefused("bad_limit", f"{label}: {about.text(bound)} never happens.", f"{place}.{name}")
         if one.low is None and one.high is None:
-            raise OrderRefused("bad_limit", f"{one.channel.label}: say the lowest or the highest value.")
+            raise SensorRefused("bad_limit", f"{label}: say the lowest or the highest value.", f"{place}.high")
         if one.low is not None and one.high is not None and one.low >= one.high:
-            raise OrderRefused("bad_limit", f"{one.channel.label}: the lowest value must be below the highest.")
+            text = f"{label}: the lowest value must be below the highest."
+            raise SensorRefused("bad_limit", text, f"{place}.low")
         if before is not None and replace(before, by="", at=None) == replace(one, by="", at=None):
             return before
         return replace(one, by=session.user_name, at=self._parts.clock.utc())
@@ -182,7 +198,7 @@ class SensorBook:
         parcel = known.parcel if wish.parcel is None else wish.parcel
         found = self._parts.parcel_of(parcel) if parcel else ""
         if found is None and wish.parcel is not None:
-            raise OrderRefused("unknown_parcel", f"There is no parcel {parcel} on the map.")
+            raise SensorRefused("unknown_parcel", f"There is no parcel {parcel} on the map.", "parcel")
         return replace(
             known, name=known.name if wish.name is None else wish.name,
             parcel=(found or "") if is_new or wish.parcel is not None else known.parcel,
