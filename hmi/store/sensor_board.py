@@ -110,10 +110,14 @@ class SensorBoard:
         for calibration in calibrations:  # oldest first: the newest counts
             self._calibrations[calibration.station_id, calibration.channel] = calibration
         self.limits = list(limits)
+        self.fill(newest)
+
+    def fill(self, newest: Iterable[tuple[str, Channel, datetime, float]]) -> None:
+        """Take values out of the history where nothing was heard yet."""
         now, now_s = self._clock.utc(), self._clock.mono_s()
         for station_id, channel, at, value in newest:
             known = self._stations.get(station_id)
-            if known is None:
+            if known is None or channel in known.values:
                 continue
             measured_s = now_s - max(0.0, (now - at).total_seconds())
             known.values[channel] = ValueNow(channel, value, measured_s, at, channel.about().is_plausible(value))
@@ -146,7 +150,7 @@ class SensorBoard:
         now_s = self._clock.mono_s()
         return [
             Measured(one.channel, one.value,
-                     one.is_plausible and is_usable(now_s - one.measured_s, known.station.period_s))
+                     one.is_plausible and is_usable(now_s - one.measured_s, known.station.period_s), known.station.id)
             for known in self.accepted() for one in known.values.values()
         ]  # fmt: skip
 

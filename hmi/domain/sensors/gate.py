@@ -10,6 +10,7 @@ from hmi.domain.sensors.limit import SensorLimit
 from hmi.domain.sensors.quantity import Channel
 
 NO_LIMITS = "No treatment limits are set."
+WAITS_WORD = ": waits"
 
 
 class GateState(StrEnum):
@@ -22,11 +23,12 @@ class GateState(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class GateFact:
-    """One limit and what is measured; ``is_ok`` is ``None`` where nothing fresh is known."""
+    """One limit and what is measured, worst at ``station_id``; ``is_ok`` is ``None`` where nothing fresh is known."""
 
     label: str
     text: str
     is_ok: bool | None
+    station_id: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +40,11 @@ class Gate:
     facts: tuple[GateFact, ...] = ()
     is_asked: bool = True
 
+    @property
+    def reason(self) -> str:
+        """Return what it waits for, to stand within another sentence."""
+        return self.sentence.removesuffix(WAITS_WORD)
+
 
 @dataclass(frozen=True, slots=True)
 class Measured:
@@ -46,6 +53,7 @@ class Measured:
     channel: Channel
     value: float
     is_usable: bool
+    station_id: str = ""
 
 
 def gate(limits: Iterable[SensorLimit], measured: Sequence[Measured]) -> Gate:
@@ -62,9 +70,9 @@ def gate(limits: Iterable[SensorLimit], measured: Sequence[Measured]) -> Gate:
     over = [text for fact, text in judged if fact.is_ok is False]
     blind = [text for fact, text in judged if fact.is_ok is None]
     if over:
-        return Gate(GateState.WAITS, f"{over[0]}: waits", facts)
+        return Gate(GateState.WAITS, over[0] + WAITS_WORD, facts)
     if blind:
-        return Gate(GateState.UNKNOWN, f"{blind[0]}: waits", facts)
+        return Gate(GateState.UNKNOWN, blind[0] + WAITS_WORD, facts)
     return Gate(GateState.OPEN, "Weather is within the treatment limits.", facts)
 
 
@@ -78,7 +86,7 @@ def _judge(limit: SensorLimit, measured: Sequence[Measured]) -> tuple[GateFact, 
     over = [one for one in known if limit.is_over(one.value)]
     worst = max(over or known, key=lambda one: _beyond(limit, one.value))
     text = limit.sentence(worst.value)
-    return GateFact(label, text.removeprefix(f"{label} "), not over), text
+    return GateFact(label, text.removeprefix(f"{label} "), not over, worst.station_id), text
 
 
 def _is_for(limit: SensorLimit, channel: Channel) -> bool:
