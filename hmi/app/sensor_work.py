@@ -231,7 +231,7 @@ class SensorWork:
             return False
         from hmi.demo.field_past import seed_stations
 
-        found = await asyncio.to_thread(seed_stations, self.stations, self.history, wiring.clock.utc())
+        found = await asyncio.to_thread(seed_stations, self.stations, wiring.clock.utc())
         for station in found:
             await self.pictures.welcome_new(station)
         return bool(found)
@@ -241,7 +241,5 @@ class SensorWork:
 
         try:
             await asyncio.to_thread(write_past, self.history, self._wiring.clock.utc())
-            newest = await self._wiring.records.database.run(self.history.newest)
-            self.board.fill(newest)
         except Exception:  # the demo works without its past
             log.exception("the past of the demo's stations could not be made")

@@ -110,14 +110,10 @@ class SensorBoard:
         for calibration in calibrations:  # oldest first: the newest counts
             self._calibrations[calibration.station_id, calibration.channel] = calibration
         self.limits = list(limits)
-        self.fill(newest)
-
-    def fill(self, newest: Iterable[tuple[str, Channel, datetime, float]]) -> None:
-        """Take values out of the history where nothing was heard yet."""
         now, now_s = self._clock.utc(), self._clock.mono_s()
         for station_id, channel, at, value in newest:
             known = self._stations.get(station_id)
-            if known is None or channel in known.values:
+            if known is None:
                 continue
             measured_s = now_s - max(0.0, (now - at).total_seconds())
             known.values[channel] = ValueNow(channel, value, measured_s, at, channel.about().is_plausible(value))
