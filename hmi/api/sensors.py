@@ -27,7 +27,8 @@ StationId = Annotated[str, Path(pattern=ID_PATTERN.removesuffix("$") + r"\z")]
 QuantityName = Annotated[str, Field(pattern=ID_PATTERN.removesuffix("$") + r"\z")]
 DepthM = Annotated[float, Field(ge=0, le=20)]
 Bound = Annotated[float, Field(ge=-1e9, le=1e9)]
-Lat, Lon = Annotated[float, Field(ge=-90, le=90)], Annotated[float, Field(ge=-180, le=180)]
+Lat = Annotated[float, Field(ge=-90, le=90)]
+Lon = Annotated[float, Field(ge=-180, le=180)]
 ParcelId = Annotated[str, Field(max_length=80)]
 MOST_LIMITS = 100
 

@@ -23,6 +23,7 @@ from hmi.domain.sensors.gate import Gate, gate
 from hmi.domain.sensors.station import StationAnswer
 from hmi.ingest.field import FieldCoordinator, FieldListeners, field_link
 from hmi.ingest.supervision.stations import AtWork, condition_of, source_of, station_findings, work_findings
+from hmi.planning.side_process import SideProcess
 from hmi.store.errors import StoreError
 from hmi.store.sensor_board import SensorBoard, StationNow
 from hmi.store.sensor_history import SensorHistory
@@ -237,9 +238,13 @@ class SensorWork:
         return bool(found)
 
     async def _past(self) -> None:
-        from hmi.demo.field_past import write_past
+        from hmi.demo.field_past import record_past
 
+        url = self._wiring.records.database.url.render_as_string(hide_password=False)
+        process = SideProcess()
         try:
-            await asyncio.to_thread(write_past, self.history, self._wiring.clock.utc())
+            await process.run(record_past, url, self._wiring.settings.farm_id, self._wiring.clock.utc())
         except Exception:  # the demo works without its past
             log.exception("the past of the demo's stations could not be made")
+        finally:
+            await asyncio.to_thread(process.close)
