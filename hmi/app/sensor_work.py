@@ -48,7 +48,9 @@ class SensorWork:
         self.treatment = TreatmentWatch(wiring.fleet, records.missions, records.features, records.database, farm)
         self.pictures = SensorPictures(self.board, self.stations, wiring.pictures, records.database, clock)
         ca_file = str(settings.broker_ca) if settings.broker_ca else None
-        link = field_link(settings.broker_url, f"headland-field-{secrets.token_hex(6)}", ca_file=ca_file)
+        link = wiring.make_link or field_link(
+            settings.broker_url, f"headland-field-{secrets.token_hex(6)}", ca_file=ca_file
+        )
         self.link = FieldCoordinator(link, clock, self._listeners())
         self.trigger = SensorTrigger(self.link, clock, wiring.authorize, records.audit)
         self.notices = TreatmentNotices(
@@ -82,7 +84,7 @@ class SensorWork:
         self.history.start()
         await self.link.start()
         self._tasks = [
-            asyncio.create_task(self._every(ROUND_S, self._round), name="sensors-round"),
+            asyncio.create_task(self._every(ROUND_S, self.round), name="sensors-round"),
             asyncio.create_task(self._every(KEEP_S, self._keep), name="sensors-keep"),
             asyncio.create_task(self._every(THIN_S, self._thin), name="sensors-thin"),
         ]
@@ -179,7 +181,8 @@ class SensorWork:
                 found[known.station.id] = f"{notice.text}"
         return found
 
-    async def _round(self) -> None:
+    async def round(self) -> None:
+        """Bring notices up to date and see time pass; called every few seconds."""
         accepted = self.board.accepted()
         if not accepted:
             return

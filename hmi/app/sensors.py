@@ -28,6 +28,7 @@ from hmi.store.fleet import FleetStore
 if TYPE_CHECKING:
     from hmi.app.pictures import PictureDesk
     from hmi.app.sensor_work import SensorWork
+    from hmi.ingest.field import MakeLink
 
 LATER_S = 4.0  # before the cloud, and long after the first page
 RETRY_S = 10.0
@@ -36,7 +37,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class SensorWiring:
-    """What the room is plugged into."""
+    """What the room is plugged into; ``make_link`` instead of a real broker, in tests."""
 
     settings: Settings
     clock: Clock
@@ -46,6 +47,7 @@ class SensorWiring:
     on_event: LaneEvent
     weather: WeatherBoard
     pictures: PictureDesk
+    make_link: MakeLink | None = None
 
 
 class SensorRoom:

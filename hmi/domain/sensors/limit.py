@@ -29,12 +29,12 @@ class SensorLimit:
         """Say whether a value is beyond it."""
         return (self.low is not None and value < self.low) or (self.high is not None and value > self.high)
 
-    def sentence(self, value: float) -> str:
-        """Return ``Wind 6.1 m/s, limit 5.0``."""
+    def sentence(self, value: float, label: str = "") -> str:
+        """Return ``Wind 6.1 m/s, limit 5.0``; ``label`` instead of that of the limit."""
         about = self.channel.about()
         bound = self.low if self.low is not None and value < self.low else self.high
         shown = "" if bound is None else f", limit {bound * about.factor:.{about.digits}f}"
-        return f"{self.channel.label} {about.text(value)}{shown}"
+        return f"{label or self.channel.label} {about.text(value)}{shown}"
 
 
 def limit_for(limits: Iterable[SensorLimit], channel: Channel) -> SensorLimit | None:

@@ -106,7 +106,7 @@ def _soil(board: SensorBoard, known: StationNow, who: str) -> list[Finding]:
         if one.channel.quantity != SOIL or limit is None or limit.high is None or not one.is_plausible:
             continue
         if one.value > limit.high:
-            text = f"{limit.sentence(one.value)}. At work: {who}."
+            text = f"{limit.sentence(one.value, one.channel.label)}. At work: {who}."
             found.append(Finding("soil-too-wet", text, detail_of(one.channel.key)))
     return found
 
