@@ -10,6 +10,7 @@ from backend_clients.edge.messages_down import Mission
 from backend_clients.edge.topics import check_id
 from backend_clients.simulator.cameras.map_feature import MapFeature
 from backend_clients.simulator.families import FAMILIES, lean
+from backend_clients.simulator.late_sensors import StationsMaker
 from backend_clients.simulator.profile import Family, Profile
 
 DEFAULT_LAT_DEG, DEFAULT_LON_DEG = 40.312546, -3.480860  # published position of the experimental site
@@ -100,6 +101,8 @@ class SimulatorConfig:
         is_always_day: cameras see a summer morning at any hour, instead of the light of the wall clock.
         cloud: context broker of the robots' cloud agents, ``None`` if they have none.
         opening: situations that happen first, by robot; with it, more come and go on robots that have a job.
+        stations: makes the field sensors beside the robots, called some seconds after the start; ``None`` has none.
+        sensor_speed: their weather goes this many times faster than real time.
     """
 
     broker_url: str
@@ -114,6 +117,8 @@ class SimulatorConfig:
     features: tuple[MapFeature, ...] = ()
     is_always_day: bool = False
     cloud: CloudConfig | None = None
+    stations: StationsMaker | None = None
+    sensor_speed: float = 1.0
 
     def __post_init__(self) -> None:
         ids = [robot.id for robot in self.robots]

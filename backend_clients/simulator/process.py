@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterator
 
 import structlog
 import uvicorn
+from starlette.routing import Route
 
 from backend_clients.edge import messages_up as up
 from backend_clients.simulator import tester_http
@@ -24,6 +25,7 @@ from backend_clients.simulator.director import Director
 from backend_clients.simulator.edge_session import TICK_S, EdgeSession
 from backend_clients.simulator.foreman import Foreman
 from backend_clients.simulator.http_server import RobotEndpoint, application
+from backend_clients.simulator.late_sensors import LateSensors
 from backend_clients.simulator.links import LinkMaker, SharedLink, own_links
 from backend_clients.simulator.loop_mail import LoopMail
 from backend_clients.simulator.world import LEAN_TICKS, World
@@ -81,12 +83,16 @@ class Simulator:
             sessions[robot_id].answer(ack)
 
         endpoint = RobotEndpoint(world, on_ack, camera_web(world, config.features, is_always_day=config.is_always_day))
-        server = _Server(_server_config(endpoint, world, director))
+        sensors = LateSensors(config, self._clock)
+        server = _Server(_server_config(endpoint, tester_http.routes(world, director, sensors)))
         serving = asyncio.create_task(server.serve(sockets=[listener]), name="simulator-http")
         living = asyncio.create_task(
             self._live(world, (foreman, director), list(sessions.values())), name="simulator-world"
         )
-        agents = _agents(config.cloud, world, self._clock, on_ack)
+        aside = [asyncio.create_task(sensors.run(), name="simulator-sensors")]
+        if config.cloud is not None:
+            running = _run_agents(config.cloud, world, self._clock, on_ack)
+            aside.append(asyncio.create_task(running, name="simulator-cloud"))
         stopping = asyncio.create_task(self._stopping.wait(), name="simulator-stop")
         try:
             if self._on_ready is not None:
@@ -99,9 +105,9 @@ class Simulator:
             server.should_exit = server.force_exit = True
             _save(world)
             _stop_links(list(sessions.values()))
-            if agents is not None:
-                agents.cancel()
-                await asyncio.gather(agents, return_exceptions=True)
+            for task in aside:
+                task.cancel()
+            await asyncio.gather(*aside, return_exceptions=True)
             results = await asyncio.gather(serving, living, endpoint.cameras.ended(), return_exceptions=True)
         for result in results:
             if isinstance(result, Exception):
@@ -109,6 +115,8 @@ class Simulator:
 
     async def _live(self, world: World, people: tuple[Foreman, Director], sessions: list[EdgeSession]) -> None:
         """Step the world and its sessions at 20 Hz; lean sessions have their turn twice a second."""
+        if not sessions:
+            await asyncio.Event().wait()  # field sensors alone: there is nothing to step
         before = due = self._clock.mono_s()
         turns = [[one for n, one in enumerate(sessions) if _has_turn(one, n, k)] for k in range(LEAN_TICKS)]
         for turn in itertools.cycle(turns):
@@ -138,13 +146,6 @@ def run_simulator(config: SimulatorConfig, *, on_ready: OnReady | None = None) -
         await simulator.run()
 
     asyncio.run(main())
-
-
-def _agents(cloud: CloudConfig | None, world: World, clock: Clock, on_ack: OnAck) -> asyncio.Task[None] | None:
-    """Start the robots' cloud agents, if there is a cloud."""
-    if cloud is None:
-        return None
-    return asyncio.create_task(_run_agents(cloud, world, clock, on_ack), name="simulator-cloud")
 
 
 async def _run_agents(cloud: CloudConfig, world: World, clock: Clock, on_ack: OnAck) -> None:
@@ -178,9 +179,9 @@ class _Server(uvicorn.Server):
         yield
 
 
-def _server_config(endpoint: RobotEndpoint, world: World, director: Director) -> uvicorn.Config:
+def _server_config(endpoint: RobotEndpoint, testers: list[Route]) -> uvicorn.Config:
     return uvicorn.Config(
-        application(endpoint, tester_http.routes(world, director)),
+        application(endpoint, testers),
         log_config=None,
         log_level="critical",  # it shouts about requests a silence fault holds at the end
         access_log=False,

@@ -8,8 +8,10 @@
     GET    /_world/{robot}           ground truth
     POST   /_world/{robot}           {"x_m", "y_m", "theta_rad", "soc"}, all optional: puts the machine there
     POST   /_world                   {"speed": 10}
-    GET    /_situations              what can be played, and what is on
+    GET    /_situations              what can be played, on which stations too, and what is on
     POST   /_situations/{robot}      {"situation": "rtk-float"}, null ends it
+
+Where there are field sensors, ``/_faults`` and ``/_situations`` take a station's id as well.
 """
 
 from __future__ import annotations
@@ -27,6 +29,7 @@ from starlette.routing import Route
 from backend_clients.simulator.director import Director
 from backend_clients.simulator.faults import decode_fault, name_of
 from backend_clients.simulator.http_server import error
+from backend_clients.simulator.late_sensors import LateSensors
 from backend_clients.simulator.situations import SITUATIONS
 from backend_clients.simulator.world import SimRobot, World
 
@@ -58,23 +61,26 @@ class Wanted(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     situation: str | None
 
 
-def routes(world: World, director: Director) -> list[Route]:
+def routes(world: World, director: Director, sensors: LateSensors | None = None) -> list[Route]:
     """Return the tester's routes."""
     return [
-        Route("/_faults/{robot_id}", _local(_Faults(world).serve), methods=["GET", "POST", "DELETE"]),
+        Route("/_faults/{robot_id}", _local(_Faults(world, sensors).serve), methods=["GET", "POST", "DELETE"]),
         Route("/_world/{robot_id}", _local(_Truth(world).serve), methods=["GET", "POST"]),
-        Route("/_situations", _local(_Situations(director).list), methods=["GET"]),
-        Route("/_situations/{robot_id}", _local(_Situations(director).play), methods=["POST"]),
+        Route("/_situations", _local(_Situations(director, sensors).list), methods=["GET"]),
+        Route("/_situations/{robot_id}", _local(_Situations(director, sensors).play), methods=["POST"]),
         Route("/_world", _local(_Pace(world).serve), methods=["GET", "POST"]),
     ]
 
 
 class _Faults:
-    def __init__(self, world: World) -> None:
-        self._world = world
+    def __init__(self, world: World, sensors: LateSensors | None) -> None:
+        self._robots, self._sensors = world.robots, sensors
 
     async def serve(self, request: Request) -> Response:
-        robot = self._world.robots.get(request.path_params["robot_id"])
+        found = request.path_params["robot_id"]
+        robot = self._robots.get(found)
+        if robot is None and self._sensors is not None and self._sensors.has(found):
+            return await self._station(request, self._sensors, found)
         if robot is None:
             return error(404, "unknown_robot", "There is no such robot here.")
         if request.method == "POST":
@@ -82,6 +88,13 @@ class _Faults:
         elif request.method == "DELETE":
             robot.clear_fault(request.query_params.get("fault"))
         return _answer({"faults": {name_of(fault): fault for fault in robot.faults.list()}})
+
+    async def _station(self, request: Request, sensors: LateSensors, station_id: str) -> Response:
+        if request.method == "POST":
+            sensors.set_fault(station_id, await request.body())
+        elif request.method == "DELETE":
+            sensors.clear_fault(station_id, request.query_params.get("fault"))
+        return _answer({"faults": sensors.faults(station_id)})
 
 
 class _Truth:
@@ -103,22 +116,32 @@ class _Truth:
 
 
 class _Situations:
-    def __init__(self, director: Director) -> None:
-        self._director = director
+    def __init__(self, director: Director, sensors: LateSensors | None) -> None:
+        self._director, self._sensors = director, sensors
 
     async def list(self, _request: Request) -> Response:
         known = [{"id": s.id, "title": s.title, "text": s.text, "families": s.families} for s in SITUATIONS]
-        return _answer({"situations": known, "now": self._director.now()})
+        if self._sensors is None:
+            return _answer({"situations": known, "stations": [], "now": self._director.now()})
+        told = self._sensors.told()
+        return _answer({**told, "situations": [*known, *told["situations"]], "now": self._now()})
 
     async def play(self, request: Request) -> Response:
         wanted = msgspec.json.decode(await request.body(), type=Wanted).situation
+        found = request.path_params["robot_id"]
+        player: Director | LateSensors = self._director
+        if self._sensors is not None and self._sensors.has(found):
+            player = self._sensors
         try:
-            self._director.provoke(request.path_params["robot_id"], wanted)
+            player.provoke(found, wanted)
         except KeyError as problem:
-            return error(404, "unknown", f"There is no robot or situation {problem.args[0]!r} here.")
+            return error(404, "unknown", f"There is no robot, station or situation {problem.args[0]!r} here.")
         except ValueError as problem:
             return error(409, "not_possible", f"{problem}.")
-        return _answer({"now": self._director.now()})
+        return _answer({"now": self._now()})
+
+    def _now(self) -> dict[str, str]:
+        return self._director.now() | (self._sensors.told()["now"] if self._sensors is not None else {})
 
 
 class _Pace:

@@ -1,10 +1,10 @@
-"""Demo only: situations that can be played on a simulated robot. These routes do not exist outside the demo."""
+"""Demo only: situations that can be played on simulated robots and stations. These routes do not exist elsewhere."""
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Annotated, Any, Protocol
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Path
 
 from hmi.api.access import Watcher
 from hmi.api.body import Body, Id
@@ -12,6 +12,8 @@ from hmi.api.errors import ApiError, not_found
 from hmi.api.orders import RobotId
 from hmi.domain.role import Permission
 from hmi.security.authorization import Authorize
+
+StationId = Annotated[str, Path(pattern=r"^[a-z0-9][a-z0-9_-]{0,63}\z")]
 
 
 class StageAway(Exception):
@@ -22,11 +24,11 @@ class Stage(Protocol):
     """Where situations are played: the simulator."""
 
     async def situations(self) -> dict[str, Any]:
-        """Return ``{"situations": [...], "now": {robot: situation}}``; raises ``StageAway``."""
+        """Return ``{"situations": [...], "stations": [...], "now": {id: situation}}``; raises ``StageAway``."""
         ...
 
     async def play(self, robot_id: str, situation: str | None) -> str:
-        """Play or end a situation; return why not, empty if done. Raises ``StageAway``."""
+        """Play or end a situation on a robot or station; return why not, empty if done. Raises ``StageAway``."""
         ...
 
 
@@ -50,17 +52,27 @@ def demo_routes(stage: Stage, authorize: Authorize) -> APIRouter:
     @router.post("/demo/robots/{robot_id}/situation", summary="Let a situation happen, or end it")
     async def play(robot_id: RobotId, body: SituationBody, session: Watcher) -> dict[str, Any]:
         authorize(session, Permission.PAUSE, robot_id)
-        try:
-            problem = await stage.play(robot_id, body.situation)
-        except KeyError as error:
-            raise not_found("The simulator has no such robot or situation.") from error
-        except StageAway as error:
-            raise _away() from error
-        if problem:
-            raise ApiError(409, "not_possible", problem, "situation")
+        await _play(stage, robot_id, body.situation)
         return {"robot": robot_id, "situation": body.situation}
 
+    @router.post("/demo/stations/{station_id}/situation", summary="Let a situation happen to a field sensor")
+    async def play_station(station_id: StationId, body: SituationBody, session: Watcher) -> dict[str, Any]:
+        authorize(session, Permission.PAUSE)
+        await _play(stage, station_id, body.situation)
+        return {"station": station_id, "situation": body.situation}
+
     return router
+
+
+async def _play(stage: Stage, played_on: str, situation: str | None) -> None:
+    try:
+        problem = await stage.play(played_on, situation)
+    except KeyError as error:
+        raise not_found("The simulator has no such robot, station or situation.") from error
+    except StageAway as error:
+        raise _away() from error
+    if problem:
+        raise ApiError(409, "not_possible", problem, "situation")
 
 
 def _away() -> ApiError:

@@ -129,6 +129,7 @@ def fleet(
     cloud: Annotated[str, typer.Option(help="Context broker where the robots take missions, too.")] = "",
     cloud_tenant: Annotated[str, typer.Option(help="Tenant there (Fiware-Service).")] = "",
     farm: Annotated[str, typer.Option(help="Farm in the names of the cloud's entities.")] = "farm",
+    sensors: Annotated[bool, typer.Option(help="With the demo farm's field sensors.")] = False,
 ) -> None:
     """Start many robots in one process: a farm at work, or a crowd for load."""
     from backend_clients.simulator.config import CloudConfig, SimulatorConfig
@@ -152,12 +153,42 @@ def fleet(
             features=map_features(),
             is_always_day=always_day,
             cloud=CloudConfig(cloud, cloud_tenant, farm=farm) if cloud else None,
+            stations=_stations if sensors else None,
         )
         if out is not None:
             _write_private(out, rows)
     except (ValueError, OSError) as error:
         raise StartError(f"{error}.") from error
     run_simulator(config)
+
+
+@app.command()
+def sensors(
+    broker: Broker = LOCAL_BROKER,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Port of the testers' HTTP; 0 takes a free one.")] = 0,
+    seed: Annotated[int, typer.Option(help="Makes the weather repeatable.")] = 1,
+    speed: Annotated[float, typer.Option(min=0.1, max=3600, help="The weather goes this many times faster.")] = 1.0,
+    always_day: Annotated[bool, typer.Option(help="Cameras see daylight at any hour.")] = False,
+) -> None:
+    """Start the demo farm's field sensors alone: weather, soil, respiration, field cameras."""
+    from backend_clients.simulator.config import SimulatorConfig
+    from backend_clients.simulator.process import run_simulator
+    from hmi.demo.scenery import map_features
+
+    config = SimulatorConfig(
+        broker,
+        (),
+        port=port,
+        seed=seed,
+        features=map_features(),
+        is_always_day=always_day,
+        stations=_stations,
+        sensor_speed=speed,
+    )
+    try:
+        run_simulator(config, on_ready=lambda at: typer.echo(f"Testers' HTTP: http://127.0.0.1:{at}"))
+    except OSError as error:
+        raise StartError(f"Cannot listen on port {port}: {error}.") from error
 
 
 @app.command()
@@ -204,6 +235,13 @@ def _run(
     except ValueError as error:
         raise StartError(f"{error}.") from error
     run_simulator(config)
+
+
+def _stations() -> Any:
+    """Return the demo farm's field sensors; loaded when they begin."""
+    from hmi.demo.stations import STATIONS
+
+    return STATIONS
 
 
 def _one(family: Any, robot: str, name: str, token: str, lat: float | None, lon: float | None) -> Any:

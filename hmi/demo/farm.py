@@ -10,6 +10,7 @@ from typing import Any
 
 FOLDER = Path(__file__).parent / "fields"
 POLDER, SITE = "polder", "experimental-site"
+WEATHER_MAST = (51.785767, 4.260901)  # latitude and longitude of the obstacle of that name
 SEEDED = {"Triticum aestivum L.": "2025-11-12", "Zea mays": "2026-04-20"}
 CROPS = {"Triticum aestivum L.": "Wheat", "Zea mays": "Maize"}
 

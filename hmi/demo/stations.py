@@ -6,10 +6,11 @@ from datetime import datetime
 
 from backend_clients.simulator.field.season import Season, season_of
 from backend_clients.simulator.field.station import StationConfig
+from hmi.demo.farm import WEATHER_MAST
 
 SEED = 1
 STATIONS = (
-    StationConfig("weather-01", "Weather station", "weather", 51.785767, 4.260901, "polder-17"),
+    StationConfig("weather-01", "Weather station", "weather", *WEATHER_MAST, "polder-17"),
     StationConfig("soil-01", "Soil 1", "soil", 51.788300, 4.259900, "polder-17", 1),
     StationConfig("soil-02", "Soil 2", "soil", 51.785400, 4.258700, "zuidkamp", 2),
     StationConfig("soil-03", "Soil 3", "soil", 51.786500, 4.264700, "oostveld", 3),

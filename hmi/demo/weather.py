@@ -2,40 +2,36 @@
 
 from __future__ import annotations
 
-import math
-import random
 import time
 from collections.abc import Callable
 
 import httpx
 
+from backend_clients.simulator.field.weather import Weather
+from hmi.demo.farm import WEATHER_MAST
+
 STATION = "Simulated station"
 PERIOD_S = 60.0
 RETRY_S = 10.0
-_DAY_S = 86_400.0
 
 
 class WeatherStation:
-    """Plausible wind and rain, the same for the same seed: wind rises by day, showers come and go.
+    """Wind and rain of the demo farm, the same for the same seed and as its field sensors measure them.
 
     Args:
         seed: makes it repeatable.
     """
 
     def __init__(self, seed: int = 1) -> None:
-        noise = random.Random(seed)  # noqa: S311 - weather, not secrets
-        self._phases = [noise.uniform(0, 2 * math.pi) for _ in range(4)]
+        self._weather = Weather(seed, *WEATHER_MAST)
 
     def wind_mps(self, at_s: float) -> float:
-        """Return the wind at a time in seconds since the epoch, 0.3 to 9 m/s."""
-        day = math.sin(2 * math.pi * (at_s % _DAY_S) / _DAY_S - math.pi / 2)
-        gust = math.sin(at_s / 900 + self._phases[0]) + 0.5 * math.sin(at_s / 210 + self._phases[1])
-        return round(max(0.3, 3.5 + 2.2 * day + 0.8 * gust), 1)
+        """Return the wind at a time in seconds since the epoch, 0.2 to 9 m/s."""
+        return round(self._weather.wind_mps(at_s), 1)
 
     def rain_mm_h(self, at_s: float) -> float:
         """Return the rain; most of the time there is none."""
-        shower = math.sin(at_s / 7000 + self._phases[2]) + 0.6 * math.sin(at_s / 1900 + self._phases[3])
-        return round(max(0.0, shower - 1.1) * 8.0, 1)
+        return round(self._weather.rain_mm_h(at_s), 1)
 
     def report(self, at_s: float) -> dict[str, object]:
         """Return the body of one report."""

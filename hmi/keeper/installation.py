@@ -49,7 +49,7 @@ def run_demo(on_ready: OnReady, *, is_tls: bool = False) -> None:
     simulator = PartSpec(
         "simulator",
         (sys.executable, "-m", "hmi", "simulate", "fleet", "--broker", settings.broker_url, "--robots", str(robots),
-         "--port", str(simulator_port), "--state", str(data / "simulator"), *_cloud_of_robots(settings),
+         "--port", str(simulator_port), "--state", str(data / "simulator"), "--sensors", *_cloud_of_robots(settings),
          *(("--always-day",) if settings.demo_light == "day" else ())),
         is_ready=lambda: answers("127.0.0.1", simulator_port),
         url=f"http://127.0.0.1:{simulator_port}",

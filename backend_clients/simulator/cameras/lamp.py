@@ -17,7 +17,7 @@ LOW_LIGHT = (0.4, 0.44, 0.5)  # what a flying camera makes of a night without a 
 WARM = (1.02, 0.98, 0.88)
 NEAR_INFRARED = (-1.1, 2.5, -0.35, 0.0)  # leaves shine, soil does not
 # near infrared, red and green are shown as red, green and blue
-FALSE_COLOURS = (*NEAR_INFRARED, 0.95, 0.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0)
+FALSE_COLOURS = (*NEAR_INFRARED, 0.85, 0.0, 0.0, 0.0, 0.0, 0.95, 0.0, 0.0)
 
 
 def lit(image: Image.Image, canvas: Canvas) -> NDArray[np.uint32]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import secrets
+import threading
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -24,6 +25,8 @@ from backend_clients.simulator.field.station import StationConfig
 from backend_clients.simulator.field.weather import Weather
 from backend_clients.simulator.loop_mail import LoopMail
 from hmi.clock import Clock, SystemClock
+
+LINK_STOP_S = 0.4  # a process ends within one second
 
 log = structlog.get_logger(__name__)
 
@@ -65,16 +68,17 @@ class Yard:
         self._config, self._clock = config, clock or SystemClock()
         place = config.stations[0]
         weather = Weather(config.seed, place.lat_deg, place.lon_deg)
-        ground = Ground(weather, self._clock.utc().timestamp())
+        self._ground = Ground(weather, self._clock.utc().timestamp())
         self._studio = FieldStudio(config.features, is_always_day=config.is_always_day)
         self._drawing: set[asyncio.Task[None]] = set()
         self._wake = asyncio.Event()
         self._link: MqttLink | None = None
         self._situations: dict[str, str] = {}
-        self.sessions = {one.id: self._session(one, weather, ground) for one in config.stations}
+        self.sessions = {one.id: self._session(one, weather) for one in config.stations}
 
     async def run(self) -> None:
         """Connect and live until cancelled."""
+        await asyncio.to_thread(self._reckon)
         mail = LoopMail(asyncio.get_running_loop())
         self._link = MqttLink(
             self._config.broker_url,
@@ -93,7 +97,7 @@ class Yard:
             for task in self._drawing:
                 task.cancel()
             await self._studio.close()
-            await asyncio.to_thread(self._link.stop)
+            _leave(self._link)
 
     # ---- the tester's doors --------------------------------------------------------------------------
 
@@ -146,9 +150,14 @@ class Yard:
 
     # ---- inside ---------------------------------------------------------------------------------------
 
-    def _session(self, station: StationConfig, weather: Weather, ground: Ground) -> StationSession:
+    def _reckon(self) -> None:
+        """Reckon the water of the months before, half a second of work that must not hold up the loop."""
+        for station in self._config.stations:
+            self._ground.water(station.texture, self._clock.utc().timestamp())
+
+    def _session(self, station: StationConfig, weather: Weather) -> StationSession:
         send, shoot = partial(self._send, station.id), partial(self._shoot, station)
-        return StationSession(station, weather, ground, self._clock, send, shoot, speed=self._config.speed)
+        return StationSession(station, weather, self._ground, self._clock, send, shoot, speed=self._config.speed)
 
     async def _rest(self) -> None:
         """Wait until something is due or was heard."""
@@ -189,3 +198,10 @@ class Yard:
             log.warning("a field camera took no picture", station=station.id, problem=str(problem))
         else:
             self.sessions[station.id].show(jpeg)
+
+
+def _leave(link: MqttLink) -> None:
+    # paho may sit in a connect for seconds; a daemon thread lets the process end all the same
+    closer = threading.Thread(target=link.stop, daemon=True)
+    closer.start()
+    closer.join(LINK_STOP_S)

@@ -1,4 +1,4 @@
-// Demo only: a sheet that lets something happen to a simulated robot, and ends it.
+// Demo only: a sheet that lets something happen to a simulated robot or field sensor, and ends it.
 (() => {
   "use strict";
   const { el, icon, text, LiveElement, define } = HL;
@@ -14,13 +14,14 @@
   class Panel extends LiveElement {
     build() {
       this.known = null; // situations, null while loading
+      this.stations = []; // field sensors; they begin some seconds after the robots
       this.on = {};
-      this.pick = el("select", { "data-testid": "demo-robot", "aria-label": "Robot", onchange: () => this.draw() });
+      this.pick = el("select", { "data-testid": "demo-robot", "aria-label": "Robot or sensor", onchange: () => this.draw() });
       this.note = el("p", { class: "h-2 h-t14", role: "status", "data-testid": "demo-note" });
       this.list = el("div", { class: "demo-list" });
       this.append(
-        el("p", { class: "h-2 h-t14" }, "These robots are simulated. What you start here happens to the robot, as on a real farm, until you end it."),
-        el("label", { class: "demo-pick" }, el("span", { class: "h-t14 h-2" }, "Robot"), this.pick),
+        el("p", { class: "h-2 h-t14" }, "These robots and sensors are simulated. What you start here happens to them, as on a real farm, until you end it."),
+        el("label", { class: "demo-pick" }, el("span", { class: "h-t14 h-2" }, "Robot or sensor"), this.pick),
         this.note,
         this.list,
       );
@@ -43,6 +44,7 @@
       if (answer.ok && Array.isArray(answer.situations) && answer.now) {
         this.known = answer.situations;
         this.on = answer.now;
+        this.stations = Array.isArray(answer.stations) ? answer.stations : [];
         this.problem = "";
       } else {
         this.problem = answer.text || "The server did not answer in time."; // what is shown stays; half an answer is none
@@ -53,23 +55,30 @@
       const id = this.pick.value;
       this.isBusy = true;
       this.draw();
-      const answer = await HL.port.api("POST", `/demo/robots/${encodeURIComponent(id)}/situation`, { situation }, LIMIT_MS);
+      const kind = this.station(id) ? "stations" : "robots";
+      const answer = await HL.port.api("POST", `/demo/${kind}/${encodeURIComponent(id)}/situation`, { situation }, LIMIT_MS);
       this.isBusy = false;
       if (!answer.ok) HL.toast(`Not done: ${answer.text || "the simulator did not answer."}`, "error");
       await this.ask();
     }
+    station(id) {
+      return this.stations.find((one) => one.id === id);
+    }
     fillPick() {
-      const all = robots();
-      const key = all.map(([id, robot]) => `${id}${robot.name}`).join();
+      const all = robots().map(([id, robot]) => [id, robot.name]);
+      const sensors = this.stations.map((one) => [one.id, one.name]);
+      const key = JSON.stringify([all, sensors]);
       if (key === this.picked) return;
       this.picked = key;
       const chosen = this.pick.value || this.dataset.robot;
-      this.pick.replaceChildren(...all.map(([id, robot]) => el("option", { value: id, selected: id === chosen }, robot.name)));
+      const option = ([id, name]) => el("option", { value: id, selected: id === chosen }, name);
+      const group = sensors.length ? [el("optgroup", { label: "Field sensors" }, ...sensors.map(option))] : [];
+      this.pick.replaceChildren(...all.map(option), ...group);
     }
     draw() {
       this.fillPick();
       const id = this.pick.value;
-      const family = HL.port.fleet()[id]?.family;
+      const family = this.station(id)?.kind || HL.port.fleet()[id]?.family;
       const here = (this.known || []).filter((one) => one.families.includes(family));
       text(this.note, this.say(id, here));
       const key = `${id}/${family}/${this.on[id] || ""}/${this.isBusy}/${may()}/${here.length}`;

@@ -81,3 +81,25 @@ async def test_a_simulator_that_is_away_is_told_as_that(console: Console) -> Non
     simulator.is_away = True
     for answer in (await browser.get("/demo/situations"), await browser.post(PATH, json={"situation": None})):
         assert (answer.status_code, answer.json()["code"]) == (503, "simulator_away")
+
+
+async def test_an_operator_provokes_a_field_sensor_and_a_viewer_does_not(console: Console) -> None:
+    path = "/demo/stations/soil-03/situation"
+    browser, simulator = await staged(console)
+    answer = await browser.post(path, json={"situation": "sensor-silent"})
+    assert answer.json() == {"station": "soil-03", "situation": "sensor-silent"}
+    assert simulator.asked[-1] == ("POST", "/_situations/soil-03", {"situation": "sensor-silent"})
+    simulator.status = 404
+    unknown = await browser.post("/demo/stations/no-such/situation", json={"situation": None})
+    assert (unknown.status_code, unknown.json()["code"]) == (404, "not_found")
+    many = len(simulator.asked)
+    assert (await browser.post("/demo/stations/..%2F_faults/situation", json={"situation": None})).status_code >= 400
+    assert (await browser.post("/demo/stations/Soil%20/situation", json={"situation": None})).status_code in (400, 422)
+    assert len(simulator.asked) == many
+
+
+async def test_provoking_a_sensor_needs_the_operator_role(console: Console) -> None:
+    viewer, simulator = await staged(console, Role.VIEWER)
+    refused = await viewer.post("/demo/stations/soil-03/situation", json={"situation": None})
+    assert (refused.status_code, refused.json()["code"]) == (403, "not_allowed")
+    assert simulator.asked == []

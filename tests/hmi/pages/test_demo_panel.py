@@ -13,7 +13,9 @@ pytestmark = pytest.mark.browser
 SITUATIONS = [
     {"id": "rtk-float", "title": "RTK float", "text": "Its position is no longer exact.", "families": ["weeder"]},
     {"id": "crane-limit", "title": "Crane", "text": "The crane reached its limit.", "families": ["planter"]},
+    {"id": "sensor-silent", "title": "No radio", "text": "Nothing is heard of it.", "families": ["soil", "weather"]},
 ]
+STATIONS = [{"id": "soil-03", "name": "Soil 3", "kind": "soil"}]
 
 
 class Farm:
@@ -22,6 +24,7 @@ class Farm:
     def __init__(self) -> None:
         self.now: dict[str, str] = {}
         self.is_away = False
+        self.asked = ""
 
     def __call__(self, route: Route) -> None:
         """Answer one request."""
@@ -30,11 +33,12 @@ class Farm:
             route.fulfill(status=503, json=body)
             return
         if route.request.method == "POST":
+            self.asked = route.request.url.partition("/demo/")[2]
             robot, wanted = route.request.url.split("/")[-2], json.loads(route.request.post_data or "{}")["situation"]
             self.now = {**self.now, robot: wanted} if wanted else {k: v for k, v in self.now.items() if k != robot}
             route.fulfill(json={"robot": robot, "situation": wanted})
             return
-        route.fulfill(json={"situations": SITUATIONS, "now": self.now})
+        route.fulfill(json={"situations": SITUATIONS, "stations": STATIONS, "now": self.now})
 
 
 def opened(look: Callable[..., Page], **who: Any) -> tuple[Page, Farm]:
@@ -61,6 +65,11 @@ def test_a_situation_is_started_and_ended_for_the_robot_on_the_screen(look: Call
     button.click()
     expect(page.get_by_test_id("demo-situation-rtk-float")).to_have_attribute("data-state", "off")
     assert farm.now == {}
+    page.get_by_test_id("demo-robot").select_option(label="Soil 3")
+    expect(page.get_by_test_id("demo-situation-rtk-float")).to_have_count(0)
+    page.get_by_test_id("demo-play-sensor-silent").click()
+    expect(page.get_by_test_id("demo-note")).to_have_text("Now: No radio.")
+    assert farm.asked == "stations/soil-03/situation"
     farm.is_away = True
     expect(page.get_by_test_id("demo-note")).to_have_text("The simulator does not answer.")
 
