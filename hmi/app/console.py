@@ -150,6 +150,7 @@ class Console:
         self.alarms.further["cloud"] = self.cloud.findings
         self.alarms.stations, self.alarms.condition_of = self.sensors.findings, self.sensors.condition_of
         self.queue.treatment = self.sensors.gate
+        self.sensors.on_loaded.append(lambda work: self.cloud.watch_stations(work.board))
         self.desk.missions.cloud = self.cloud if self.cloud.is_on else None
         self.alarms.notifications.responsible_for = self._responsible_for
         self.alarms.store.listeners.append(self.pictures.recorder.alarm)

@@ -247,6 +247,7 @@ class SensorWork:
         process = SideProcess()
         try:
             await process.run(record_past, url, self._wiring.settings.farm_id, self._wiring.clock.utc())
+            self.board.fill(await self._wiring.records.database.run(self.history.newest))
         except Exception:  # the demo works without its past
             log.exception("the past of the demo's stations could not be made")
         finally:

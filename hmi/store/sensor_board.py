@@ -111,13 +111,22 @@ class SensorBoard:
             self._calibrations[calibration.station_id, calibration.channel] = calibration
         self.limits = list(limits)
         now, now_s = self._clock.utc(), self._clock.mono_s()
+        for known in self._stations.values():
+            if known.station.heard_at is not None:
+                known.receipt.newest_s = now_s - max(0.0, (now - known.station.heard_at).total_seconds())
+        self.fill(newest)
+
+    def fill(self, newest: Iterable[tuple[str, Channel, datetime, float]]) -> None:
+        """Take values out of the history where nothing was heard yet."""
+        now, now_s = self._clock.utc(), self._clock.mono_s()
         for station_id, channel, at, value in newest:
             known = self._stations.get(station_id)
-            if known is None:
+            if known is None or channel in known.values:
                 continue
             measured_s = now_s - max(0.0, (now - at).total_seconds())
             known.values[channel] = ValueNow(channel, value, measured_s, at, channel.about().is_plausible(value))
             known.receipt.newest_s = max(known.receipt.newest_s, measured_s)
+            self._tell(station_id)
 
     # ---- what is asked ----
 

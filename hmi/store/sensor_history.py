@@ -92,8 +92,8 @@ class SensorHistory:
             return [Point(*row) for row in session.execute(query)]
 
     def newest(self) -> list[tuple[str, Channel, datetime, float]]:
-        """Return the newest single value of each channel: station, channel, time, value."""
-        own = and_(_Row.farm_id == self._farm_id, _Row.step_s == 0)
+        """Return the newest value of each channel, of ten minutes at most: station, channel, time, value."""
+        own = and_(_Row.farm_id == self._farm_id, _Row.step_s <= TEN_MINUTES_S)
         last = (
             select(_Row.station_id, _Row.quantity, _Row.depth_cm, func.max(_Row.at).label("last"))
             .where(own)
