@@ -142,6 +142,7 @@ class Console:
                 self.pictures,
             )
         )  # fmt: skip
+        self.twin.cameras = camera_calls(self.cameras)
 
     def _tell_each_other(self) -> None:
         """Plug together what knows of each other only here."""

@@ -81,14 +81,19 @@ class _Store:
         return list(self._fleet.robots.values())
 
 
+def live_store(fleet: PlainFleet) -> Any:
+    """Return the robots as the room reads them."""
+    return _Store(fleet)
+
+
 class SensorRig(PictureRig):
     """Everything about field sensors of one farm."""
 
     link: PlayedLink
     work: SensorWork
 
-    def __init__(self, folder: Path) -> None:
-        super().__init__(folder)
+    def __init__(self, folder: Path, **settings: Any) -> None:
+        super().__init__(folder, **settings)
         self.weather = WeatherBoard(self.clock, self.authorize, FARM)
         self.seq = 0
         self._room = self._made_room()
@@ -125,10 +130,9 @@ class SensorRig(PictureRig):
             self.link = PlayedLink(on_message, on_link)
             return self.link
 
-        store: Any = _Store(self.fleet)
         wiring = SensorWiring(
-            self.settings, self.clock, self.records, store, self.authorize, self.events.append, self.weather,
-            self.desk, make,
+            self.settings, self.clock, self.records, live_store(self.fleet), self.authorize, self.events.append,
+            self.weather, self.desk, make,
         )  # fmt: skip
         return SensorRoom(wiring)
 
