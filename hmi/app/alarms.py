@@ -259,7 +259,8 @@ class AlarmRoom:
         if latest is None or self.weather is None:
             return
         if self.weather.is_measured_here:  # the farm's own stations have alarms of their own
-            self.watch.report(self._weather_source, "weather", NOTHING)
+            if self._weather_source:
+                self.watch.report(self._weather_source, "weather", NOTHING)
             return
         source = self._weather_source = detail_of(latest.station) or "station"
         self._stations[source] = latest.station

@@ -94,7 +94,7 @@ class SensorPictures:
         made = replace(known.station, pictures_day=day, pictures=known.station.pictures_on(day) + 1)
         self._board.put(made)
         try:
-            await self._database.run(self._stations.put, [made])
+            await self._database.run(self._stations.note, [made])
         except StoreError as error:
             log.warning("the pictures of %s today are counted in memory only: %s", station_id, error)
 

@@ -211,7 +211,7 @@ class SensorWork:
     async def _keep(self) -> None:
         stations = [one.station for one in self.board.accepted() if one.station.heard_at is not None]
         if stations:
-            await self._wiring.records.database.run(self.stations.put, stations)
+            await self._wiring.records.database.run(self.stations.note, stations)
 
     async def _thin(self) -> None:
         await asyncio.to_thread(self.history.thin, self._wiring.clock.utc())

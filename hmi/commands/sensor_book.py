@@ -211,7 +211,10 @@ class SensorBook:
         known = self._parts.board.get(station.id)
         if known is not None:  # what it said meanwhile stays
             now = known.station
-            station = replace(station, battery=now.battery, heard_at=now.heard_at, units=now.units)
+            station = replace(
+                station, battery=now.battery, heard_at=now.heard_at, units=now.units, period_s=now.period_s,
+                pictures_day=now.pictures_day, pictures=now.pictures,
+            )  # fmt: skip
         self._parts.board.put(station)
 
     def _may(self, session: SessionInfo) -> None:

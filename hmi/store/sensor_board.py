@@ -20,6 +20,7 @@ from hmi.domain.sensors.station import Announcement, FieldStation, Report, new_s
 
 MOST_STATIONS = 200  # accepted and not: names on a broker cost nothing to invent
 TREND_S, TREND_LEAST_S, TREND_STEP_S = 7200.0, 3000.0, 540.0
+COUNTED = ("repeated", "late", "too_old", "implausible", "unannounced", "unknown", "too_many")
 Keep = Callable[[str, Channel, datetime, float], None]
 
 
@@ -91,7 +92,9 @@ class SensorBoard:
         self._stations: dict[str, StationNow] = {}
         self._calibrations: dict[tuple[str, Channel], Calibration] = {}
         self.limits: list[SensorLimit] = []
-        self.counts = dict.fromkeys(("repeated", "late", "too_old", "implausible", "unannounced", "too_many"), 0)
+        self.counts = dict.fromkeys(
+            ("repeated", "late", "too_old", "implausible", "unannounced", "unknown", "too_many"), 0
+        )
         self.on_changed: list[Callable[[str], None]] = []
         self.on_report: list[Callable[[StationNow], None]] = []
 
@@ -187,7 +190,8 @@ class SensorBoard:
         """Take values; ``received_s`` is when they arrived, on the monotonic clock."""
         known = self._stations.get(report.station_id)
         if known is None:
-            return  # its announcement is retained: it comes first, or soon
+            self.counts["unknown"] += 1  # its announcement is retained: it comes first, or soon
+            return
         before = known.state(self._clock.mono_s())
         waited_s = max(0.0, self._clock.mono_s() - received_s)
         now = self._clock.utc() - timedelta(seconds=waited_s)
@@ -218,8 +222,11 @@ class SensorBoard:
         self._tell(station.id)
 
     def remove(self, station_id: str) -> None:
-        """Forget a station; while it is there it announces itself again."""
-        self._stations.pop(station_id, None)
+        """Take a station out; one that is still heard is a new one from now on."""
+        known = self._stations.pop(station_id, None)
+        if known is not None and known.state(self._clock.mono_s()) in (State.FRESH, State.LATE):
+            station = replace(known.station, is_accepted=False, accepted_by="", accepted_at=None)
+            self._stations[station_id] = StationNow(station, known.receipt, known.values)
         self._calibrations = {key: one for key, one in self._calibrations.items() if key[0] != station_id}
         self._tell(station_id)
 

@@ -18,6 +18,7 @@ from hmi.store.sensor_tables import NO_DEPTH, SensorCalibrationRow, SensorLimitR
 
 _PLAIN = ("name", "lat_deg", "lon_deg", "period_s", "model", "parcel", "accepted_by", "accepted_at", "battery",
           "heard_at", "pictures_day", "pictures")  # fmt: skip
+_SAID = ("period_s", "model", "battery", "heard_at", "pictures_day", "pictures")
 
 
 class SensorStations:
@@ -40,10 +41,22 @@ class SensorStations:
         """Keep stations, in place of what is known of them."""
         with self._database.write() as session:
             for one in stations:
-                units = [[channel.quantity, channel.depth_cm, unit] for channel, unit in one.units.items()]
                 parts = {name: getattr(one, name) for name in _PLAIN}
-                row = SensorStationRow(farm_id=self._farm_id, id=one.id, kind=one.kind.value, units=units, **parts)
+                row = SensorStationRow(
+                    farm_id=self._farm_id, id=one.id, kind=one.kind.value, units=_unit_rows(one), **parts
+                )
                 session.merge(row)
+
+    def note(self, stations: Iterable[FieldStation]) -> None:
+        """Keep what stations themselves said; one that was taken out meanwhile stays out."""
+        with self._database.write() as session:
+            for one in stations:
+                row = session.get(SensorStationRow, (self._farm_id, one.id))
+                if row is None:
+                    continue
+                for name in _SAID:
+                    setattr(row, name, getattr(one, name))
+                row.units = _unit_rows(one)
 
     def remove(self, station_id: str) -> bool:
         """Forget a station and its calibrations; what it measured stays. Return whether there was one."""
@@ -100,6 +113,10 @@ def _channel_columns(channel: Channel) -> dict[str, Any]:
 def channel_of(quantity: str, depth_cm: int) -> Channel:
     """Return the channel that columns name."""
     return Channel(quantity, None if depth_cm == NO_DEPTH else depth_cm)
+
+
+def _unit_rows(one: FieldStation) -> list[list[Any]]:
+    return [[channel.quantity, channel.depth_cm, unit] for channel, unit in one.units.items()]
 
 
 def _station(row: SensorStationRow) -> FieldStation:

@@ -155,9 +155,21 @@ async def test_a_limit_without_a_depth_holds_for_every_depth_that_has_none_of_it
     assert shown == {"soil_moisture@0.10": (30, True), "soil_moisture@0.30": (40, False)}
 
 
-async def test_a_station_that_was_taken_out_comes_back_as_a_new_one_when_it_announces_itself(rig: SensorRig) -> None:
+async def test_a_station_that_is_taken_out_and_still_heard_is_a_new_one(rig: SensorRig) -> None:
     await rig.accepted()
     rig.measures(soil_moisture_10=0.2)
+    await rig.work.book.remove(rig.person(Role.ADMIN), "soil-03")
+    shown = rig.shown()
+    assert (shown["is_accepted"], shown["state"]) == (False, "fresh")
+    await rig.work._keep()
+    await rig.restart()
+    assert rig.work.board.all() == []
+
+
+async def test_a_silent_station_that_is_taken_out_is_gone_and_comes_back_as_a_new_one(rig: SensorRig) -> None:
+    await rig.accepted()
+    rig.measures(soil_moisture_10=0.2)
+    rig.clock.advance(3600)
     await rig.work.book.remove(rig.person(Role.ADMIN), "soil-03")
     assert rig.work.board.get("soil-03") is None
     rig.says(rig.about(), is_retained=True)
