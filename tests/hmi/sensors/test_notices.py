@@ -8,6 +8,8 @@ from hmi.domain.robot import OrderStatus
 from hmi.domain.role import Role
 from hmi.domain.sensors.limit import SensorLimit
 from hmi.domain.sensors.quantity import Channel
+from hmi.presenters.diagnosis import diagnose
+from hmi.presenters.scene import Scene
 from tests.hmi.sensors.rig import OUTSIDE, SensorRig
 
 
@@ -194,3 +196,19 @@ async def test_a_notice_that_is_not_acknowledged_is_an_alarm(rig: SensorRig) -> 
     assert seen is not None
     assert (seen.name, seen.is_clock_wrong) == ("Soil 3", False)
     assert rig.work.condition_of("weeder-01") is None
+
+
+async def test_the_guided_check_of_a_silent_station_looks_at_it_and_at_the_others(rig: SensorRig) -> None:
+    await rig.accepted()
+    await rig.accepted("soil-04")
+    rig.measures(soil_moisture_10=0.2, battery=0.09)
+    rig.clock.advance(7200)
+    rig.measures("soil-04", soil_moisture_10=0.2)
+    scene = Scene(rig.clock.mono_s(), None, station=rig.work.condition_of("station-soil-03"))
+    found = diagnose(catalogue()["station-silent"].diagnosis, scene)
+    assert [(one["found"], one["ok"]) for one in found["steps"]] == [
+        ("Yes.", True), ("Last 2 h 00 ago.", False), ("1 of 1 are heard.", True), ("9 %.", False)
+    ]  # fmt: skip
+    assert found["conclusion"] == "The station itself is silent: look at its power and its radio."
+    blind = diagnose(catalogue()["station-clock"].diagnosis, Scene(0.0, None))
+    assert {one["ok"] for one in blind["steps"]} == {None}

@@ -212,24 +212,23 @@ async def test_nobody_can_flood_the_board_with_invented_stations(rig: SensorRig)
     assert rig.work.diagnostics()["dropped"]["too_many"] == 50
 
 
-@pytest.mark.parametrize(
-    ("kind", "payload", "reason"),
-    [
-        (Up.DATA, b"\xff\xfe", "malformed"),
-        (Up.DATA, b'{"station":"soil-03"}', "malformed"),
-        (Up.DATA, b"[" * 16_000, "malformed"),
-        (Up.DATA, b"x" * 20_000, "oversized"),
-        (Up.FRAME, b"GIF89a", "malformed"),
-        (Up.FRAME, b"\xff\xd8\xff" + b"x" * 600_000, "oversized"),
-        (Up.ACK, b'{"station":"soil-04","id":"12345678","outcome":"accepted","text":""}', "wrong_identity"),
-        (Up.ABOUT, b"null", "malformed"),
-    ],
-)
-async def test_nothing_a_station_sends_ends_the_connection_and_all_of_it_is_counted(
-    rig: SensorRig, kind: Up, payload: bytes, reason: str
-) -> None:
-    rig.hears(topic("soil-03", kind), payload)
-    assert rig.work.diagnostics()["refused"] == {reason: 1}
+WRONG: list[tuple[Up, bytes, str]] = [
+    (Up.DATA, b"\xff\xfe", "malformed"),
+    (Up.DATA, b'{"station":"soil-03"}', "malformed"),
+    (Up.DATA, b"[" * 16_000, "malformed"),
+    (Up.DATA, b"x" * 20_000, "oversized"),
+    (Up.FRAME, b"GIF89a", "malformed"),
+    (Up.FRAME, b"\xff\xd8\xff" + b"x" * 600_000, "oversized"),
+    (Up.ACK, b'{"station":"soil-04","id":"12345678","outcome":"accepted","text":""}', "wrong_identity"),
+    (Up.ABOUT, b"null", "malformed"),
+]
+
+
+async def test_nothing_a_station_sends_ends_the_connection_and_all_of_it_is_counted(rig: SensorRig) -> None:
+    for kind, payload, reason in WRONG:
+        before = rig.work.diagnostics()["refused"].get(reason, 0)
+        rig.hears(topic("soil-03", kind), payload)
+        assert rig.work.diagnostics()["refused"][reason] == before + 1
     await rig.accepted()
     assert rig.shown()["name"] == "Soil 3"
 
