@@ -7,7 +7,6 @@ from collections.abc import Callable
 
 import httpx
 
-from backend_clients.simulator.field.weather import Weather
 from hmi.demo.farm import WEATHER_MAST
 
 STATION = "Simulated station"
@@ -23,6 +22,8 @@ class WeatherStation:
     """
 
     def __init__(self, seed: int = 1) -> None:
+        from backend_clients.simulator.field.weather import Weather  # a console starts without a simulator
+
         self._weather = Weather(seed, *WEATHER_MAST)
 
     def wind_mps(self, at_s: float) -> float:

@@ -94,7 +94,7 @@ class Faults:
         for one in [name] if name is not None else list(self._active):
             self._active.pop(one, None)
 
-    def list(self) -> list[Fault]:
+    def active(self) -> list[Fault]:
         """Return the active faults."""
         return [fault for fault, _ in self._active.values()]
 

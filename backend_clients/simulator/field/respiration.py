@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from backend_clients.simulator.field.soil import Texture
 from backend_clients.simulator.field.weather import vapour_kpa
 
@@ -15,7 +17,7 @@ def co2_umol_mol(soil_c: float, water: float, texture: Texture) -> float:
     """Return CO2 in the chamber: more in warm soil, most at a little over half of its pores filled."""
     filled = water / texture.full
     wet = max(1 - ((filled - 0.6) / 0.55) ** 2, 0.08)
-    return AIR_CO2 + SOIL_CO2_AT_10_C * Q10 ** ((soil_c - 10) / 10) * wet
+    return AIR_CO2 + SOIL_CO2_AT_10_C * math.pow(Q10, (soil_c - 10) / 10) * wet
 
 
 def h2o_mmol_mol(soil_c: float, water: float, texture: Texture) -> float:

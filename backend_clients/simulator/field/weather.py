@@ -80,7 +80,7 @@ class Weather:
         if height <= 0.005:
             return 0.0
         clear = 1098 * height * math.exp(-0.057 / height)
-        return clear * (1 - 0.75 * self.cloud(at_s) ** 3.4)
+        return clear * (1 - 0.75 * math.pow(self.cloud(at_s), 3.4))
 
     def temperature_c(self, at_s: float) -> float:
         """Return the temperature of the air, 2 m above the ground."""

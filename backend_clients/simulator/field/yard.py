@@ -143,10 +143,10 @@ class Yard:
 
     def faults(self, station_id: str) -> dict[str, Any]:
         """Return the active faults by name; raises ``KeyError``."""
-        return {name_of(fault): fault for fault in self.sessions[station_id].faults.list()}
+        return {name_of(fault): fault for fault in self.sessions[station_id].faults.active()}
 
     def _is_on(self, faults: Faults, situation_id: str) -> bool:
-        return BY_ID[situation_id].fault in faults.list()
+        return BY_ID[situation_id].fault in faults.active()
 
     # ---- inside ---------------------------------------------------------------------------------------
 

@@ -15,8 +15,7 @@ from backend_clients.simulator.field.weather import Weather
 
 NOW = datetime(2026, 7, 22, 14, 3, 20, tzinfo=UTC)
 STATIONS = tuple(
-    StationConfig(f"{kind}-01", kind, kind, 51.786, 4.261)  # type: ignore[arg-type]
-    for kind in ("weather", "soil", "respiration", "camera")
+    StationConfig(f"{kind}-01", kind, kind, 51.786, 4.261) for kind in ("weather", "soil", "respiration", "camera")
 )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from datetime import timedelta
 from itertools import pairwise
+from typing import Any
 
 import msgspec
 import pytest
@@ -120,7 +121,7 @@ def test_a_renewed_notice_goes_on_with_the_same_id_and_a_repeat_does_not() -> No
 def test_a_repeat_gets_the_same_answer_even_when_it_comes_after_the_end() -> None:
     rig = Rig("weather")
     now = rig.clock.utc()
-    same = {"utc": now, "until_utc": now + timedelta(seconds=30)}
+    same: dict[str, Any] = {"utc": now, "until_utc": now + timedelta(seconds=30)}
     first = rig.notice(**same)
     rig.run(60)
     assert rig.notice(**same) == first
