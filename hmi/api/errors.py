@@ -40,6 +40,7 @@ REFUSAL_STATUS = {
     "not_registered": 403,
     "other_farm": 403,
     "unknown_robot": 404,
+    "unknown_station": 404,
     "unknown_node": 404,
     "incomplete": 422,
     "has_progress": 409,

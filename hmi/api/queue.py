@@ -54,6 +54,7 @@ class ConditionsBody(Body):
     battery_reserve: Share | None = 0.15
     battery_min: Share | None = None
     needs_rtk: bool = True
+    needs_treatment_weather: bool = False
 
 
 class EntryBody(Body):

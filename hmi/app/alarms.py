@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime, timedelta
 from typing import Any
@@ -34,6 +34,7 @@ from hmi.domain.event import RobotEvent
 from hmi.domain.mission import MissionStatus
 from hmi.domain.robot import Robot
 from hmi.domain.role import Permission, may
+from hmi.domain.sensors.condition import StationCondition
 from hmi.domain.stop import StopAttempt, StopState
 from hmi.ingest.supervision.console import ConsoleRules, Health
 from hmi.ingest.supervision.rules import rules_of
@@ -95,6 +96,10 @@ class AlarmRoom:
         self._stations: dict[str, str] = {}
         self.weather: WeatherBoard | None = None
         self.further: dict[str, Callable[[], Findings]] = {}  # what other rooms find wrong with the console
+        self.stations: Callable[[], Mapping[str, tuple[str, Findings]]] = dict  # by source: its name, what is wrong
+        self.condition_of: Callable[[str], StationCondition | None] = lambda _source: None
+        self._troubled: set[str] = set()
+        self._weather_source = ""
         self._farm_id, self._started_s = settings.farm_id, clock.mono_s()
         self._missing: set[str] = set()
         self._task: asyncio.Task[None] | None = None
@@ -226,6 +231,7 @@ class AlarmRoom:
             self.watch.report(CONSOLE, name, look())
         self._look_at_gateway()
         self._look_at_weather()
+        self._look_at_stations()
         self._look_for_missing(now_s)
         self.watch.sweep()
         self.store.pass_time()
@@ -250,13 +256,26 @@ class AlarmRoom:
 
     def _look_at_weather(self) -> None:
         latest = self.weather.latest if self.weather is not None else None
-        if latest is None:
+        if latest is None or self.weather is None:
             return
-        source = detail_of(latest.station) or "station"
+        if self.weather.is_measured_here:  # the farm's own stations have alarms of their own
+            if self._weather_source:
+                self.watch.report(self._weather_source, "weather", NOTHING)
+            return
+        source = self._weather_source = detail_of(latest.station) or "station"
         self._stations[source] = latest.station
         is_silent = self._clock.utc() - latest.at > STATION_SILENT
         text = "Nothing for half an hour. Rain and wind are not known."
         self.watch.report(source, "weather", (Finding("sensor-silent", text),) if is_silent else NOTHING)
+
+    def _look_at_stations(self) -> None:
+        found = self.stations()
+        for source in self._troubled - found.keys():
+            self.watch.report(source, "station", NOTHING)
+        for source, (name, findings) in found.items():
+            self._stations[source] = name
+            self.watch.report(source, "station", findings)
+        self._troubled = set(found)
 
     def _look_for_missing(self, now_s: float) -> None:
         """Miss robots that had a mission under way and were not heard since the console started."""
@@ -313,4 +332,5 @@ class AlarmRoom:
             disk=health.disk_free,
             is_database_up=health.is_database_up,
             writers=health.writers,
+            station=self.condition_of(source),
         )

@@ -41,6 +41,8 @@ from hmi.store.missions import Mission
 
 if TYPE_CHECKING:
     from hmi.app.cloud_work import CloudWork
+    from hmi.cloud.stations import StationStates
+    from hmi.store.sensor_board import SensorBoard
 
 LATER_S = 5.0  # as the processes that nobody waits for
 MISSIONS_TOLD = 300  # newest missions told when a tenant knows nothing of us
@@ -66,6 +68,7 @@ class CloudRoom:
         self._features: tuple[int, dict[str, MapFeature]] | None = None
         self._task: asyncio.Task[None] | None = None
         self._work: CloudWork | None = None
+        self.stations: StationStates | None = None
         folder = settings.data / "cloud"
         outbox = Outbox(folder / "outbox.db", settings.cloud_outbox_mb * 2**20, settings.cloud_outbox_days * 86_400)
         self._backlog = Backlog(outbox, clock)
@@ -125,6 +128,14 @@ class CloudRoom:
             await records.database.run(records.missions.note, farm, mission_id, "cloud", why)
         except StoreError:  # the robot has it all the same
             log.exception("the log of mission %s lacks: %s", mission_id, why)
+
+    def watch_stations(self, board: SensorBoard) -> None:
+        """Mirror field stations too, if a cloud is set."""
+        if not self.is_on:
+            return
+        from hmi.cloud.stations import StationStates  # with the stations themselves, some seconds after the start
+
+        self.stations = StationStates(board, self._urns)
 
     def tell_map(self) -> None:
         """Tell the map again."""
@@ -188,7 +199,8 @@ class CloudRoom:
         await asyncio.to_thread(importlib.import_module, "hmi.app.cloud_work")
         from hmi.app.cloud_work import CloudWork, WorkParts  # loaded above, beside the event loop
 
-        parts = WorkParts(self._settings, self._clock, self._urns, self._fleet, self._backlog, self.book, self._heard)
+        parts = WorkParts(self._settings, self._clock, self._urns, self._fleet, self._backlog, self.book, self._heard,
+                          lambda: self.stations)  # fmt: skip
         self._work = CloudWork(parts, self._whole, self._published, self._proposals_changed)
         said = ""
         while True:

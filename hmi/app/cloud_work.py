@@ -32,6 +32,7 @@ from hmi.cloud.missions import CloudMissions
 from hmi.cloud.proposals import ProposalBook
 from hmi.cloud.secret import kept_secret
 from hmi.cloud.states import RobotStates
+from hmi.cloud.stations import StationStates
 from hmi.fiware.map_change import KIND_OF
 from hmi.fiware.urn import KeyValues, Urns
 from hmi.mapping.feature import MapFeature
@@ -52,6 +53,7 @@ class WorkParts:
     backlog: Backlog
     book: ProposalBook
     heard: Heard
+    stations: Callable[[], StationStates | None]
 
 
 class CloudWork:
@@ -78,7 +80,7 @@ class CloudWork:
         marker = Marker(settings.data / "cloud" / "console.json", ref, settings.farm_name, is_strict=not is_demo)
         link, states = CloudLink(client, marker, clock), RobotStates(parts.fleet, urns, clock)
         changes = self._make_changes(client, published, on_proposals)
-        self.mirror = Mirror(link, states, parts.backlog, clock, whole, changes)
+        self.mirror = Mirror(link, states, parts.backlog, clock, whole, changes, parts.stations)
         read_back = Delays()
         self.missions = CloudMissions(client, urns.farm_name, clock, read_back)
         self.report = CloudReport(settings, clock, self.mirror, parts.backlog, parts.book, read_back, parts.heard)

@@ -22,6 +22,7 @@ from hmi.app.missions import MissionDesk
 from hmi.app.pictures import PictureDesk
 from hmi.app.queue import QueueDesk
 from hmi.app.records import Records
+from hmi.app.sensors import SensorRoom, SensorWiring
 from hmi.app.stops import StopDesk
 from hmi.app.twin import TwinDesk
 from hmi.app.witness import FleetWitness
@@ -121,7 +122,7 @@ class Console:
         )
 
     def _open_pictures(self) -> None:
-        """Cameras, and what is kept of them."""
+        """Cameras, what is kept of them, and stations, which send pictures too."""
         settings, clock, records, edge = self.settings, self.clock, self.records, self.edge
         self.cameras = CameraDesk.of(settings, records, edge.fleet, self.authorize, edge.sender)
         self.pictures = PictureDesk(
@@ -135,6 +136,12 @@ class Console:
             camera_calls(self.cameras),
         )
         self.cameras.rule = CameraRule(self.pictures.sources)
+        self.sensors = SensorRoom(
+            SensorWiring(
+                settings, clock, records, edge.fleet, self.authorize, self._lane_event, self.queue.weather,
+                self.pictures,
+            )
+        )  # fmt: skip
         self.twin.cameras = camera_calls(self.cameras)
 
     def _tell_each_other(self) -> None:
@@ -142,6 +149,9 @@ class Console:
         records, edge = self.records, self.edge
         self.alarms.weather = self.queue.weather
         self.alarms.further["cloud"] = self.cloud.findings
+        self.alarms.stations, self.alarms.condition_of = self.sensors.findings, self.sensors.condition_of
+        self.queue.treatment = self.sensors.gate
+        self.sensors.on_loaded.append(lambda work: self.cloud.watch_stations(work.board))
         self.desk.missions.cloud = self.cloud if self.cloud.is_on else None
         self.alarms.notifications.responsible_for = self._responsible_for
         self.alarms.store.listeners.append(self.pictures.recorder.alarm)
@@ -185,11 +195,13 @@ class Console:
         self.fleet.start()
         self.pictures.start()
         self.chores.start()
+        self.sensors.start()
         self.cloud.start()
 
     async def stop(self) -> None:
         """End everything in the opposite order; what is queued is written."""
         await self.cloud.stop()
+        await self.sensors.stop()
         await self.twin.stop()
         await self.alarms.stop()
         await self.chores.stop()
@@ -289,6 +301,7 @@ class Console:
             self.missions.facts.map_published()
             self.alarms.ground.map_published()
             self._soon(self.cloud.map_published())
+            self._soon(self.sensors.map_published())
         if event.get("kind") == "lease":
             self.show_lease(str(event["robot"]))
 

@@ -1,19 +1,14 @@
-"""The demo's stage: the tester's HTTP of the simulator, on this machine only, and its weather."""
+"""The demo's stage: the tester's HTTP of the simulator, on this machine only."""
 
 from __future__ import annotations
 
-import asyncio
 from pathlib import Path
 from typing import Any
 
 import httpx
 
 from hmi.api.demo import StageAway
-from hmi.clock import Clock
-from hmi.commands.weather import WeatherBoard
 from hmi.demo.fleet import read_demo_fleet
-from hmi.demo.weather import PERIOD_S, STATION, WeatherStation
-from hmi.domain.queue.facts import WEATHER_FRESH_S, Weather
 
 LIMIT_S = 5.0  # the simulator shares a small machine with everything else of the demo
 
@@ -56,40 +51,3 @@ class SimulatorStage:
                 return await client.request(method, f"{base}{path}", json=body)
         except httpx.HTTPError as error:
             raise StageAway(str(error)) from error
-
-
-class DemoWeather:
-    """Weather of a demo that nobody reports any: made up, under the name of a simulated station.
-
-    A station that a person connects is left alone for as long as it speaks.
-    """
-
-    def __init__(self, board: WeatherBoard, clock: Clock, station: WeatherStation | None = None) -> None:
-        self._board, self._clock = board, clock
-        self._station = station or WeatherStation()
-        self._task: asyncio.Task[None] | None = None
-
-    def start(self) -> None:
-        """Measure now and then each minute."""
-        self._task = asyncio.create_task(self._run(), name="demo-weather")
-
-    async def stop(self) -> None:
-        """End it."""
-        if self._task is not None:
-            self._task.cancel()
-            await asyncio.gather(self._task, return_exceptions=True)
-
-    def measure(self) -> None:
-        """Put the weather of this minute on the board, unless a real station speaks."""
-        now, latest = self._clock.utc(), self._board.latest
-        if latest is not None and latest.at > now:
-            return
-        if latest is not None and latest.station != STATION and (now - latest.at).total_seconds() <= WEATHER_FRESH_S:
-            return
-        at_s = now.timestamp()
-        self._board.take(Weather(now, self._station.rain_mm_h(at_s), self._station.wind_mps(at_s), STATION))
-
-    async def _run(self) -> None:
-        while True:
-            self.measure()
-            await asyncio.sleep(PERIOD_S)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import logging
 import os
+from collections.abc import Callable
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from fastapi import APIRouter
 
 from hmi.api.queue import QueueRoutes, queue_routes
 from hmi.api.queue_view import QueueView, ViewParts
-from hmi.app.demo import DemoWeather
 from hmi.app.records import Records
 from hmi.clock import Clock
 from hmi.commands.desk import CommandDesk
@@ -29,6 +29,7 @@ from hmi.domain.freshness import TickRing
 from hmi.domain.queue.arming import ArmingBook
 from hmi.domain.robot import Robot
 from hmi.domain.role import Permission, may
+from hmi.domain.sensors.gate import Gate as TreatmentGate
 from hmi.security.authorization import Authorize
 from hmi.settings import Settings
 from hmi.store.fleet import FleetStore
@@ -59,7 +60,7 @@ class QueueDesk:
         self._zone = farm_zone(settings.time_zone)
         self.store = QueueStore(records.database, settings.farm_id, clock)
         self.weather = WeatherBoard(clock, authorize, settings.farm_id)
-        self._demo_weather = DemoWeather(self.weather, clock) if settings.demo else None
+        self.treatment: Callable[[], TreatmentGate | None] = lambda: None
         gate = Gate(fleet, ticks, clock, authorize)
         self.arming = self._make_arming(gate)
         self.freeze = QueueFreeze(
@@ -136,6 +137,7 @@ class QueueDesk:
             zone=self._zone,
             weather=lambda: self.weather.latest,
             is_given_up=self.handover.is_given_up,
+            treatment=lambda: self.treatment(),
         )
         parts = RunnerParts(
             store=self.store,
@@ -197,13 +199,9 @@ class QueueDesk:
     def start(self) -> None:
         """Begin to work through the queues."""
         self.runner.start()
-        if self._demo_weather is not None:
-            self._demo_weather.start()
 
     async def stop(self) -> None:
         """Disarm everything and end."""
-        if self._demo_weather is not None:
-            await self._demo_weather.stop()
         await self.runner.close()
         await self.arming.close()
 

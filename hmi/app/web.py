@@ -172,6 +172,7 @@ def _api(console: Console) -> ApiServices:
             ),
             console.twin.rest(records),
             console.cameras.rest(records, console.desk.leases),
+            console.sensors.routes(),
             *console.cloud.routes(console.maps.book, console.authorize),
             *_demo_routes(console),
         ],
@@ -199,6 +200,7 @@ def _diagnostics(console: Console) -> Sources:
         "audit": records.audit.health,
         "recorder": records.recorder.health,
         "pictures": console.pictures.shelf.health,
+        "sensors": console.sensors.diagnostics,
     }
 
 

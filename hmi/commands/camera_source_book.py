@@ -137,6 +137,34 @@ class CameraSourceBook:
         await self._parts.database.run(self._parts.records.set_size, *key, width_px, height_px)
         self._tell()
 
+    async def welcome(self, camera: str, label: str, by: str, period_s: float) -> None:
+        """Let a field camera send its pictures by the broker; one that is set already stays as it is.
+
+        Raises:
+            SourceRefused: there are too many.
+        """
+        async with self._changing:
+            if (FIELD, camera) in self._known:
+                return
+            if len(self.field_cameras()) >= MOST_FIELD_CAMERAS:
+                raise SourceRefused("too_many", f"A farm has {MOST_FIELD_CAMERAS} field cameras at most.")
+            at = self._parts.clock.utc()
+            made = StoredSource(FIELD, camera, SourceKind.UPLOAD, by, at, label=label, period_s=period_s)
+            await self._parts.database.run(self._parts.records.put, made)
+            self._known[FIELD, camera] = made
+        self._tell()
+
+    async def dismiss(self, camera: str) -> None:
+        """Forget a field camera that came in by the broker; one with a token of its own stays."""
+        async with self._changing:
+            one = self._known.get((FIELD, camera))
+            if one is None or one.kind is not SourceKind.UPLOAD or one.token_sha256:
+                return
+            await self._parts.database.run(self._parts.records.remove, FIELD, camera)
+            self._known.pop((FIELD, camera), None)
+        await self._parts.forget_frames(camera)
+        self._tell()
+
     # ---- for people ----
 
     def all(self, session: SessionInfo) -> list[StoredSource]:

@@ -27,7 +27,7 @@ log = logging.getLogger(__name__)
 
 
 class FrameRefused(Exception):
-    """A frame that is not taken; ``code`` is ``bad_token`` or ``too_often``."""
+    """A frame that is not taken; ``code`` is ``bad_token``, ``unknown_camera`` or ``too_often``."""
 
     def __init__(self, code: str, text: str, retry_after_s: float = 0.0) -> None:
         super().__init__(text)
@@ -72,14 +72,31 @@ class FieldFrames:
         known = one.token_sha256 if one is not None and one.kind is SourceKind.UPLOAD else ""
         if not hmac.compare_digest(digest_of(token), known or digest_of("")) or not token or one is None:
             raise FrameRefused("bad_token", "This is no camera of this farm, or its token is another one.")
-        state, now_s = self._cameras.setdefault(camera, _Camera(at_s=self._clock.mono_s())), self._clock.mono_s()
+        self._spend(one)
+        return one
+
+    def admit_station(self, camera: str) -> StoredSource:
+        """Return the camera of an accepted station, which needs no token: the broker has let it in.
+
+        Raises:
+            FrameRefused: there is no such camera, or it sends too often.
+        """
+        one = self._sources.stored(FIELD, camera)
+        if one is None or one.kind is not SourceKind.UPLOAD:
+            raise FrameRefused("unknown_camera", "This is no camera that sends its pictures by itself.")
+        self._spend(one)
+        return one
+
+    def _spend(self, one: StoredSource) -> None:
+        """Take a frame off what the camera may send now; raises ``FrameRefused``."""
+        now_s = self._clock.mono_s()
+        state = self._cameras.setdefault(one.camera, _Camera(at_s=now_s))
         every_s = max(LEAST_S, one.period_s * SLACK)
         tokens = min(BURST, state.tokens + (now_s - state.at_s) / every_s)
         state.at_s, state.tokens = now_s, tokens
         if tokens < 1.0:
             raise FrameRefused("too_often", f"One frame each {one.period_s:g} s.", (1.0 - tokens) * every_s)
         state.tokens -= 1.0
-        return one
 
     async def take(self, one: StoredSource, data: bytes, age_s: float | None) -> Header:
         """Take a frame: the newest, one to show, and now and then one to keep.

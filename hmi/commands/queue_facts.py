@@ -17,6 +17,7 @@ from hmi.domain.queue.entry import Entry
 from hmi.domain.queue.facts import Facts, MissionFacts, RobotFacts, Weather
 from hmi.domain.queue.reason import clock_text
 from hmi.domain.robot import Mode, OrderStatus, Robot
+from hmi.domain.sensors.gate import Gate
 from hmi.store.missions import Mission, Missions
 from hmi.store.queue import QueueStore
 from hmi.store.robots import Robots
@@ -36,6 +37,7 @@ class FactSources:
     zone: ZoneInfo
     weather: Callable[[], Weather | None]
     is_given_up: Callable[[str, str], bool] = lambda _robot_id, _sha256: False
+    treatment: Callable[[], Gate | None] = lambda: None
 
 
 class FactDesk:
@@ -66,6 +68,7 @@ class FactDesk:
             owner="" if lease is None or lease.holder.is_system else lease.holder.user_name,
             blackouts=source.store.blackouts(),
             weather=source.weather(),
+            treatment=source.treatment() if entry.conditions.needs_treatment_weather else None,
             pause=pause,
         )
 

@@ -6,7 +6,7 @@ from datetime import datetime, timedelta
 
 from hmi.clock import Clock
 from hmi.commands.refusal import OrderRefused
-from hmi.domain.queue.facts import Weather
+from hmi.domain.queue.facts import WEATHER_FRESH_S, Weather
 from hmi.domain.role import Permission
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
@@ -15,11 +15,15 @@ AHEAD = timedelta(minutes=1)  # a station's clock may be this far ahead
 
 
 class WeatherBoard:
-    """The newest report of the farm, in memory: after a restart the station has to speak again."""
+    """The newest report of the farm, in memory: after a restart the station has to speak again.
+
+    ``is_measured_here``: the newest comes from field stations of the farm, not from a program that reported it.
+    """
 
     def __init__(self, clock: Clock, authorize: Authorize, farm_id: str) -> None:
         self._clock, self._authorize, self._farm_id = clock, authorize, farm_id
         self._latest: Weather | None = None
+        self.is_measured_here = False
 
     @property
     def latest(self) -> Weather | None:
@@ -42,14 +46,22 @@ class WeatherBoard:
         """
         self._authorize(session, Permission.SEND_MISSION)
         measured = Weather(at or self._clock.utc(), rain_mm_h, wind_mps, station)
-        self.take(measured)
+        self._check(measured)
+        self._latest, self.is_measured_here = measured, False
         return measured
 
     def take(self, measured: Weather) -> None:
-        """Take what a station of the console's own measured; raises as ``report``."""
+        """Take what the farm's own field stations measured; who reports by REST goes before them while it is fresh."""
+        latest, now = self._latest, self._clock.utc()
+        is_reported = latest is not None and not self.is_measured_here
+        if is_reported and latest is not None and 0 <= (now - latest.at).total_seconds() <= WEATHER_FRESH_S:
+            return
+        self._latest, self.is_measured_here = measured, True
+
+    def _check(self, measured: Weather) -> None:
         now = self._clock.utc()
         if measured.at > now + AHEAD:
             raise OrderRefused("from_the_future", "This was measured in the future. Set the station's clock.")
-        if self._latest is not None and measured.at < self._latest.at and self._latest.at <= now + AHEAD:
+        latest = None if self.is_measured_here else self._latest
+        if latest is not None and measured.at < latest.at and latest.at <= now + AHEAD:
             raise OrderRefused("older", "A newer report is known already.")
-        self._latest = measured

@@ -52,6 +52,8 @@ class Permission(StrEnum):
     MANAGE_ALARMS = "manage_alarms"
     KEEP_PICTURES = "keep_pictures"
     MANAGE_CAMERAS = "manage_cameras"
+    MANAGE_SENSORS = "manage_sensors"
+    TRIGGER_SENSOR = "trigger_sensor"
 
 
 _WATCH = frozenset({Permission.WATCH, Permission.STOP, Permission.READ_DIAGNOSTICS})
@@ -72,6 +74,7 @@ _OPERATE = _WATCH | {
     Permission.ENROL_DEVICE,
     Permission.ACKNOWLEDGE_ALARM,
     Permission.KEEP_PICTURES,
+    Permission.TRIGGER_SENSOR,
 }
 _SUPERVISE = _OPERATE | {
     Permission.TAKE_LEASE,
@@ -83,12 +86,14 @@ _SUPERVISE = _OPERATE | {
     Permission.READ_AUDIT,
     Permission.SHELVE_ALARM,
     Permission.REPLAY,
+    Permission.MANAGE_SENSORS,
 }
 
 PERMISSIONS: dict[Role, frozenset[Permission]] = {
     Role.VIEWER: _WATCH,
     Role.OPERATOR: _OPERATE,
-    Role.PLANNER: _WATCH | {Permission.SEND_MISSION, Permission.EDIT_MISSION, Permission.EDIT_MAP},
+    Role.PLANNER: _WATCH
+    | {Permission.SEND_MISSION, Permission.EDIT_MISSION, Permission.EDIT_MAP, Permission.MANAGE_SENSORS},
     Role.SUPERVISOR: _SUPERVISE,
     Role.DISPATCHER: _OPERATE | {Permission.DISPATCH},
     Role.ADMIN: frozenset(Permission),

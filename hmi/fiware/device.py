@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from hmi.domain.event import RobotEvent
-from hmi.domain.field_sensor import Measurement, SensorKind, Station
+from hmi.domain.sensors.observation import Measurement, SensorKind, Station
 from hmi.fiware.urn import OWN, KeyValues, Urns, moment, point, told
 
 _MEASURES = {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hmi.domain.field_sensor import SoilReading, Station
+from hmi.domain.sensors.observation import SoilReading, Station
 from hmi.fiware.urn import KeyValues, Urns, moment, point, told
 
 

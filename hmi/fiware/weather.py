@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hmi.domain.field_sensor import Station, WeatherReading
+from hmi.domain.sensors.observation import Station, WeatherReading
 from hmi.fiware.urn import KeyValues, Urns, moment, point, told
 
 
@@ -20,6 +20,7 @@ def weather_entity(urns: Urns, station: Station, reading: WeatherReading) -> Key
             "relativeHumidity": reading.humidity,
             "precipitation": reading.rain_mm_h,
             "windSpeed": reading.wind_mps,
+            "gustSpeed": reading.gust_mps,
             "windDirection": reading.wind_bearing_deg,
             "solarRadiation": reading.radiation_w_m2,
         }

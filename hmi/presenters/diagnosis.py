@@ -10,7 +10,7 @@ from typing import Any
 
 from hmi.domain.freshness import STALE_S
 from hmi.domain.robot import Mode
-from hmi.presenters import node_checks
+from hmi.presenters import node_checks, station_checks
 from hmi.presenters.scene import Look, Scene, unknown
 from hmi.presenters.units import age_text, number, percent
 
@@ -332,4 +332,9 @@ CHECKS: dict[str, Callable[[Scene], Look]] = {
     "disk": _disk,
     "database": _database,
     "writers": _writers,
+    "station-heard": station_checks.heard,
+    "stations-others": station_checks.others,
+    "station-battery": station_checks.battery,
+    "station-clock": station_checks.clock,
+    "station-values": station_checks.values,
 }

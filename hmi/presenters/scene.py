@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from hmi.domain.robot import Robot, Telemetry
+from hmi.domain.sensors.condition import StationCondition
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,6 +20,7 @@ class Scene:
         parts: states of the console's processes, empty where no keeper runs.
         disk: bytes free and their share, ``None`` unknown.
         writers: what is wrong with keeping records, by name.
+        station: the field station the alarm is of, ``None`` for everything else.
     """
 
     now_s: float
@@ -29,6 +31,7 @@ class Scene:
     disk: tuple[int, float] | None = None
     is_database_up: bool = True
     writers: Mapping[str, str] = field(default_factory=dict)
+    station: StationCondition | None = None
 
     @property
     def telemetry(self) -> Telemetry | None:

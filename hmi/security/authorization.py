@@ -43,6 +43,8 @@ _DOING: dict[Permission, str] = {
     Permission.MANAGE_ALARMS: "Changing alarm settings",
     Permission.KEEP_PICTURES: "Keeping pictures",
     Permission.MANAGE_CAMERAS: "Managing cameras and their pictures",
+    Permission.MANAGE_SENSORS: "Changing stations and their limits",
+    Permission.TRIGGER_SENSOR: "Taking a picture",
 }
 _SMALLEST_FIRST = (Role.VIEWER, Role.OPERATOR, Role.PLANNER, Role.DISPATCHER, Role.SUPERVISOR, Role.ADMIN)
 _UNREGISTERED_MAY = frozenset(

@@ -8,11 +8,13 @@ from hmi.domain.queue.daylight import daylight
 from hmi.domain.queue.entry import Entry
 from hmi.domain.queue.facts import VALUE_FRESH_S, WEATHER_FRESH_S, Facts
 from hmi.domain.queue.reason import Waiting, Who, clock_text
+from hmi.domain.sensors.gate import GateState
 
 
 def unmet(entry: Entry, facts: Facts) -> Waiting | None:
     """Return the first condition that does not hold or cannot be checked; ``None`` if all hold."""
-    return _dark(entry, facts) or _weather(entry, facts) or _battery(entry, facts) or _fix(entry, facts)
+    weather = _weather(entry, facts) or _treatment(entry, facts)
+    return _dark(entry, facts) or weather or _battery(entry, facts) or _fix(entry, facts)
 
 
 def _dark(entry: Entry, facts: Facts) -> Waiting | None:
@@ -61,6 +63,26 @@ def _no_weather(what: str, facts: Facts) -> Waiting:
     since = "" if facts.weather is None else f" since {clock_text(facts.weather.at, facts.now, facts.zone)}"
     text = f"No weather data{since}; {what} cannot be checked. Start it yourself or take the {what} rule off."
     return Waiting("no_weather", text, f"Weather data come, or the {what} rule goes.", Who.PLANNER)
+
+
+def _treatment(entry: Entry, facts: Facts) -> Waiting | None:
+    """The farm's treatment limits; a limit that nothing measures is never kept."""
+    if not entry.conditions.needs_treatment_weather:
+        return None
+    gate = facts.treatment
+    if gate is None or not gate.is_asked:
+        text = "No treatment limits are set, so the weather cannot be checked. Set them under Sensors."
+        return Waiting("treatment_unknown", text, "Set the limits, or take the rule off.", Who.PLANNER)
+    if gate.state is GateState.UNKNOWN:
+        text = f"{gate.reason}. The treatment limits cannot be checked."
+        return Waiting("treatment_unknown", text, "The station is heard, or the rule goes.", Who.PLANNER)
+    if gate.state is GateState.WAITS:
+        return Waiting("treatment", f"Waits: {_lower(gate.reason)}.", "Within the treatment limits.", Who.ITSELF)
+    return None
+
+
+def _lower(text: str) -> str:
+    return text[:1].lower() + text[1:]
 
 
 def _battery(entry: Entry, facts: Facts) -> Waiting | None:

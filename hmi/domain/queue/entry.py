@@ -31,6 +31,7 @@ class Conditions:
         battery_reserve: share of a full battery that must be left after the mission.
         battery_min: state of charge at the start, 0 to 1.
         needs_rtk: a fixed position solution.
+        needs_treatment_weather: what field stations measure is within the farm's treatment limits.
     """
 
     rain_below_mm_h: float | None = None
@@ -41,6 +42,7 @@ class Conditions:
     battery_reserve: float | None = 0.15
     battery_min: float | None = None
     needs_rtk: bool = True
+    needs_treatment_weather: bool = False
 
 
 @dataclass(frozen=True, slots=True)

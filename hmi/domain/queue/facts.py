@@ -10,6 +10,7 @@ from zoneinfo import ZoneInfo
 from hmi.domain.mission import MissionStatus
 from hmi.domain.queue.blackout import Blackout
 from hmi.domain.robot import Mode, OrderStatus
+from hmi.domain.sensors.gate import Gate
 
 FRESH_S = 2.0  # link and safety: as for a person's command
 VALUE_FRESH_S = 10.0  # battery and position fix, which come ten times a second
@@ -82,6 +83,7 @@ class Facts:
         armed_until: until when this queue is armed, ``None`` if it is not.
         disarmed: why it is not armed any more, empty if it never was.
         owner: who has control instead of the queue, empty if nobody.
+        treatment: what field stations say of the farm's treatment limits, ``None`` if nobody is asked.
         pause: what the queue itself waits for after a refusal, with until when.
     """
 
@@ -99,4 +101,5 @@ class Facts:
     owner: str = ""
     blackouts: Sequence[Blackout] = ()
     weather: Weather | None = None
+    treatment: Gate | None = None
     pause: tuple[str, datetime] | None = None

@@ -12,6 +12,7 @@ from hmi.store import (  # noqa: F401 - so that their tables are known
     mission_tables,
     picture_tables,
     queue_tables,
+    sensor_tables,
     template_tables,
 )
 from hmi.store.tables import Base

@@ -27,7 +27,7 @@
     // entry: as REST gives it, or null for a new one; canStart: "" or why the queue cannot start it
     constructor(entry, zone, canStart) {
       this.zone = zone;
-      const rule = entry?.conditions ?? { rain_below_mm_h: null, wind_below_mps: null, needs_daylight: false, after_sunrise_s: 0, before_sunset_s: 0, battery_reserve: 0.15, battery_min: null, needs_rtk: true };
+      const rule = entry?.conditions ?? { rain_below_mm_h: null, wind_below_mps: null, needs_daylight: false, after_sunrise_s: 0, before_sunset_s: 0, battery_reserve: 0.15, battery_min: null, needs_rtk: true, needs_treatment_weather: false };
       this.rule = rule;
       [this.unattended, this.unattendedLabel] = check("queue-unattended", "The queue starts it, when a person has armed it", entry?.is_unattended && !canStart);
       this.unattended.disabled = Boolean(canStart);
@@ -52,6 +52,7 @@
       this.before = number("queue-before-set", Math.round(rule.before_sunset_s / 60), { min: "-360", max: "360", step: "1" });
       [this.daylight, this.daylightLabel] = check("queue-daylight", "Daylight only", rule.needs_daylight);
       [this.rtk, this.rtkLabel] = check("queue-rtk", "RTK fixed", rule.needs_rtk);
+      [this.treatment, this.treatmentLabel] = check("queue-treatment", "Within the treatment limits", rule.needs_treatment_weather);
       this.problem = el("div", { class: "h-error", role: "alert", "data-testid": "queue-problem" });
       this.node = this.build();
       this.follow();
@@ -63,7 +64,7 @@
       this.untilField = field("Last day", this.until, "empty: no end");
       this.windowField = field("May start later by", this.window, "later than that it waits for you");
       this.sunFields = el("div", { class: "h-form" }, field("Minutes after sunrise", this.after), field("Minutes before sunset", this.before));
-      this.rules = el("fieldset", { class: "q-rules" }, el("legend", { class: "h-t14 h-b" }, "It starts only with"), el("div", { class: "h-form" }, field("Rain below, mm/h", this.rain), field("Wind below, m/s", this.wind), field("Battery left at the end, %", this.reserve), field("Battery at the start, %", this.least)), el("div", { class: "h-row h-wrap" }, this.daylightLabel, this.rtkLabel), this.sunFields);
+      this.rules = el("fieldset", { class: "q-rules" }, el("legend", { class: "h-t14 h-b" }, "It starts only with"), el("div", { class: "h-form" }, field("Rain below, mm/h", this.rain), field("Wind below, m/s", this.wind), field("Battery left at the end, %", this.reserve), field("Battery at the start, %", this.least)), el("div", { class: "h-row h-wrap" }, this.daylightLabel, this.rtkLabel, this.treatmentLabel), this.sunFields);
       const node = el("div", { class: "q-fields" }, this.unattendedLabel, this.why, el("div", { class: "h-form" }, field("Not before", this.earliest, "empty: as soon as it is its turn"), this.windowField, field("Repeat", this.repeat), this.everyField, this.untilField), this.daysField, this.rules, this.problem);
       node.addEventListener("input", () => this.follow());
       return node;
@@ -96,6 +97,7 @@
           rain_below_mm_h: given(this.rain), wind_below_mps: given(this.wind), needs_daylight: this.daylight.checked,
           after_sunrise_s: Math.round(Number(this.after.value) * 60), before_sunset_s: Math.round(Number(this.before.value) * 60),
           battery_reserve: given(this.reserve, 0.01), battery_min: given(this.least, 0.01), needs_rtk: this.rtk.checked,
+          needs_treatment_weather: this.treatment.checked,
         },
       };
     }

@@ -96,6 +96,7 @@
     if (rule.battery_min !== null) parts.push(`battery at least ${Math.round(rule.battery_min * 100)} %`);
     if (rule.battery_reserve !== null) parts.push(`${Math.round(rule.battery_reserve * 100)} % reserve`);
     if (rule.needs_rtk) parts.push("RTK");
+    if (rule.needs_treatment_weather) parts.push("treatment limits");
     return parts.join(", ");
   }
 

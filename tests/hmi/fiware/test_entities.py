@@ -21,9 +21,9 @@ from backend_clients.simulator.context_broker.broker import ContextBroker
 from backend_clients.simulator.context_broker.faults import FaultSwitch
 from hmi.domain.alarm.priority import Priority
 from hmi.domain.event import RobotEvent
-from hmi.domain.field_sensor import Measurement, SensorKind, SoilReading, Station, WeatherReading
 from hmi.domain.mission import MissionStatus
 from hmi.domain.robot import Mode, Robot
+from hmi.domain.sensors.observation import Measurement, SensorKind, SoilReading, Station, WeatherReading
 from hmi.fiware.alert import alert_entity
 from hmi.fiware.camera import camera_entity
 from hmi.fiware.device import device_entity, event_entity, measurement_entity

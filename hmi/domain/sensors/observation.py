@@ -42,6 +42,7 @@ class WeatherReading:
     wind_mps: float | None = None
     wind_bearing_deg: float | None = None
     radiation_w_m2: float | None = None
+    gust_mps: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

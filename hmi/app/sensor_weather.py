@@ -1,0 +1,36 @@
+"""From the farm's weather stations to the board the queue reads."""
+
+from __future__ import annotations
+
+from datetime import timedelta
+
+from hmi.clock import Clock
+from hmi.commands.weather import WeatherBoard
+from hmi.domain.queue.facts import Weather
+from hmi.domain.sensors.freshness import is_usable
+from hmi.domain.sensors.quantity import Channel
+from hmi.store.sensor_board import SensorBoard, ValueNow
+
+RAIN, WIND = Channel("rain_rate"), Channel("wind_speed")
+
+
+def feed_weather(board: SensorBoard, weather: WeatherBoard, clock: Clock) -> None:
+    """Put the worst of what fresh stations measure on the board, as old as the oldest of it."""
+    now_s = clock.mono_s()
+    found: dict[Channel, list[ValueNow]] = {RAIN: [], WIND: []}
+    names: set[str] = set()
+    for known in board.accepted():
+        for channel, values in found.items():
+            value = known.values.get(channel)
+            if value is None or not value.is_plausible:
+                continue
+            if is_usable(now_s - value.measured_s, known.station.period_s):
+                values.append(value)
+                names.add(known.station.name)
+    every = [value for values in found.values() for value in values]
+    if not every:
+        return
+    oldest_s = min(value.measured_s for value in every)
+    rain, wind = (max((value.value for value in values), default=None) for values in found.values())
+    at = clock.utc() - timedelta(seconds=max(0.0, now_s - oldest_s))
+    weather.take(Weather(at, rain, wind, ", ".join(sorted(names))[:80]))

@@ -1,0 +1,133 @@
+"""How old what a station said is: by the console's own monotonic clock, and by when the station measured.
+
+A station's clock may be wrong in either direction, and what it sends may have waited in its memory.
+So a value's age when it arrives is taken as large as either can make it:
+the delay the two wall clocks show, and what it lies behind the quickest message of the last few.
+A clock that runs behind therefore makes values look old, and one that runs ahead makes none look fresh.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict, deque
+from dataclasses import dataclass, field
+from datetime import datetime, timedelta
+from enum import StrEnum
+
+LATE_PERIODS, SILENT_PERIODS = 2.0, 5.0
+SILENT_LEAST_S = 1800.0
+USABLE_LEAST_S = 900.0  # as long as the queue goes by a report of the weather
+CLOCK_WRONG_S = 60.0
+RECENT = 8  # messages whose delays are compared: a clock that was set right is believed again after so many
+KEPT_S = 14 * 86_400.0  # what waited longer is not kept: its time is rather wrong
+BOOTS, SEEN = 4, 256  # remembered of one station
+
+
+class State(StrEnum):
+    """How far a value or a station can be relied on."""
+
+    FRESH = "fresh"
+    LATE = "late"
+    SILENT = "silent"
+    NEVER = "never"
+
+
+def state_of(age_s: float | None, period_s: float) -> State:
+    """Judge an age; ``None`` was never heard."""
+    if age_s is None:
+        return State.NEVER
+    if age_s > silent_after_s(period_s):
+        return State.SILENT
+    return State.LATE if age_s > LATE_PERIODS * period_s else State.FRESH
+
+
+def silent_after_s(period_s: float) -> float:
+    """Return the age from which on a station counts as silent."""
+    return max(SILENT_PERIODS * period_s, SILENT_LEAST_S)
+
+
+def is_usable(age_s: float, period_s: float) -> bool:
+    """Say whether a decision may still go by a value of this age."""
+    return age_s <= max(LATE_PERIODS * period_s, USABLE_LEAST_S)
+
+
+class Fate(StrEnum):
+    """What becomes of a message."""
+
+    NEWEST = "newest"
+    HISTORY = "history"
+    REPEATED = "repeated"
+    TOO_OLD = "too_old"
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """One message judged.
+
+    Args:
+        measured_s: when it was measured at the latest, on the console's monotonic clock.
+        measured_at: the same as wall time, for the history.
+        skew_s: how far the station's clock seems to be ahead; below zero it is behind, or its messages come late.
+    """
+
+    fate: Fate
+    measured_s: float
+    measured_at: datetime
+    skew_s: float
+
+
+@dataclass(slots=True)
+class Receipt:
+    """Judges the messages of one station in the order in which they come."""
+
+    newest_s: float = float("-inf")
+    skew_s: float = 0.0
+    _delays: deque[float] = field(default_factory=lambda: deque(maxlen=RECENT))
+    _boots: OrderedDict[str, deque[int]] = field(default_factory=OrderedDict)
+    _top: dict[str, int] = field(default_factory=dict)
+
+    def judge(self, boot: str, seq: int, utc: datetime, *, now: datetime, now_s: float) -> Arrival:
+        """Judge one message.
+
+        Args:
+            utc: when the station says it measured.
+            now, now_s: the console's clocks when it arrived.
+        """
+        if self._is_repeated(boot, seq):
+            return Arrival(Fate.REPEATED, now_s, now, self.skew_s)
+        delay_s = (now - utc).total_seconds()
+        self._delays.append(delay_s)
+        quickest_s = min(self._delays)
+        age_s = delay_s - min(0.0, quickest_s)
+        self.skew_s = -quickest_s
+        measured_s = now_s - age_s
+        is_newest = self._is_ahead(boot, seq) and measured_s >= self.newest_s
+        self._note(boot, seq)
+        if age_s > KEPT_S:
+            return Arrival(Fate.TOO_OLD, measured_s, now, self.skew_s)
+        if is_newest:
+            self.newest_s = measured_s
+        fate = Fate.NEWEST if is_newest else Fate.HISTORY
+        return Arrival(fate, measured_s, now - timedelta(seconds=age_s), self.skew_s)
+
+    @property
+    def is_clock_wrong(self) -> bool:
+        """Whether even the quickest of the last messages does not fit the console's clock."""
+        return len(self._delays) >= 2 and abs(self.skew_s) > CLOCK_WRONG_S
+
+    def _is_repeated(self, boot: str, seq: int) -> bool:
+        return seq in self._boots.get(boot, ())
+
+    def _is_ahead(self, boot: str, seq: int) -> bool:
+        """A new boot is ahead of those before; within one the number decides."""
+        if boot not in self._boots:
+            return True
+        return boot == next(reversed(self._boots)) and seq > self._top[boot]
+
+    def _note(self, boot: str, seq: int) -> None:
+        if boot not in self._boots:
+            self._boots[boot] = deque(maxlen=SEEN)
+            if len(self._boots) > BOOTS:
+                gone, _ = self._boots.popitem(last=False)
+                self._top.pop(gone, None)
+        self._boots[boot].append(seq)
+        self._top[boot] = max(seq, self._top.get(boot, seq))

@@ -1,0 +1,119 @@
+"""Field stations in the cloud: each value once, with its own time, valid against the models."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import httpx
+import pytest
+
+from hmi.cloud.stations import StationStates
+from hmi.domain.sensors.observation import SensorKind
+from hmi.domain.sensors.quantity import QUANTITIES, Channel
+from hmi.domain.sensors.station import FieldStation, Report
+from hmi.store.sensor_board import SensorBoard
+from tests.hmi.cloud.rig import Rig
+from tests.hmi.fiware.test_entities import check
+
+SOIL = tuple(Channel(name, depth) for depth in (10, 30) for name in ("soil_moisture", "soil_temperature"))
+WEATHER = tuple(Channel(name) for name in
+                ("air_temperature", "air_humidity", "rain_rate", "wind_speed", "wind_gust", "wind_bearing",
+                 "radiation"))  # fmt: skip
+AIR = (Channel("co2"), Channel("h2o"), Channel("soil_temperature", 5))
+
+
+class Farm(Rig):
+    """A mirror with stations."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder)
+        self.board, self.seq = SensorBoard(self.clock, lambda *_: None), 0
+        self.board.load([], [], [], [])
+        self.states = StationStates(self.board, self.urns)
+        self.mirror._stations = lambda: self.states
+
+    def station(self, station_id: str, kind: SensorKind, channels: tuple[Channel, ...], **parts: object) -> None:
+        """Take a station in."""
+        units = {one: QUANTITIES[one.quantity].unit for one in channels}
+        given = {"is_accepted": True, "parcel": "north", **parts}
+        self.board.put(
+            FieldStation(station_id, station_id, kind, 52.0, 5.0, 60.0, units, **given)  # type: ignore[arg-type]
+        )
+
+    def measure(self, station_id: str, *values: tuple[Channel, float]) -> None:
+        """Let it measure now."""
+        self.seq += 1
+        report = Report(station_id, "boot-0001", self.seq, self.clock.utc(), values, 0.8)
+        self.board.reported(report, self.clock.mono_s())
+
+
+@pytest.fixture
+async def farm(tmp_path: Path) -> Farm:
+    """Return a farm whose cloud is there."""
+    made = Farm(tmp_path)
+    await made.run(2)
+    return made
+
+
+async def test_every_kind_of_station_fits_its_models_and_arrives(farm: Farm) -> None:
+    farm.station("soil-1", SensorKind.SOIL, SOIL)
+    farm.station("weather-1", SensorKind.WEATHER, WEATHER)
+    farm.station("resp-1", SensorKind.RESPIRATION, AIR)
+    farm.station("cam-1", SensorKind.CAMERA, ())
+    farm.measure("soil-1", *((one, 0.25) for one in SOIL))
+    farm.measure("weather-1", *((one, 0.5) for one in WEATHER))
+    farm.measure("resp-1", *((one, 412.0 if one.quantity == "co2" else 12.0) for one in AIR))
+    for entity in farm.states.reports(100):
+        check(entity)
+    await farm.run(2)
+    assert len(await farm.in_cloud("Device")) == 4
+    records = await farm.in_cloud("AgriParcelRecord")
+    assert sorted(one["depth"] for one in records.values()) == [0.05, 0.1, 0.3]
+    [weather] = (await farm.in_cloud("WeatherObserved")).values()
+    assert (weather["windSpeed"], weather["gustSpeed"], weather["relativeHumidity"]) == (0.5, 0.5, 0.5)
+    measured = await farm.in_cloud("DeviceMeasurement")
+    assert {one["controlledProperty"]: (one["numValue"], one["unit"]) for one in measured.values()} == {
+        "co2": (412.0, "59"), "h2o": (12.0, "NX")
+    }  # fmt: skip
+    await farm.close()
+
+
+async def test_nothing_is_told_twice_and_what_is_old_keeps_its_time(farm: Farm) -> None:
+    farm.station("soil-1", SensorKind.SOIL, SOIL)
+    farm.measure("soil-1", (SOIL[0], 0.25))
+    at = farm.clock.utc()
+    await farm.run(2)
+    told = farm.mirror.counts.stations
+    await farm.run(60)
+    assert (told, farm.mirror.counts.stations) == (2, 2)
+    [record] = (await farm.in_cloud("AgriParcelRecord")).values()
+    assert record["dateObserved"] == at.isoformat(timespec="milliseconds").replace("+00:00", "Z")
+    farm.measure("soil-1", (SOIL[0], 0.26))
+    await farm.run(2)
+    [record] = (await farm.in_cloud("AgriParcelRecord")).values()
+    assert record["soilMoistureVwc"] == 0.26
+    await farm.close()
+
+
+async def test_a_station_that_nobody_took_in_and_a_value_that_cannot_be_stay_here(farm: Farm) -> None:
+    farm.station("soil-1", SensorKind.SOIL, SOIL)
+    farm.station("soil-2", SensorKind.SOIL, SOIL, is_accepted=False)
+    farm.measure("soil-1", (SOIL[0], 0.95))
+    farm.measure("soil-2", (SOIL[0], 0.2))
+    await farm.run(2)
+    assert list(await farm.in_cloud("Device")) == [farm.urns.of("Device", "soil-1")]
+    assert await farm.in_cloud("AgriParcelRecord") == {}
+    await farm.close()
+
+
+async def test_what_was_measured_while_the_cloud_was_away_arrives_as_the_newest_of_each(farm: Farm) -> None:
+    farm.station("soil-1", SensorKind.SOIL, SOIL)
+    farm.road.broken = lambda request: httpx.ConnectError("away", request=request)
+    for number in range(20):
+        farm.measure("soil-1", (SOIL[0], 0.2 + number / 1000))
+        await farm.run(1)
+    farm.road.broken = None
+    await farm.run(120)
+    [record] = (await farm.in_cloud("AgriParcelRecord")).values()
+    assert record["soilMoistureVwc"] == pytest.approx(0.219)
+    await farm.close()

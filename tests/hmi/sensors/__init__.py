@@ -1,0 +1,1 @@
+"""Field sensors in the console."""

@@ -1,0 +1,165 @@
+"""Nothing old looks fresh: whatever a station's clock says, and in whatever order its messages come."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import UTC, datetime, timedelta
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
+
+from hmi.clock import FakeClock
+from hmi.domain.sensors.freshness import RECENT, Fate, Receipt, State, is_usable, silent_after_s, state_of
+
+START = datetime(2026, 5, 4, 12, tzinfo=UTC)
+PERIOD_S = 60.0
+
+
+@pytest.mark.parametrize(
+    ("age_s", "period_s", "state"),
+    [
+        (None, 60, State.NEVER), (0, 60, State.FRESH), (120, 60, State.FRESH), (121, 60, State.LATE),
+        (1800, 60, State.LATE), (1801, 60, State.SILENT), (1801, 600, State.LATE), (3000, 600, State.LATE),
+        (3001, 600, State.SILENT), (7201, 3600, State.LATE), (18_001, 3600, State.SILENT),
+    ],
+)  # fmt: skip
+def test_late_after_two_periods_and_silent_after_five_but_not_before_half_an_hour(
+    age_s: float | None, period_s: float, state: State
+) -> None:
+    assert state_of(age_s, period_s) is state
+
+
+def test_a_decision_goes_by_a_value_for_a_quarter_of_an_hour_at_least() -> None:
+    assert is_usable(899, 60)
+    assert not is_usable(901, 60)
+    assert is_usable(1199, 600)
+
+
+@given(age_s=st.floats(0, 1e6), more_s=st.floats(0, 1e6), period_s=st.floats(1, 86_400))
+def test_what_gets_older_never_looks_fresher(age_s: float, more_s: float, period_s: float) -> None:
+    order = list(State)
+    assert order.index(state_of(age_s + more_s, period_s)) >= order.index(state_of(age_s, period_s))
+    assert silent_after_s(period_s) >= 1800
+
+
+def test_a_repeat_is_known_by_boot_and_number() -> None:
+    receipt = Receipt()
+    first = receipt.judge("boot-one", 7, START, now=START, now_s=0.0)
+    again = receipt.judge("boot-one", 7, START, now=START, now_s=1.0)
+    other = receipt.judge("boot-two", 7, START, now=START, now_s=1.0)
+    assert [first.fate, again.fate, other.fate] == [Fate.NEWEST, Fate.REPEATED, Fate.NEWEST]
+
+
+def test_what_waited_in_a_stations_memory_is_as_old_as_it_is_even_if_its_clock_runs_ahead() -> None:
+    receipt, ahead = Receipt(), timedelta(minutes=20)
+    receipt.judge("boot-one", 1, START + ahead, now=START, now_s=0.0)
+    late = receipt.judge("boot-one", 2, START + ahead, now=START + timedelta(hours=1), now_s=3600.0)
+    assert late.measured_s == pytest.approx(0.0)
+    assert receipt.skew_s == pytest.approx(1200)
+
+
+def test_a_clock_that_was_set_right_is_believed_again() -> None:
+    receipt = Receipt()
+    for number in range(3):
+        at = START + timedelta(minutes=number)
+        receipt.judge("boot-one", number, at + timedelta(hours=1), now=at, now_s=60.0 * number)
+    assert receipt.is_clock_wrong
+    for number in range(3, 4 + RECENT):
+        at = START + timedelta(minutes=number)
+        found = receipt.judge("boot-one", number, at, now=at, now_s=60.0 * number)
+    assert not receipt.is_clock_wrong
+    assert found.fate is Fate.NEWEST
+    assert found.measured_s == pytest.approx(60.0 * number)
+
+
+def test_what_waited_two_weeks_is_rather_a_wrong_clock_and_is_not_kept() -> None:
+    found = Receipt().judge("boot-one", 1, START - timedelta(days=15), now=START, now_s=0.0)
+    assert found.fate is Fate.TOO_OLD
+
+
+@dataclass(frozen=True)
+class Sent:
+    """A message on its way."""
+
+    boot: str
+    seq: int
+    claimed: datetime
+    true_s: float
+
+
+class StationWithBadClock(RuleBasedStateMachine):
+    """A station whose clock is wrong and whose radio repeats, delays and reorders."""
+
+    @initialize(skew_s=st.floats(-3600, 3600))
+    def begin(self, skew_s: float) -> None:
+        """Begin with a clock that is off."""
+        self.clock, self.receipt = FakeClock(START), Receipt()
+        self.skew_s, self.boot, self.seq = skew_s, 0, 0
+        self.sent: list[Sent] = []
+        self.heard: set[tuple[str, int]] = set()
+        self.fresh_true_s = float("-inf")
+        self.is_steady = True
+
+    @rule(seconds=st.floats(0.1, 7200))
+    def wait(self, seconds: float) -> None:
+        """Let time pass."""
+        self.clock.advance(seconds)
+
+    @rule()
+    def measure(self) -> None:
+        """Make a message; it waits to be delivered."""
+        self.seq += 1
+        claimed = self.clock.utc() + timedelta(seconds=self.skew_s)
+        self.sent.append(Sent(f"boot-{self.boot:04d}", self.seq, claimed, self.clock.mono_s()))
+
+    @rule()
+    def reboot(self) -> None:
+        """Begin to count anew."""
+        self.boot, self.seq = self.boot + 1, 0
+
+    @rule(data=st.data())
+    def deliver(self, data: st.DataObject) -> None:
+        """Let any message that was ever sent arrive, perhaps again."""
+        if not self.sent:
+            return
+        one = data.draw(st.sampled_from(self.sent))
+        before = self.receipt.newest_s
+        found = self.receipt.judge(one.boot, one.seq, one.claimed, now=self.clock.utc(), now_s=self.clock.mono_s())
+        key = one.boot, one.seq
+        assert (found.fate is Fate.REPEATED) == (key in self.heard)
+        self.heard.add(key)
+        if found.fate is Fate.NEWEST:
+            assert found.measured_s >= before
+        if found.fate is not Fate.REPEATED:
+            assert found.measured_s <= self.clock.mono_s() + 1e-6
+            if self.skew_s <= 0:  # a clock behind never makes anything younger than it is
+                assert found.measured_s <= one.true_s + 1e-3
+
+    @invariant()
+    def the_newest_never_goes_back(self) -> None:
+        """What is newest stays newest until something newer comes."""
+        assert self.receipt.newest_s >= self.fresh_true_s
+        self.fresh_true_s = self.receipt.newest_s
+
+
+StationWithBadClock.TestCase.settings = settings(max_examples=60, stateful_step_count=25, deadline=None)
+TestStationWithBadClock = StationWithBadClock.TestCase
+
+
+@given(
+    skew_s=st.floats(-7200, 7200),
+    delays_s=st.lists(st.floats(0, 7200), min_size=1, max_size=RECENT - 1),
+)
+def test_once_a_message_came_at_once_no_later_one_looks_younger_than_it_is(
+    skew_s: float, delays_s: list[float]
+) -> None:
+    receipt, now_s = Receipt(), 0.0
+    receipt.judge("boot-one", 0, START + timedelta(seconds=skew_s), now=START, now_s=0.0)
+    for number, delay_s in enumerate(delays_s, 1):
+        now_s += 7200.0
+        true_s = now_s - delay_s
+        claimed = START + timedelta(seconds=true_s + skew_s)
+        found = receipt.judge("boot-one", number, claimed, now=START + timedelta(seconds=now_s), now_s=now_s)
+        assert found.measured_s <= true_s + 1e-3
