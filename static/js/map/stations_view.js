@@ -7,6 +7,8 @@ const HALF_PX = 17;
 const SIGN_BOX = 24; // units the pictures of the kinds are drawn in
 const PICTURE_SHARE = 0.62; // of the sign's width
 const EDGE_PX = 60;
+const NARROW_PX = 520;
+const BUTTONS_SHARE = 0.5; // of what the stations take up
 const DASH = [4, 3];
 
 export class View {
@@ -29,9 +31,13 @@ export class View {
     return this.spots.length;
   }
 
-  /** [lon, lat] of every station. */
+  /** [lon, lat] of every station; on a narrow map also a place to the right of them, so that none lies under the buttons. */
   places() {
-    return this.spots.map(({ lon, lat }) => [lon, lat]);
+    const places = this.spots.map(({ lon, lat }) => [lon, lat]);
+    if (!places.length || this.map.host.clientWidth >= NARROW_PX) return places;
+    const lons = places.map(([lon]) => lon);
+    const [west, east] = [Math.min(...lons), Math.max(...lons)];
+    return [...places, [east + (east - west) * BUTTONS_SHARE, places[0][1]]];
   }
 
   /**
@@ -196,6 +202,6 @@ function labelsOf(spot, palette) {
   if (SAID[spot.state]) lines.push({ text: SAID[spot.state], size: 12, weight: 560 });
   return [
     { ...at, lines: [], clearPx: HALF_PX + 2, priority: 95 },
-    { ...at, lines, dx: half + 8, align: 'left', pill: { fill: palette.halo, ink: palette.label }, priority: spot.isChosen ? 99 : spot.state === 'fresh' ? 60 : 80, isFixed: spot.isChosen },
+    { ...at, lines, dx: half + (spot.isChosen ? 18 : spot.state === 'silent' ? 16 : 11), align: 'left', pill: { fill: palette.halo, ink: palette.label }, priority: spot.isChosen ? 99 : spot.state === 'fresh' ? 60 : 80, isFixed: spot.isChosen },
   ];
 }

@@ -30,8 +30,8 @@
 
     // found: the series with its points read; words(value) with its unit
     show({ found, span, unit, quantity, title, note }) {
-      const key = JSON.stringify([found, span, unit, title, note]);
-      if (key === this.shown) return;
+      const key = [span, unit, title, note, HL.preferences.get("speed"), HL.preferences.get("temperature")].join("|");
+      if (key === this.shown && found === this.about.found) return;
       const isOther = title !== this.title || span !== this.about?.span;
       Object.assign(this, { shown: key, title, about: { found, span, unit, quantity, note } });
       if (isOther) this.at = null;
@@ -48,7 +48,7 @@
       const bound = (value) => (HL.sensorUnits.isNumber(value) ? own.from(value) : null);
       const limits = { low: bound(found.limits?.low), high: bound(found.limits?.high) };
       const [from, to] = C.reach(points, span, Date.now());
-      const scale = C.scale(points, limits, { isFloored: Boolean(R.QUANTITIES[quantity]?.isFloored) && this.about.unit !== "°C", count: Math.max(2, Math.floor((h - TOP - FOOT) / 44)) });
+      const scale = C.scale(points, limits, { isFloored: Boolean(R.QUANTITIES[quantity]?.isFloored) && this.about.unit !== "°C", count: Math.max(2, Math.floor((h - TOP - FOOT) / 36)) });
       const x = (t) => LEFT + ((t - from) / (to - from)) * (w - LEFT - RIGHT);
       const y = (value) => h - FOOT - ((value - scale.low) / (scale.high - scale.low)) * (h - TOP - FOOT);
       Object.assign(this, { points, plot: { w, h, x, y, from, to, stepS: found.step_s, unit: own.unit, digits: HL.sensorUnits.digits(quantity) } });

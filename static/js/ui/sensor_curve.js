@@ -22,7 +22,7 @@
       this.blank = el("div", { class: "sn-blank h-2", role: "status" });
       this.table = el("div", { class: "sn-table", tabindex: "0" });
       this.node = el("section", { class: "h-card sn-chart", "aria-label": "Over time" },
-        el("div", { class: "sn-charthead" }, el("span", { class: "sn-names" }, this.title, this.chart.said), this.pick, el("span", { class: "h-sp" }), el("div", { class: "h-seg", role: "group", "aria-label": "How far back" }, ...this.spans), this.toggle),
+        el("div", { class: "sn-charthead" }, el("span", { class: "sn-names" }, this.title, this.chart.said), this.pick, el("div", { class: "h-seg", role: "group", "aria-label": "How far back" }, ...this.spans), this.toggle),
         this.chart.node, this.table, this.blank);
     }
 

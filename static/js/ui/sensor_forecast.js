@@ -4,7 +4,7 @@
   const { el, icon, text, attr, toggle } = HL;
   const U = HL.sensorUnits;
   const MOST = 24;
-  const OFF = "No forecast set. An admin sets its address in the settings of the server, see Operations.";
+  const OFF = "No forecast set. The setting forecast_url of the server names its address; an admin sets it.";
 
   class Forecast {
     constructor() {

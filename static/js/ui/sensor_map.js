@@ -2,6 +2,7 @@
 (() => {
   "use strict";
   const TRY_MS = 500; // until the map has loaded
+  const SEEN_PX = 40;
   const map = () => document.querySelector(".sn-map .hl-map")?.hlMap ?? null;
   let told = {};
   let wait = null;
@@ -9,7 +10,7 @@
 
   function tell() {
     const now = map();
-    if (!now || !HL.sensors.found) return;
+    if (!now || !HL.sensors.found || now.host.clientWidth < SEEN_PX) return; // not laid out yet: it could not place its view
     const { chosen } = HL.sensors;
     const stations = HL.sensors.stations().map((one) => ({ id: one.id, name: one.name || one.id, kind: one.kind, state: one.state, lat: one.lat_deg, lon: one.lon_deg, isOver: one.values.some((value) => value.is_over && HL.sensorRules.rank(value.state) < 2), isChosen: one.id === chosen }));
     const key = JSON.stringify(stations);

@@ -6,10 +6,10 @@
 
   class Values extends LiveElement {
     build() {
-      this.title = el("b", { class: "h-t18 h-b h-ell" });
+      this.heading = el("b", { class: "h-t18 h-b h-ell" });
       this.line = el("span", { class: "h-t14 h-2 sn-titleline" });
       this.close = el("button", { type: "button", class: "h-btn ico", "aria-label": "Show all stations", "data-testid": "sensor-close", onclick: () => HL.sensors.choose(null) }, icon("close"));
-      this.head = el("div", { class: "sn-title" }, (this.sign = new HL.sensorGlyphs.StationSign(36)).node, el("span", { class: "sn-names" }, this.title, this.line), el("span", { class: "h-sp" }), this.close);
+      this.head = el("div", { class: "sn-title" }, (this.sign = new HL.sensorGlyphs.StationSign(36)).node, el("span", { class: "sn-names" }, this.heading, this.line), el("span", { class: "h-sp" }), this.close);
       this.tiles = new HL.SensorTiles();
       this.camera = el("div", { class: "h-card sn-camera", "data-testid": "sensor-pictures" }, icon("photo_camera", "l"), el("span", { class: "sn-names" }, (this.pictures = el("b", { class: "h-t16 h-b" })), (this.picturesLine = el("span", { class: "h-t14 h-2" }))), el("span", { class: "h-sp" }), el("a", { class: "h-btn", href: "/cameras", "data-testid": "sensor-cameras" }, icon("grid_view", "m"), "Open Cameras"));
       this.curve = new HL.SensorCurve();
@@ -34,7 +34,7 @@
 
     paintOne(one) {
       this.sign.paint(one.kind, one.state);
-      text(this.title, one.name || one.id);
+      text(this.heading, one.name || one.id);
       const heard = one.age === null ? "never heard" : `heard ${words.age(one.age * 1000)} ago`;
       const battery = HL.sensorUnits.isNumber(one.battery) ? `battery ${Math.round(one.battery * 100)} %` : "";
       text(this.line, [one.parcel_name || one.parcel || "no field", heard, battery, one.model].filter(Boolean).join(" · "));
