@@ -142,6 +142,10 @@ test('a scale has round numbers, holds the limits that are near, and leaves far 
   assert.equal(C.limitLines({ low: -4, high: null }, near, String)[0].beyond, 'below');
 });
 
+test('marks that stand apart read apart', () => {
+  assert.deepEqual([2.5, 10, 0.5, 0.25, 25, 0.002, 0.1 + 0.2].map(C.digits), [1, 0, 1, 2, 0, 3, 1]);
+});
+
 test('a scale of equal values, of none, and below zero is one that can be drawn', () => {
   for (const [points, how] of [[C.read([point(0, 0), point(10, 0)]), { isFloored: true }], [[], {}], [C.read([point(0, -7.5), point(10, -7.5)]), {}], [C.read([point(0, 1e-4)]), {}]]) {
     const { low, high, ticks } = C.scale(points, {}, how);

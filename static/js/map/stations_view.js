@@ -202,6 +202,6 @@ function labelsOf(spot, palette) {
   if (SAID[spot.state]) lines.push({ text: SAID[spot.state], size: 12, weight: 560 });
   return [
     { ...at, lines: [], clearPx: HALF_PX + 2, priority: 95 },
-    { ...at, lines, dx: half + (spot.isChosen ? 18 : spot.state === 'silent' ? 16 : 11), align: 'left', pill: { fill: palette.halo, ink: palette.label }, priority: spot.isChosen ? 99 : spot.state === 'fresh' ? 60 : 80, isFixed: spot.isChosen },
+    { ...at, lines, dx: half + (spot.isChosen ? 18 : spot.state === 'silent' ? 16 : 11), align: 'left', pill: { fill: palette.halo, ink: palette.label }, priority: spot.isChosen ? 99 : spot.state === 'fresh' ? 60 : 80, isWhole: true },
   ];
 }

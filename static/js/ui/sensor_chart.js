@@ -94,10 +94,10 @@
 
     grid(scale) {
       const { w, y } = this.plot;
-      const digits = Math.max(0, -Math.floor(Math.log10(scale.step) + 1e-9) + (String(scale.step).includes("25") && scale.step < 10 ? 1 : 0));
+      const digits = C.digits(scale.step);
       return scale.ticks.flatMap((value) => {
         const label = svg("text", { class: "tick", x: LEFT - 8, y: y(value) + 4, "text-anchor": "end" });
-        label.textContent = value.toFixed(Math.min(3, digits));
+        label.textContent = value.toFixed(digits);
         return [svg("path", { class: value === 0 ? "grid zero" : "grid", d: `M${LEFT} ${y(value).toFixed(1)}H${w - RIGHT}` }), label];
       });
     }

@@ -51,7 +51,7 @@
       attr(this.node, "data-points", count);
       if (!count) return;
       const old = series.problem ? `Not brought up to date: ${series.problem} ` : "";
-      this.chart.show({ found, span, unit: found.unit || value.unit, quantity: value.quantity, title: `${label}, ${station.name}`, note: `${old}${station.name}, ${stepWords(found.step_s)}. Touch the curve to read it.` });
+      this.chart.show({ found, span, unit: found.unit || value.unit, quantity: value.quantity, title: `${label}, ${station.name}`, note: `${old}${station.name}, ${stepWords(found.step_s)}. Touch to read.` });
       if (this.isTable) this.paintTable(found, value);
     }
 

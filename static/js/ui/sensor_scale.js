@@ -36,6 +36,9 @@
     return [1, 2, 2.5, 5, 10].map((one) => one * power).find((one) => one >= raw * 0.999);
   };
 
+  // as many as tell one mark from the next: 2.5 needs one, 10 none
+  const digits = (step) => (String(Number(step.toPrecision(3))).split(".")[1] ?? "").length;
+
   // {low, high, ticks}: round numbers that hold every value, and the limits where those are near
   function scale(points, limits, { isFloored = false, count = 4 } = {}) {
     const drawn = points.filter((one) => one.mean !== null);
@@ -116,5 +119,5 @@
     return (way > 0 ? drawn.find((one) => one.t > t) : drawn.findLast((one) => one.t < t)) ?? null;
   }
 
-  HL.sensorScale = { SPANS, read, runs, scale, limitLines, reach, times, bands, under, beyond };
+  HL.sensorScale = { SPANS, read, runs, scale, digits, limitLines, reach, times, bands, under, beyond };
 })();

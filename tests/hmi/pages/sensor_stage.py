@@ -106,7 +106,10 @@ class SensorStage:
         self.polls = 0
         self.changes: dict[str, dict[str, Any]] = {}
         self.gone: set[str] = set()
-        self.limits = [{**one, "is_treatment": True, "note": "", "by": "Anna Ostermeier"} for one in LIMITS]
+        self.limits = [
+            {**one, "is_treatment": True, "note": "", "by": "Anna Ostermeier", "at": "2026-05-18T07:12:00Z"}
+            for one in LIMITS
+        ]
         self.calibrations: dict[str, list[dict[str, Any]]] = {}
 
     def stations(self) -> list[dict[str, Any]]:
