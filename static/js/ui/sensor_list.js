@@ -4,6 +4,7 @@
   const { el, icon, text, attr, words, LiveElement } = HL;
   const R = HL.sensorRules;
   const KIND_ORDER = Object.keys(R.KINDS);
+  const NARROW = matchMedia("(max-width: 899.98px)");
   const NO_ACCEPT = "Planners accept new stations.";
 
   class Row {
@@ -49,8 +50,10 @@
     }
   }
 
+  // where the values stand above the list they are brought into sight
   function pick(id) {
     HL.sensors.choose(HL.sensors.chosen === id ? null : id);
+    if (HL.sensors.chosen && NARROW.matches) requestAnimationFrame(() => document.querySelector(".sn-values")?.scrollIntoView({ block: "start" }));
   }
 
   class List extends LiveElement {
