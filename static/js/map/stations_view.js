@@ -72,9 +72,22 @@ export class View {
     if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, camera.width, camera.height);
-    const order = [...this.spots].sort((a, b) => (a.isChosen ? 1 : 0) - (b.isChosen ? 1 : 0)); // the chosen one on top
-    for (const spot of order) this.#sign(spot, ...camera.project(spot.mx, spot.my), palette);
-    return order.flatMap((spot) => labelsOf(spot, palette));
+    this.at = apart(this.spots.map((spot) => camera.project(spot.mx, spot.my)), HALF_PX * palette.scale * 2 + 4);
+    const order = this.spots.map((spot, i) => ({ spot, at: this.at[i] })).sort((a, b) => (a.spot.isChosen ? 1 : 0) - (b.spot.isChosen ? 1 : 0)); // the chosen one on top
+    for (const { at } of order) if (at.shift) this.#stalk(at, palette);
+    for (const { spot, at } of order) this.#sign(spot, at.x, at.y, palette);
+    return order.flatMap(({ spot, at }) => labelsOf(spot, at.shift ? camera.unproject(at.x, at.y) : [spot.mx, spot.my], palette));
+  }
+
+  /** From a sign that had to make room to where its station stands. */
+  #stalk({ x, y, shift }, palette) {
+    const { context } = this;
+    context.beginPath();
+    context.moveTo(x - shift, y);
+    context.lineTo(x, y);
+    context.lineWidth = 3;
+    context.strokeStyle = palette.ink;
+    context.stroke();
   }
 
   #sign(spot, x, y, palette) {
@@ -129,20 +142,31 @@ export class View {
   }
 
   tapped(x, y) {
-    const { camera } = this.map.engine;
-    const reach = TAP_PX * this.map.palette.scale;
-    const apart = (spot) => {
-      const [cx, cy] = camera.project(spot.mx, spot.my);
-      return Math.hypot(cx - x, cy - y);
-    };
-    const [nearest] = [...this.spots].sort((a, b) => apart(a) - apart(b));
-    const hit = nearest && apart(nearest) < reach ? nearest.id : null;
+    const far = this.at?.map((at) => Math.hypot(at.x - x, at.y - y)) ?? [];
+    const nearest = far.indexOf(Math.min(...far));
+    const hit = far[nearest] < TAP_PX * this.map.palette.scale ? this.spots[nearest].id : null;
     if (hit) window.dispatchEvent(new CustomEvent('headland:map-station', { detail: hit }));
   }
 
   destroy() {
     this.canvas.remove();
   }
+}
+
+/** Where signs go so that none lies on another: {x, y, shift}, moved to the right by `shift` px where needed. */
+export function apart(places, leastPx) {
+  const put = [];
+  for (const [x, y] of places) {
+    const at = { x, y, shift: 0 };
+    for (let tries = 0; tries < places.length; tries += 1) {
+      const other = put.find((one) => Math.hypot(one.x - at.x, one.y - at.y) < leastPx);
+      if (!other) break;
+      at.x = other.x + leastPx;
+    }
+    at.shift = at.x - x;
+    put.push(at);
+  }
+  return put;
 }
 
 /** Colours by state: only what does not report, or is over its limit, has one. */
@@ -195,8 +219,8 @@ function over(context, x, y, palette) {
 
 const SAID = { late: 'late', silent: 'silent', never: 'never heard' };
 
-function labelsOf(spot, palette) {
-  const at = { mx: spot.mx, my: spot.my };
+function labelsOf(spot, [mx, my], palette) {
+  const at = { mx, my };
   const half = HALF_PX * palette.scale;
   const lines = [{ text: spot.name, size: 13, weight: 650 }];
   if (SAID[spot.state]) lines.push({ text: SAID[spot.state], size: 12, weight: 560 });

@@ -4,6 +4,8 @@
   const { el, icon, text, attr, words, LiveElement } = HL;
   const R = HL.sensorRules;
 
+  const every = (s) => (s >= 5400 ? `every ${Math.round(s / 3600)} h` : s >= 90 ? `every ${Math.round(s / 60)} min` : `every ${Math.round(s)} s`);
+
   class Values extends LiveElement {
     build() {
       this.heading = el("b", { class: "h-t18 h-b h-ell" });
@@ -12,9 +14,10 @@
       this.head = el("div", { class: "sn-title" }, (this.sign = new HL.sensorGlyphs.StationSign(36)).node, el("span", { class: "sn-names" }, this.heading, this.line), el("span", { class: "h-sp" }), this.close);
       this.tiles = new HL.SensorTiles();
       this.camera = el("div", { class: "h-card sn-camera", "data-testid": "sensor-pictures" }, icon("photo_camera", "l"), el("span", { class: "sn-names" }, (this.pictures = el("b", { class: "h-t16 h-b" })), (this.picturesLine = el("span", { class: "h-t14 h-2" }))), el("span", { class: "h-sp" }), el("a", { class: "h-btn", href: "/cameras", "data-testid": "sensor-cameras" }, icon("grid_view", "m"), "Open Cameras"));
+      this.none = el("div", { class: "h-card sn-none", "data-testid": "sensors-novalues" }, icon("hourglass_top", "l"), (this.noneWords = el("span", { class: "h-t16" })));
       this.curve = new HL.SensorCurve();
       this.forecast = new HL.SensorForecast();
-      this.append(this.head, this.camera, this.tiles.node, this.curve.node, this.forecast.node);
+      this.append(this.head, this.camera, this.none, this.tiles.node, this.curve.node, this.forecast.node);
     }
 
     paint() {
@@ -28,6 +31,8 @@
       if (one) this.paintOne(one);
       const count = this.tiles.paint(stations, one?.id ?? null, shown);
       attr(this.tiles.node, "hidden", !count);
+      attr(this.none, "hidden", count > 0 || one?.kind === "camera");
+      text(this.noneWords, one ? `${one.name} has measured nothing yet. It reports ${every(one.period_s)}.` : "Nothing was measured yet. Each station brings its values with its next report.");
       this.curve.paint(stations);
       this.forecast.paint(found.forecast, this.limits(stations));
     }
