@@ -84,8 +84,7 @@
       this.button.disabled = true;
       const answer = await HL.sensors.send(order.method, order.path, order.body);
       this.button.disabled = false;
-      if (!answer.ok) return this.tell(`Not saved: ${answer.text || "no answer. Look before you save again."}`, answer.field ?? null);
-      if (order.isKept) return order.done(answer);
+      if (!answer.ok) return this.tell(`Not saved: ${answer.text || "no answer. Look before you save again."}`, order.field?.(answer.field) ?? answer.field ?? null);
       this.close();
       HL.toast(order.done, "check");
     }

@@ -20,7 +20,7 @@
     if (!station) return;
     const fields = await parcels(station);
     const form = new HL.SensorForm("sensor-accept");
-    const rows = [form.input("name", "Name", station.name, { maxlength: MOST_NAME, autofocus: true }), form.pick("parcel", "Field it stands for", fields, station.parcel)];
+    const rows = [form.input("name", "Name", station.name, { maxlength: MOST_NAME }), form.pick("parcel", "Field it stands for", fields, station.parcel)];
     form.open({
       title: `Accept ${station.name || station.id}?`,
       body: [about(station), el("p", { class: "h-t16" }, "From now on its values count: for limits, alarms and treatment."), ...rows.map((row) => row.label)],

@@ -303,7 +303,11 @@ def router(stage: SensorStage, sessions: Any) -> APIRouter:
         stage.asked.append({"path": "sensor-limits", **body})
         refused = refusal("sensor-limits")
         if refused is None:
-            stage.limits = [{**old, **new} for old, new in zip(stage.limits, body["limits"], strict=True)]
+            known = {(one["quantity"], one["depth_m"]): one for one in stage.limits}
+            fresh = {"by": "Pieter Bos", "at": datetime.now(UTC).isoformat()}
+            stage.limits = [
+                {**known.get((one["quantity"], one["depth_m"]), {}), **one, **fresh} for one in body["limits"]
+            ]
         return refused or stage.limits
 
     @api.api_route("/api/v1/sensors/{name}{rest:path}", methods=["POST", "PUT", "DELETE"])

@@ -216,10 +216,22 @@ def test_limits_are_changed_by_planners_and_read_by_others(
     page.get_by_test_id("limits-save").click()
     expect(page.get_by_test_id("limits-error")).to_contain_text("Somebody changed them at 14:31.")
     expect(high).to_have_value("6,5")
+    page.get_by_test_id("limits-1-high").fill("")
+    page.get_by_test_id("limits-add").select_option("air_temperature@")
+    page.get_by_test_id("limits-3-low").fill("40")
+    stations(refuse={"sensor-limits": [422, {"text": "Air 40.0 °C never happens.", "field": "limits.2.low"}]})
+    page.get_by_test_id("limits-save").click()
+    expect(page.get_by_test_id("limits-3-low")).to_have_attribute("aria-invalid", "true")  # the third that was sent
+    page.get_by_test_id("limits-3-low").fill("4")
     stations(refuse={})
     page.get_by_test_id("limits-save").click()
     expect(page.get_by_test_id("limits")).to_have_count(0)
-    assert theatre.heard_sensors()["asked"][-1]["limits"][0]["high"] == 6.5
+    sent = theatre.heard_sensors()["asked"][-1]["limits"]
+    assert [(one["quantity"], one["low"], one["high"]) for one in sent] == [
+        ("wind_speed", None, 6.5),
+        ("soil_moisture", 14.0, 38.0),
+        ("air_temperature", 4, None),
+    ]
     expect(page.get_by_test_id("sensor-value-wind-speed")).to_contain_text("limit 6.5")
 
 
