@@ -207,7 +207,7 @@ def _cameras(someone: Person) -> None:
 
 def _sensors(someone: Person) -> None:
     someone.sees("sensor-weather-01", "fresh", within_s=120)
-    someone.page.locator(".sn-chart:not([data-points='0'])").wait_for(timeout=60_000)
+    someone.page.locator(".sn-chart:not([data-points='0'])").wait_for(timeout=120_000)
     someone.page.wait_for_function("window.headlandMap?.state()?.frame > 2", timeout=60_000)
 
 

@@ -98,7 +98,8 @@
     const about = subject();
     if (!about) return void (data.series = null);
     const isOther = data.series?.of !== about.key;
-    const every = HL.sensorScale.SPANS[data.span].every;
+    const isThin = !isOther && (data.series.problem || !data.series.found?.read.some((one) => one.mean !== null));
+    const every = isThin ? POLL_MS / 2 : HL.sensorScale.SPANS[data.span].every; // what is missing may be there with the next values
     if (!isOther && !isAsked && (data.series.isLoading || performance.now() - data.series.at < every)) return undefined;
     const mine = ++drawn;
     data.series = { ...(isOther ? {} : data.series), of: about.key, isLoading: true, at: performance.now() };
