@@ -205,6 +205,12 @@ def _cameras(someone: Person) -> None:
     someone.page.wait_for_timeout(8_000)  # each camera's worker starts when it is first looked at
 
 
+def _sensors(someone: Person) -> None:
+    someone.sees("sensor-weather-01", "fresh", within_s=120)
+    someone.page.locator(".sn-chart:not([data-points='0'])").wait_for(timeout=120_000)
+    someone.page.wait_for_function("window.headlandMap?.state()?.frame > 2", timeout=60_000)
+
+
 WORKING = "a weeder at work"
 WIDE = ("supervisor", "twin")
 """Screens that a mouse on a desk shows otherwise than a finger does."""
@@ -219,6 +225,7 @@ SCREENS: dict[str, tuple[str, str, Prepare]] = {
     "queue": ("planner", "/missions", _queue),
     "supervisor": ("admin", "/supervisor/planter-01", _as_it_opens),
     "twin": ("admin", "/twin/planter-03", _twin),
+    "sensors": ("planner", "/sensors", _sensors),
     "admin": ("admin", "/admin", _as_it_opens),
 }
 """Screen to who opens it, where, and what they do there before it is shown."""

@@ -17,7 +17,7 @@ from nicegui.element import Element
 from nicegui.events import GenericEventArguments
 
 STATIC = Path(__file__).resolve().parent.parent / "static"
-Mode = Literal["robot", "fleet"]
+Mode = Literal["robot", "fleet", "stations"]
 Engine = Literal["auto", "quick", "canvas"]
 
 
@@ -26,7 +26,8 @@ class LiveMap(Element, component="live_map.js"):
 
     Args:
         robot_id: the robot to show; in fleet mode the selected one. ``None`` shows the farm alone.
-        mode: ``robot`` follows one robot with its mission and trail, ``fleet`` shows all.
+        mode: ``robot`` follows one robot with its mission and trail, ``fleet`` shows all, ``stations`` the farm and
+            what a script of the page hands it of field stations.
         has_buttons: follow, layers, zoom, north and scale; off for a small picture.
         engine: ``auto`` takes WebGL where there is one, ``quick`` only where a graphics chip draws it,
             ``canvas`` never.

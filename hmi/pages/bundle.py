@@ -19,7 +19,9 @@ STATIC = Path(__file__).resolve().parents[2] / "static"
 STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 """Cascade order of what every page carries: tokens first, screens last."""
 
-SCREEN_STYLES = ("maps", "plan", "queue", "alarms", "fleet", "demo", "supervisor", "twin", "machine_dock", "cameras")
+SCREEN_STYLES = (
+    "maps", "plan", "queue", "alarms", "fleet", "demo", "supervisor", "twin", "machine_dock", "cameras", "sensors",
+)  # fmt: skip
 """Styles that a screen fetches with its scripts."""
 STYLE_PARTS = {"supervisor": ("supervisor", "supervisor_panels")}
 """A screen's style that is more than one file."""
@@ -77,6 +79,11 @@ SCRIPTS = {
         "camera/snapshot", "camera/detections", "camera/gimbal", "camera/pip",
     ),
     "cameras": ("camera/order", "camera/state", "camera/pictures", "camera/wall", "camera/dock"),
+    "sensors": (
+        "sensor_rules", "sensor_scale", "sensor_units", "sensor_glyphs", "sensor_data", "sensor_gate", "sensor_tiles",
+        "sensor_form", "sensor_sheets", "sensor_calibration", "sensor_limits", "sensor_list", "sensor_chart",
+        "sensor_curve", "sensor_forecast", "sensor_map", "sensor_values", "sensor_screen",
+    ),
     "demo": ("demo_panel",),
     "run": ("field_picture", "start_checks", "rest_sheet", "queue_hold"),
     "draw": ("svg_view", "area_shape", "area_pen", "rest_map"),

@@ -31,6 +31,7 @@ DESTINATIONS = (
     Destination("missions", "Missions", "route", "/missions", Permission.WATCH),
     Destination("alarms", "Alarms", "notifications", "/alarms", Permission.WATCH),
     Destination("supervisor", "Supervisor", "account_tree", "/supervisor", Permission.WATCH),
+    Destination("sensors", "Sensors", "sensors", "/sensors", Permission.WATCH),
     Destination("admin", "Admin", "tune", "/admin", Permission.MANAGE_USERS),
 )
 

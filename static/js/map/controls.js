@@ -52,8 +52,8 @@ export function scaleBar(metresPerPx) {
 export class Controls {
   constructor(host, { mode, hasButtons, layers, act }) {
     this.root = node('div', 'hl-map-controls');
-    this.first = mode === 'fleet'
-      ? button('hl-map-button', 'Show all robots', 'fit', 'map-fit', act.fit)
+    this.first = mode !== 'robot'
+      ? button('hl-map-button', `Show all ${mode === 'fleet' ? 'robots' : 'stations'}`, 'fit', 'map-fit', act.fit)
       : button('hl-map-button', 'Follow robot', 'follow', 'map-follow', act.follow);
     const menu = button('hl-map-button', 'Layers', 'layers', 'map-layers', () => this.#toggleMenu());
     menu.setAttribute('aria-expanded', 'false');

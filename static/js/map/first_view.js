@@ -21,13 +21,13 @@ export function robotView(intake, camera) {
   return pose ? { mx: pose.mx, my: pose.my, zoom: fieldZoom(intake, camera) } : null;
 }
 
-/** All robots of a fleet, else the farm with what is on it; null while there is nothing to look at. */
-export function wholeView(intake, camera, isFleet) {
+/** All robots of a fleet or all stations, else the farm with what is on it; null while there is nothing to look at. */
+export function wholeView(intake, camera, fleet) {
   const { farm, parcels, robots } = intake;
-  const places = [...robots.values()].filter((robot) => robot.pose)
-    .map(({ pose }) => ({ geometry: { type: 'Point', coordinates: [pose.lon, pose.lat] } }));
-  // a farm may have sites in several countries: the fleet map begins where the robots are
-  const box = boxOf(isFleet && places.length ? places : [...farm.features, ...parcels.features, ...places]);
+  const places = (fleet.places?.() ?? [...robots.values()].filter((robot) => robot.pose).map(({ pose }) => [pose.lon, pose.lat]))
+    .map((coordinates) => ({ geometry: { type: 'Point', coordinates } }));
+  // a farm may have sites in several countries: the map of a fleet, or of stations, begins where those are
+  const box = boxOf(fleet.isOn && places.length ? places : [...farm.features, ...parcels.features, ...places]);
   if (!box) return null;
   return { mx: (box[0] + box[2]) / 2, my: (box[1] + box[3]) / 2, zoom: Math.min(camera.zoomFor(box, MARGIN_PX), ROBOT_ZOOM) };
 }

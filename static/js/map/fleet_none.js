@@ -1,9 +1,10 @@
-// On the map of one robot nothing is added for a fleet; see FleetView for what each of these does there.
+// On the map of one robot nothing is added; see FleetView and StationsView for what each of these does there.
 
 export const NO_FLEET = {
   isOn: false,
   said: null,
   isOutgrown: false,
+  placed: 0,
   set: () => false,
   settle() {},
   gather() {},
@@ -13,13 +14,13 @@ export const NO_FLEET = {
   destroy() {},
 };
 
-/** Give a map what the fleet needs; without it the map still shows every robot. */
+/** Give a map what the fleet, or the stations, need; without it the map still shows the farm and every robot. */
 export async function loadFleet(map) {
   try {
-    const { FleetView } = await import('./fleet_view.js');
-    if (!map.isGone) map.fleet = new FleetView(map);
+    const { View } = await (map.options.mode === 'stations' ? import('./stations_view.js') : import('./fleet_view.js'));
+    if (!map.isGone) map.fleet = new View(map);
   } catch (error) {
     console.warn('map: what it adds for the fleet did not load:', error);
-    map.engineNote = 'Simple map: clusters and paths did not load.';
+    map.engineNote = `Simple map: ${map.options.mode === 'stations' ? 'stations' : 'clusters and paths'} did not load.`;
   }
 }

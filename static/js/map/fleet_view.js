@@ -10,7 +10,7 @@ const EDGE_PX = 60;
 const NEAR_ZOOM = 18;
 const NEARER = 2; // zooms a tap on a cluster comes nearer
 
-export class FleetView {
+export class View {
   /** map: the LiveMap it belongs to; does nothing on the map of one robot. */
   constructor(map) {
     this.map = map;
@@ -18,6 +18,11 @@ export class FleetView {
     this.said = null;
     this.clusters = [];
     this.layer = this.isOn ? new LabelLayer(map.host) : null; // apart: names move with robots, clusters do not
+  }
+
+  /** How many robots have a place; from then on the view is left alone. */
+  get placed() {
+    return this.map.intake.placed;
   }
 
   /**

@@ -34,7 +34,7 @@ export class LabelLayer {
    * Draw labels by falling priority; one that would cover another is left out unless `isFixed`.
    *
    * label without lines: keeps `clearPx` around its place free of texts (`isSoft`: of names alone, not of warnings); else
-   * label: {mx, my, lines: [{text, size, weight}], dx, dy, align, priority, isFixed, pill: {fill, ink} | null, icon}
+   * label: {mx, my, lines: [{text, size, weight}], dx, dy, align, priority, isFixed, isWhole, pill: {fill, ink} | null, icon}
    */
   draw(camera, labels, palette) {
     const ratio = window.devicePixelRatio || 1;
@@ -103,7 +103,7 @@ export class LabelLayer {
     const left = label.align === 'left' ? x : label.align === 'right' ? x - wide : x - wide / 2;
     const box = [left - 4, y - high / 2 - 2, left + wide + 4, y + high / 2 + 2];
     const overlaps = (o) => !(o.isSoft && label.pill) && box[0] < o[2] && o[0] < box[2] && box[1] < o[3] && o[1] < box[3];
-    const isCut = label.pill && label.align === 'left' && box[2] > this.edge; // it has another side to stand on
+    const isCut = (label.pill && label.align === 'left' && box[2] > this.edge) || (label.isWhole && box[0] < 0); // it has another side to stand on, or is of no use in part
     if (!label.isFixed && (isCut || taken.some(overlaps))) return false;
     taken.push(box);
     this.texts.push(...lines.map((line) => line.text));

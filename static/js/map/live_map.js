@@ -85,7 +85,7 @@ export class LiveMap {
     this.unwatch = watchTheme((palette) => this.#theme(palette));
     this.watch = setInterval(() => this.#watch(), WATCH_MS);
     this.host.addEventListener('keydown', (this.keys = (event) => this.#key(event)));
-    if (this.options.mode === 'fleet') await loadFleet(this);
+    if (this.options.mode !== 'robot') await loadFleet(this);
     await this.#start(this.options.engine);
   }
 
@@ -282,9 +282,9 @@ export class LiveMap {
   #place() {
     if (this.isPlaced || !this.engine) return;
     const robot = this.options.mode === 'robot' ? robotView(this.intake, this.engine.camera) : null;
-    const view = robot ?? wholeView(this.intake, this.engine.camera, this.fleet.isOn);
+    const view = robot ?? wholeView(this.intake, this.engine.camera, this.fleet);
     if (!view) return;
-    this.isPlaced = Boolean(robot) || (this.options.mode === 'fleet' && this.intake.placed > 0 && this.intake.farmState !== 'loading');
+    this.isPlaced = Boolean(robot) || (this.fleet.placed > 0 && this.intake.farmState !== 'loading');
     this.engine.jump(view);
   }
 
@@ -310,7 +310,7 @@ export class LiveMap {
     if (!this.engine || this.isGone) return;
     const { camera } = this.engine;
     const labels = this.shown.labels ? [...readableLabels(this.labels, camera), ...areaLabels(this.intake.model?.areas ?? [], camera)] : [];
-    const look = { ...this.look, palette: this.palette, metresPerPx: camera.metresPerPx, isNear: this.fleet.said?.layers.names ?? camera.zoom > NAMES_ZOOM };
+    const look = { ...this.look, palette: this.palette, metresPerPx: camera.metresPerPx, isNear: this.fleet.said?.layers?.names ?? camera.zoom > NAMES_ZOOM };
     if (this.look) {
       labels.push(...robotLabels(this.fleet.single(this.intake.robots.values(), look), look), ...this.fleet.drawClusters(camera, this.palette));
     }
@@ -365,7 +365,7 @@ export class LiveMap {
   setFleet(fleet) {
     const need = this.fleet.set(fleet);
     if (!need || !this.engine) return;
-    if (need === 'now' || this.intake.robots.size <= CROWD) return void this.#draw(true);
+    if (need === 'now' || this.intake.robots.size <= CROWD) return void (this.#place(), this.#draw(true));
     this.laidCount = 0; // the next picture has it
     this.#soon();
   }

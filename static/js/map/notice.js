@@ -11,6 +11,6 @@ export function noticeOf(intake, { isReady, engineNote }) {
   if (intake.farmState === 'loading' && !intake.farm.features.length) return ['Loading map', {}];
   if (mode === 'robot' && !robotId) return ['No robot chosen.', {}];
   if (mode === 'robot' && !intake.placed) return [`No position from ${name} yet.`, {}];
-  if (!intake.farm.features.length && !intake.placed) return ['No fields and no robots on the map yet.', {}];
+  if (!intake.farm.features.length && !intake.placed && mode !== 'stations') return ['No fields and no robots on the map yet.', {}];
   return [engineNote, { isSmall: true }];
 }

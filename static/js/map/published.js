@@ -19,6 +19,7 @@ function describe({ engine, intake, scene, look, ...map }) {
     isFollowing: map.isFollowing,
     frame: map.frameNumber,
     texts: map.labelLayer.texts ?? [],
+    stations: map.fleet.said?.stations?.map(({ id, state, isChosen }) => ({ id, state, isChosen: Boolean(isChosen) })) ?? [],
     farm: intake.farmState,
     mission: intake.missionState,
     piece: scene.progress?.at ?? null,

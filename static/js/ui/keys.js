@@ -3,9 +3,9 @@
   "use strict";
   const { el } = HL;
   const WAIT_MS = 1500;
-  const PLACES = { o: "operate", f: "fleet", t: "twin", m: "maps", i: "missions", a: "alarms", s: "supervisor", c: "cameras" };
+  const PLACES = { o: "operate", f: "fleet", t: "twin", m: "maps", i: "missions", a: "alarms", s: "supervisor", c: "cameras", n: "sensors" };
   const LIST = [
-    ["Pause", "STOP (also Ctrl + .)"], ["g o", "Operate"], ["g f", "Fleet"], ["g c", "Cameras"], ["g t", "Twin"], ["g m", "Maps"], ["g i", "Missions"], ["g a", "Alarms"], ["g s", "Supervisor"], ["?", "This list"], ["Esc", "Close, let go"],
+    ["Pause", "STOP (also Ctrl + .)"], ["g o", "Operate"], ["g f", "Fleet"], ["g c", "Cameras"], ["g t", "Twin"], ["g m", "Maps"], ["g i", "Missions"], ["g a", "Alarms"], ["g s", "Supervisor"], ["g n", "Sensors"], ["?", "This list"], ["Esc", "Close, let go"],
     ["J K Enter", "Fleet, Cameras: next, before, open"], ["X /", "Fleet: choose, find"], ["Hold Enter 1.5 s", "Confirm a slide"], ["Hold arrows", "Drive, in manual"],
   ];
   let leaderAt = -Infinity;

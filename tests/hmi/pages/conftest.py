@@ -63,6 +63,16 @@ class Theatre:
             answer: dict[str, Any] = json.loads(reply.read())
             return answer
 
+    def sensors(self, **wish: Any) -> None:
+        """Set field stations, see ``SensorStage``; ``anew=True`` begins anew."""
+        self._post("/stage-sensors", wish)
+
+    def heard_sensors(self) -> dict[str, Any]:
+        """Return how often stations were asked for, and what people changed."""
+        with urllib.request.urlopen(f"{self.url}/stage-sensors") as reply:
+            answer: dict[str, Any] = json.loads(reply.read())
+            return answer
+
     def heard_map(self) -> dict[str, Any]:
         """Return what reached the farm map, and what it is now."""
         with urllib.request.urlopen(f"{self.url}/stage-map") as reply:

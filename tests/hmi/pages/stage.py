@@ -45,6 +45,7 @@ from tests.hmi.pages import (
     machine_stage,
     maps_stage,
     maps_stage_routes,
+    sensor_stage,
     super_stage,
 )
 
@@ -162,6 +163,7 @@ class Stage:
         self.register(False)
         self.fleet.put_factsheet("weeder-07", factsheet("Weeder 07"))
         self.cameras = camera_stage.CameraStage(self.clock.mono_s)
+        self.sensors = sensor_stage.SensorStage(self.clock.mono_s)
         self.planter = super_stage.SuperStage(self.clock, is_silent=True)
 
     def register(self, has_machine: bool) -> None:
@@ -304,6 +306,7 @@ def build(stage: Stage) -> FastAPI:
 
     app.include_router(alarm_stage.router(stage.alarms, stage.orders.append))
     app.include_router(camera_stage.router(stage.cameras))
+    app.include_router(sensor_stage.router(stage.sensors, stage.sessions))
     app.include_router(fleet_stage.router(fleet_stage.FleetStage()))
     app.include_router(stage.machine.router(stage.orders))
     app.include_router(maps_stage_routes.router(maps_stage.MapStage(), stage.sessions))
