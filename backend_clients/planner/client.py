@@ -70,6 +70,7 @@ class PlannerClient:
         self._connection = ServiceConnection(service, transport=transport, sleep=sleep, mono_s=mono_s)
         self._limit_s, self._sleep, self._mono_s = plan_limit_s, sleep, mono_s
         self._cancelling: set[asyncio.Task[None]] = set()
+        self.timeout_s = service.timeout_s
 
     async def close(self) -> None:
         """Wait for cancels under way, a few seconds at most, and close all connections."""

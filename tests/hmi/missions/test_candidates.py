@@ -12,7 +12,7 @@ import shapely
 
 from hmi.commands.mission_book import MissionBook, MissionParts
 from hmi.commands.plan_wish import PlanOrder
-from hmi.domain.mission_plan import Candidate, Pattern, PlannedMission, PlanRefused, PlanWish
+from hmi.domain.mission_plan import Candidate, Pattern, PlannedMission, PlanRefused, PlanWish, Tell, nobody
 from hmi.domain.role import Role
 from hmi.planning.mission import plan_candidate
 from hmi.planning.worker import PlanningProcess
@@ -70,7 +70,7 @@ async def test_the_ground_of_the_drawing_adds_up_to_the_field(rig: Rig) -> None:
 class Picky(HerePlanner):
     """Plans only row by row."""
 
-    async def candidate(self, wish: PlanWish) -> Candidate:
+    async def candidate(self, wish: PlanWish, tell: Tell = nobody) -> Candidate:
         """Return the plan or refuse."""
         if wish.pattern is not Pattern.ROW_BY_ROW:
             raise PlanRefused("turn_does_not_fit", "The turn does not fit.", "headland_passes")
@@ -94,11 +94,11 @@ class Slow:
         self.has_begun = asyncio.Event()
         self.is_given_up = False
 
-    async def plan(self, wish: PlanWish) -> PlannedMission:
+    async def plan(self, wish: PlanWish, tell: Tell = nobody) -> PlannedMission:
         """Not asked here."""
         raise NotImplementedError
 
-    async def candidate(self, wish: PlanWish) -> Candidate:
+    async def candidate(self, wish: PlanWish, tell: Tell = nobody) -> Candidate:
         """Wait for ever."""
         self.has_begun.set()
         try:
