@@ -1,4 +1,4 @@
-"""What is seen of a picture in the light there is: daylight, the machine's lamp, or infrared."""
+"""What is seen of a picture in the light there is: daylight, the machine's lamp, infrared, or false colours."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ HIGH_M = 6.0
 LOW_LIGHT = (0.4, 0.44, 0.5)  # what a flying camera makes of a night without a lamp
 WARM = (1.02, 0.98, 0.88)
 NEAR_INFRARED = (-1.1, 2.5, -0.35, 0.0)  # leaves shine, soil does not
+# near infrared, red and green are shown as red, green and blue
+FALSE_COLOURS = (*NEAR_INFRARED, 0.95, 0.0, 0.0, 0.0, 0.0, 0.8, 0.0, 0.0)
 
 
 def lit(image: Image.Image, canvas: Canvas) -> NDArray[np.uint32]:
@@ -23,6 +25,8 @@ def lit(image: Image.Image, canvas: Canvas) -> NDArray[np.uint32]:
     is_infrared = canvas.mount.kind == "infrared"
     if is_infrared:
         image = image.convert("RGB").convert("L", NEAR_INFRARED).convert("RGB").convert("RGBX")
+    elif canvas.mount.kind == "multispectral":
+        image = image.convert("RGB").convert("RGB", FALSE_COLOURS).convert("RGBX")
     pixels = np.asarray(image)
     high, wide = pixels.shape[:2]
     if canvas.light.day < 0.98 or is_infrared:

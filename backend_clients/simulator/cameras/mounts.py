@@ -33,7 +33,7 @@ class Mount:
     pitch_rad: float
     fov_deg: float
     node: str
-    kind: Literal["colour", "infrared", "depth"] = "colour"
+    kind: Literal["colour", "infrared", "depth", "multispectral"] = "colour"
     view: View = "front"
     is_on_head: bool = False
     is_on_crane: bool = False
@@ -74,5 +74,6 @@ MOUNTS: dict[tuple[str, str], Mount] = {
     ),
     ("planter", "rear"): Mount(-1.6, 0.6, 3.1, math.pi, -0.44, 82.0, "stereo", view="rear", lamp_m=16.0),
     ("planter", "head"): Mount(0.0, 0.0, 1.15, 0.0, DOWN, 62.0, "planter", view="head", is_on_crane=True, lamp_m=4.0),
+    ("mast", "multispectral"): Mount(0.0, 0.0, 3.2, 0.0, -0.5, 60.0, "", kind="multispectral", lamp_m=0.0),
     ("uav", "gimbal"): Mount(0.1, 0.0, 0.12, 0.0, 0.0, 78.0, "camera", view="nadir", is_on_head=True, lamp_m=0.0),
 }

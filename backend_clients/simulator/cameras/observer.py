@@ -26,7 +26,7 @@ MORNING_UTC_MS = 1_782_036_000_000  # 21 June 2026, 10:00: the sun is half-way u
 CURVE_M = 0.12  # a machine's springs smooth the ground
 
 
-def _morning_ms(lon_deg: float) -> int:
+def morning_ms(lon_deg: float) -> int:
     """Return the moment of that morning at a place, by the sun."""
     return MORNING_UTC_MS - round(lon_deg / 15 * 3_600_000)
 
@@ -93,7 +93,7 @@ class Observer:
             trail=_trail(run, (x, y)),
             things=self._things(robot, (x, y)),
             crane=_crane(machine),
-            sun_ms=_morning_ms(robot.config.datum_lon_deg) if self.is_always_day else None,
+            sun_ms=morning_ms(robot.config.datum_lon_deg) if self.is_always_day else None,
         )
         return look, lambda: scene_of(self.scenery, robot.config, run)
 
