@@ -15,7 +15,7 @@ from backend_clients.service.connection import Call, Service, ServiceConnection
 from backend_clients.service.errors import Unreadable
 
 PLACE_DIGITS = 2  # about a kilometre: weather knows no more, and the farm's address is nobody's business
-NEAR_DEG = 0.5  # services answer for a point of their grid
+NEAR_DEG = 0.3  # services answer for a point of their grid
 MAX_TAG = 200
 
 

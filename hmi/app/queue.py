@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+from collections.abc import Callable
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from fastapi import APIRouter
@@ -25,6 +26,7 @@ from hmi.commands.queue_handover import HandoverParts, QueueHandover
 from hmi.commands.queue_life import LifeParts, QueueLife
 from hmi.commands.queue_runner import QueueRunner, RunnerParts
 from hmi.commands.weather import WeatherBoard
+from hmi.domain.forecast import Forecast
 from hmi.domain.freshness import TickRing
 from hmi.domain.queue.arming import ArmingBook
 from hmi.domain.robot import Robot
@@ -59,6 +61,7 @@ class QueueDesk:
         self._zone = farm_zone(settings.time_zone)
         self.store = QueueStore(records.database, settings.farm_id, clock)
         self.weather = WeatherBoard(clock, authorize, settings.farm_id)
+        self.forecast: Callable[[], Forecast | None] = lambda: None
         self._demo_weather = DemoWeather(self.weather, clock) if settings.demo else None
         gate = Gate(fleet, ticks, clock, authorize)
         self.arming = self._make_arming(gate)
@@ -136,6 +139,7 @@ class QueueDesk:
             zone=self._zone,
             weather=lambda: self.weather.latest,
             is_given_up=self.handover.is_given_up,
+            forecast=lambda: self.forecast(),
         )
         parts = RunnerParts(
             store=self.store,

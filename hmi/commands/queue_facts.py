@@ -11,6 +11,7 @@ from hmi.clock import Clock
 from hmi.commands.lease_service import LeaseService
 from hmi.commands.ports import FleetReader
 from hmi.domain.command import Action
+from hmi.domain.forecast import Forecast
 from hmi.domain.function_use import obstacle
 from hmi.domain.queue.arming import ArmingBook
 from hmi.domain.queue.entry import Entry
@@ -36,6 +37,7 @@ class FactSources:
     zone: ZoneInfo
     weather: Callable[[], Weather | None]
     is_given_up: Callable[[str, str], bool] = lambda _robot_id, _sha256: False
+    forecast: Callable[[], Forecast | None] = lambda: None
 
 
 class FactDesk:
@@ -66,6 +68,7 @@ class FactDesk:
             owner="" if lease is None or lease.holder.is_system else lease.holder.user_name,
             blackouts=source.store.blackouts(),
             weather=source.weather(),
+            forecast=source.forecast(),
             pause=pause,
         )
 

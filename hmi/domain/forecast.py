@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
@@ -11,6 +12,7 @@ OLD = timedelta(hours=3)  # services make a new one each one to six hours; older
 REFUSED = timedelta(hours=24)
 AHEAD = timedelta(minutes=5)  # a service's clock may be this far ahead
 STEADY = timedelta(hours=2)  # a lull of an hour between two gusts is no clearing
+NEAR_DEG = 0.3
 HOUR = timedelta(hours=1)
 
 
@@ -71,6 +73,11 @@ class Forecast:
     def ends_at(self) -> datetime:
         """When its last hour ends."""
         return self.hours[-1].utc + HOUR
+
+    def is_near(self, place: tuple[float, float]) -> bool:
+        """Say whether it tells anything of a place, longitude and latitude: within some 30 km."""
+        east = math.remainder(self.place[0] - place[0], 360) * math.cos(math.radians(place[1]))
+        return math.hypot(east, self.place[1] - place[1]) <= NEAR_DEG
 
     def age(self, now: datetime) -> timedelta:
         """Return how old it is; never less than nothing."""
