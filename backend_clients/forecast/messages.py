@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import AwareDatetime, BaseModel, ConfigDict, Field, field_validator
 
-VERSION = 1
+VERSION: Literal[1] = 1
 MAX_ANSWER = 512 * 1024
 MAX_HOURS = 240
 

@@ -11,6 +11,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel
+
 from backend_clients.forecast.messages import MAX_ANSWER, MAX_HOURS, ForecastReport, Problem
 from backend_clients.service.openapi import answer, document, parameter, written
 
@@ -31,7 +33,7 @@ def openapi() -> dict[str, Any]:
     needed = [{**lat, "required": True}, {**lon, "required": True}, hours, tag]
     get = {"summary": "Weather expected hour by hour", "parameters": needed, "responses": responses}
     about = f"Hourly weather for farms. Answers have at most {MAX_ANSWER} bytes. See forecast.md."
-    models = {"ForecastReport": ForecastReport, "Problem": Problem}
+    models: dict[str, type[BaseModel]] = {"ForecastReport": ForecastReport, "Problem": Problem}
     return document("Headland weather forecast", about, {"/forecast": {"get": get}}, models)
 
 

@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-VERSION = 1
+VERSION: Literal[1] = 1
 MAX_REQUEST = 4 * 2**20
 MAX_ANSWER = 16 * 2**20
 MAX_SEGMENTS = 20_000  # of the edge contract

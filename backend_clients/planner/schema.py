@@ -11,6 +11,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from pydantic import BaseModel
+
 from backend_clients.planner.messages import MAX_REQUEST, PlanReport, PlanRequest, Problem, ServiceInfo
 from backend_clients.service.openapi import answer, document, parameter, written
 
@@ -40,7 +42,12 @@ def openapi() -> dict[str, Any]:
         },
     }  # fmt: skip
     about = f"Plans coverage paths for field robots. Requests have at most {MAX_REQUEST} bytes. See planner.md."
-    models = {"PlanRequest": PlanRequest, "PlanReport": PlanReport, "ServiceInfo": ServiceInfo, "Problem": Problem}
+    models: dict[str, type[BaseModel]] = {
+        "PlanRequest": PlanRequest,
+        "PlanReport": PlanReport,
+        "ServiceInfo": ServiceInfo,
+        "Problem": Problem,
+    }
     return document("Headland planner", about, paths, models)
 
 

@@ -17,7 +17,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from hmi.clock import Clock, SystemClock
 
 HALF_OPEN_S = 600.0
-HUGE_BYTES = 64 * 2**20
+HUGE_BYTES = 20 * 2**20
 
 
 class Fault(StrEnum):

@@ -59,13 +59,19 @@ class PlanDesk:
         limit_s: a plan that takes longer is given up.
         delay_s: each plan waits so long first, for tests of slow services.
         mono_s: monotonic clock, seconds.
+        process: where plans are made, instead of one of its own.
     """
 
     def __init__(
-        self, limit_s: float = PLAN_LIMIT_S, *, delay_s: float = 0.0, mono_s: Callable[[], float] = time.monotonic
+        self,
+        limit_s: float = PLAN_LIMIT_S,
+        *,
+        delay_s: float = 0.0,
+        mono_s: Callable[[], float] = time.monotonic,
+        process: SideProcess | None = None,
     ) -> None:
         self._limit_s, self._delay_s, self._mono_s = limit_s, delay_s, mono_s
-        self._process = SideProcess()
+        self._process = process or SideProcess()
         self._turn = asyncio.Lock()
         self._plans: dict[str, _Plan] = {}
         self._folder = tempfile.TemporaryDirectory(prefix="headland-planner-")

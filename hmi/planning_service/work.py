@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Callable
+from multiprocessing import parent_process
 from pathlib import Path
 
 from backend_clients.planner.messages import PlanPath, Segment, Wish
@@ -25,7 +26,8 @@ def planned(form: bytes, note: str) -> bytes:
     Raises:
         PlanRefused: it cannot be planned; says why.
     """
-    limit_memory(MEMORY)
+    if parent_process() is not None:
+        limit_memory(MEMORY)
     from hmi.planning.coverage import plan_coverage
     from hmi.planning.given_path import segments_of
     from hmi.planning.mission import job_of
