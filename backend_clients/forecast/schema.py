@@ -33,7 +33,7 @@ def openapi() -> dict[str, Any]:
     needed = [{**lat, "required": True}, {**lon, "required": True}, hours, tag]
     get = {"summary": "Weather expected hour by hour", "parameters": needed, "responses": responses}
     about = f"Hourly weather for farms. Answers have at most {MAX_ANSWER} bytes. See forecast.md."
-    models: dict[str, type[BaseModel]] = {"ForecastReport": ForecastReport, "Problem": Problem}
+    models: list[type[BaseModel]] = [ForecastReport, Problem]
     return document("Headland weather forecast", about, {"/forecast": {"get": get}}, models)
 
 

@@ -42,12 +42,7 @@ def openapi() -> dict[str, Any]:
         },
     }  # fmt: skip
     about = f"Plans coverage paths for field robots. Requests have at most {MAX_REQUEST} bytes. See planner.md."
-    models: dict[str, type[BaseModel]] = {
-        "PlanRequest": PlanRequest,
-        "PlanReport": PlanReport,
-        "ServiceInfo": ServiceInfo,
-        "Problem": Problem,
-    }
+    models: list[type[BaseModel]] = [PlanRequest, PlanReport, ServiceInfo, Problem]
     return document("Headland planner", about, paths, models)
 
 

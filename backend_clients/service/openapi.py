@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +14,9 @@ REF = "#/components/schemas/{model}"
 FILE = "openapi.json"
 
 
-def document(title: str, about: str, paths: dict[str, Any], models: Mapping[str, type[BaseModel]]) -> dict[str, Any]:
+def document(title: str, about: str, paths: dict[str, Any], models: Sequence[type[BaseModel]]) -> dict[str, Any]:
     """Return an OpenAPI 3.1 document with the schemas of the models and all they are made of."""
-    _, found = models_json_schema([(one, "validation") for one in models.values()], ref_template=REF)
+    _, found = models_json_schema([(one, "validation") for one in models], ref_template=REF)
     return {
         "openapi": "3.1.0",
         "info": {"title": title, "version": "1", "description": about, "license": {"name": "Apache-2.0"}},
