@@ -21,7 +21,7 @@ from hmi.planning.path_check import check_path
 from hmi.planning.plan import Leg, LegKind, Plan, headings
 
 MAX_NOTES, MAX_NOTE = 20, 300
-LEAST_SHARE = 0.5  # of the ground to be treated; a path that works less is another wish's
+LEAST_SHARE = 0.25  # of the ground to be treated; of slivers our own plans reach no more, of fields far more
 
 
 def checked_mission(wish: PlanWish, segments: Sequence[Mapping[str, Any]], notes: Sequence[str]) -> PlannedMission:

@@ -23,7 +23,7 @@ from hmi.planning.projection import Floats
 
 SLACK_M = 0.02  # millimetres told, centimetres known; the machine's own margin is wider
 SLACK_RAD = math.radians(4)  # half a piece of an arc that is sampled each 8 degrees
-SAME_M = 0.01  # corners nearer than this tell no direction
+SAME_M = 0.05  # millimetres told over less than this make degrees of direction
 HOME_M = 0.5
 GAP_M = 0.04  # hairline gaps between road and field, as our own plans close them
 TWICE = 0.02  # share of the rows' ground that may lie under two rows
@@ -69,7 +69,7 @@ def _steerable(job: Job, legs: Sequence[Leg]) -> None:
 
 
 def _drives(legs: Sequence[Leg]) -> list[Floats]:
-    """Return the path in pieces as they are driven without turning on the spot, corners a centimetre apart."""
+    """Return the path in pieces as they are driven without turning on the spot, corners some centimetres apart."""
     pieces: list[list[Floats]] = []
     for leg in legs:
         if leg.pivot or not pieces:
@@ -81,10 +81,16 @@ def _drives(legs: Sequence[Leg]) -> list[Floats]:
 
 def _thinned(points: Floats) -> Floats:
     """Return a polyline without corners nearer than ``SAME_M`` to the one before; its ends stay."""
-    along = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
-    keep = np.append(True, np.diff(np.floor(along / SAME_M)) > 0)
-    keep[-1] = True
-    return points[keep] if keep.sum() > 1 else points[[0, -1]]
+    if np.hypot(*np.diff(points, axis=0).T).min() >= SAME_M:
+        return points
+    kept = [0]
+    for number, (x, y) in enumerate(points.tolist()):
+        if math.dist(points[kept[-1]], (x, y)) >= SAME_M:
+            kept.append(number)
+    last = len(points) - 1
+    if kept[-1] != last:
+        kept = [*kept[: max(1, len(kept) - 1)], last]
+    return points[kept]
 
 
 def _turns(points: Floats) -> Floats:

@@ -49,16 +49,18 @@ def test_our_own_plan_comes_back_the_same_to_the_byte(pattern: Pattern) -> None:
     assert {**found.statistics, "notes": []} == {**own.statistics, "notes": []}
 
 
-@settings(max_examples=10, derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=25, derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.one_of(convex_fields(), crooked_fields()), st.sampled_from([1.5, 3.0]), st.sampled_from(Pattern))
 @pytest.mark.slow
 def test_whatever_our_planner_makes_is_taken(field: Any, width_m: float, pattern: Pattern) -> None:
     rings = [FRAME.to_lon_lat(ring.coords).tolist() for ring in (field.exterior, *field.interiors)]
     asked = wish(parcel={"type": "Polygon", "coordinates": rings}, width_m=width_m, pattern=pattern, home=None)
     try:
+        own = plan_mission(asked).statistics
         path = told_in_millimetres(path_of(asked))
     except PlanRefused:
         assume(False)
+    assume(own["missed_m2"] < 0.7 * own["wanted_m2"])  # slivers of a field
     assert checked_candidate(asked, path, []).drawing["legs"]
 
 
