@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from backend_clients.planner.client import PlannerClient
 
 KEY, NAME = "planner", "Planner service"
-LATER_S = 6.0  # after everything that somebody waits for
+LATER_S = 12.0  # after everything that somebody waits for
 LOOK_EVERY_S = 60.0
 LOOK_SOON_S = 5.0
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import fields
 from typing import TYPE_CHECKING, Any, cast
 
 from backend_clients.planner import messages as wire
@@ -13,6 +14,12 @@ if TYPE_CHECKING:
 
 LIMITS = ("length_m", "width_m", "base_to_front_m", "turning_radius_m", "can_pivot", "row_speed_mps", "turn_speed_mps",
           "transit_speed_mps", "accel_mps2", "yaw_rate_radps", "margin_m")  # fmt: skip
+TOLD = frozenset({
+    "parcel", "width_m", "datum_lat_deg", "datum_lon_deg", "angle_rad", "headland_passes", "home", "returns_home",
+    "surroundings", "pattern", "corner", "overlap", "treatment",
+    "robot", "row_speed_mps", "plant_spacing_m",  # as the machine's own limits
+    "mission_id", "name", "robot_id", "field_name", "revision",  # stay here
+})  # fmt: skip
 Features = Sequence[tuple[Geometry, float]]
 
 
@@ -25,6 +32,7 @@ def form_of(wish: PlanWish) -> wire.Wish:
     """
     from hmi.planning.mission import job_of, machine_of
 
+    _only_known(wish)
     machine = machine_of(wish)
     doses = job_of(wish).doses
     return wire.Wish(
@@ -48,6 +56,13 @@ def form_of(wish: PlanWish) -> wire.Wish:
             lead_out_m=doses.lead_out_m,
         ),
     )
+
+
+def _only_known(wish: PlanWish) -> None:
+    """A wish for something the format has no word for is not sent: the service would plan something else."""
+    unsaid = [one.name for one in fields(wish) if one.name not in TOLD and getattr(wish, one.name) != one.default]
+    if unsaid:
+        raise ValueError(f"planner services know nothing of {', '.join(unsaid).replace('_', ' ')}")
 
 
 def wish_of(form: wire.Wish) -> tuple[PlanWish, RobotProfile]:

@@ -67,6 +67,8 @@ class ServicePlanner:
             form = await self._local.run(form_of, wish)
         except ValidationError as error:
             raise BadRequest(f"the wish does not fit the format: {error.error_count()} values") from None
+        except ValueError as error:
+            raise BadRequest(str(error)) from error
         begin_s = self._clock.mono_s()
         path = await self._client.path(form, new_id(), tell)
         took_s = self._clock.mono_s() - begin_s

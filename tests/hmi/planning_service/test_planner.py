@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from dataclasses import replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from backend_clients.planner.client import PlannerClient, limited
 from backend_clients.service.connection import Service
 from backend_clients.simulator.faulty_http import Fault
 from hmi.cli.services import moved, of_another
-from hmi.domain.mission_plan import PlanRefused, Surroundings, TreatedArea, Treatment
+from hmi.domain.mission_plan import PlanRefused, PlanWish, Surroundings, TreatedArea, Treatment
 from hmi.keeper.certificates import make_certificates
 from hmi.planning.mission import plan_mission
 from hmi.planning_service.application import make_application
@@ -56,6 +56,24 @@ def test_a_wish_survives_the_way_to_the_service_and_back() -> None:
     assert other.document["segments"] == own.document["segments"]
     names = {asked.name, asked.field_name, asked.robot_id, asked.mission_id}
     assert not any(name in form_of(asked).model_dump_json() for name in names)
+
+
+@dataclass(frozen=True, slots=True)
+class WiderWish(PlanWish):
+    """A wish of a later version, for something the format has no word for."""
+
+    moon_phase: str = "any"
+
+
+async def test_a_wish_for_what_the_format_has_no_word_for_is_not_sent() -> None:
+    usual = {one.name: getattr(wish(), one.name) for one in fields(PlanWish)}
+    async with service_rig() as rig:
+        made = await rig.planner.plan(WiderWish(**usual, moon_phase="full"))
+        place = made.statistics["planned_at"]
+        assert place["where"] == "here"
+        assert "planner services know nothing of moon phase" in place["text"]
+        assert rig.faulty.requests == 0
+        assert (await rig.planner.plan(WiderWish(**usual))).statistics["planned_at"]["where"] == "service"
 
 
 FAULTS: list[tuple[dict[str, Any], str, ServiceState]] = [
