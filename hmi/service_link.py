@@ -112,41 +112,49 @@ class ServiceLink:
             took_s: how long it took.
             date: the ``Date`` header, which tells the service's clock.
         """
-        self._failures = self._bad = 0
-        self._next_s = float("-inf")
         self._times.append(took_s)
         self.heard_at = self._clock.utc()
         self.skew_s = self._skew(date) if date else self.skew_s
+        self._next_s = float("-inf")
+        if self._bad >= BAD_ANSWERS:
+            return  # that it is there does not make its work usable; the next work shows
+        self._failures = 0
         is_slow = took_s > self._slow_s
         self._be(ServiceState.SLOW if is_slow else ServiceState.OK, f"{took_s:.1f} s." if is_slow else "", "")
 
-    def answered(self, took_s: float) -> None:
-        """Take an answer to work that takes its time: it counts as an answer, not as a slow one."""
+    def worked(self, took_s: float) -> None:
+        """Take work that can be used; it may take its time."""
         self._times.append(took_s)
         self._failures = self._bad = 0
+        self._next_s = float("-inf")
         self.heard_at = self._clock.utc()
         self._be(ServiceState.OK, "", "")
 
     def late(self, error: service.ServiceError) -> None:
         """Take work that was not done in time by a service that answers: for a while nobody waits for more of it."""
-        self.last_error = LastError(f"{error}"[:MAX_WHY], self._clock.utc())
+        self._note(error)
         self._next_s = self._clock.mono_s() + LATE_PAUSE_S
         self._be(ServiceState.SLOW, f"{error}"[:MAX_WHY], error.mend)
 
+    def bad_work(self, error: service.ServiceError) -> None:
+        """Take work that cannot be used: once may be about this work, again and again it is the service."""
+        self._note(error)
+        self._bad += 1
+        if self._bad >= BAD_ANSWERS:
+            self.failed(error)
+
     def failed(self, error: service.ServiceError) -> None:
-        """Take a call that failed. An answer that cannot be used stops the asking when it comes again and again."""
-        state = state_of(error)
-        self.last_error = LastError(f"{error}"[:MAX_WHY], self._clock.utc())
-        if state is ServiceState.NOT_UNDERSTOOD and self.is_well:
-            self._bad += 1
-            if self._bad < BAD_ANSWERS:
-                return
+        """Take a call that failed: the service is left alone for a while."""
+        self._note(error)
         asked_s = getattr(error, "retry_after_s", None) or 0.0
         pause_s = min(LONGEST_PAUSE_S, max(asked_s, FIRST_PAUSE_S * 2.0**self._failures))
         self._failures = min(self._failures + 1, 10)
         chance = random.random() if self._jitter is None else self._jitter  # noqa: S311 - spreads load
         self._next_s = self._clock.mono_s() + pause_s * (0.75 + 0.25 * chance)
-        self._be(state, f"{error}"[:MAX_WHY], error.mend)
+        self._be(state_of(error), f"{error}"[:MAX_WHY], error.mend)
+
+    def _note(self, error: service.ServiceError) -> None:
+        self.last_error = LastError(f"{error}"[:MAX_WHY], self._clock.utc())
 
     def _skew(self, date: str) -> float | None:
         """Return how far the service's clock is ahead of ours; it tells whole seconds."""

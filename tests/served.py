@@ -14,8 +14,14 @@ import uvicorn
 
 
 @asynccontextmanager
-async def served(application: Any, *, cert: Path | None = None, key: Path | None = None) -> AsyncIterator[str]:
-    """Serve until the block ends; gives the address, https where a certificate is given."""
+async def served(
+    application: Any, *, cert: Path | None = None, key: Path | None = None, has_date: bool = True
+) -> AsyncIterator[str]:
+    """Serve until the block ends; gives the address, https where a certificate is given.
+
+    Args:
+        has_date: the server tells the time; else the application may.
+    """
     listener = socket.create_server(("127.0.0.1", 0))
     config = uvicorn.Config(
         application,
@@ -23,6 +29,7 @@ async def served(application: Any, *, cert: Path | None = None, key: Path | None
         log_level="critical",
         access_log=False,
         timeout_graceful_shutdown=1,
+        date_header=has_date,
         ssl_certfile=cert,
         ssl_keyfile=key,
     )

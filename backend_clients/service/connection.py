@@ -179,7 +179,7 @@ class ServiceConnection:
         raise _refused(reply)
 
     async def _exchange(self, call: Call, request: httpx.Request) -> Reply:
-        what = f"{call.method} {call.path}"
+        what = f"{call.method} /{call.path}"
         try:
             async with asyncio.timeout(self.service.timeout_s):  # a byte now and then must not hold a call for ever
                 response = await self._client.send(request, stream=True)

@@ -13,6 +13,7 @@ from hmi.domain.alarm.finding import MAX_TEXT, NOTHING, Finding, Findings
 from hmi.domain.mission_plan import Candidate, PlannedMission, Planner, PlanWish, Tell, nobody
 from hmi.domain.mission_rest import PlannedRest, RestWish
 from hmi.planning.worker import PlanningProcess
+from hmi.planning_service.place import made_here
 from hmi.service_link import ServiceLink, ServiceState
 from hmi.settings import Settings
 
@@ -31,7 +32,7 @@ class PlannerRoom:
     def __init__(self, settings: Settings, clock: Clock) -> None:
         self._settings, self._clock = settings, clock
         self._local = PlanningProcess()
-        self._asks: Planner = self._local
+        self._asks: Planner | None = None
         self._link = ServiceLink(clock)
         self._client: PlannerClient | None = None
         self._task: asyncio.Task[None] | None = None
@@ -43,11 +44,17 @@ class PlannerRoom:
 
     async def plan(self, wish: PlanWish, tell: Tell = nobody) -> PlannedMission:
         """See ``Planner``."""
-        return await self._asks.plan(wish, tell)
+        if self._asks is not None:
+            return await self._asks.plan(wish, tell)
+        made = await self._local.plan(wish)
+        return made_here(made, self._why_here()) if self.is_on else made
 
     async def candidate(self, wish: PlanWish, tell: Tell = nobody) -> Candidate:
         """See ``Planner``."""
-        return await self._asks.candidate(wish, tell)
+        if self._asks is not None:
+            return await self._asks.candidate(wish, tell)
+        made = await self._local.candidate(wish)
+        return made_here(made, self._why_here()) if self.is_on else made
 
     async def rest(self, wish: RestWish) -> PlannedRest:
         """See ``RestPlanner``: it must not depend on a link, and needs what only this console knows of the mission."""
@@ -81,6 +88,12 @@ class PlannerRoom:
             return service_off(KEY, NAME)
         facts = [("A plan may take", f"{self._settings.planner_timeout_s:g} s")]
         return service_report(KEY, NAME, url, self._link, self._clock, facts)
+
+    def _why_here(self) -> str:
+        """Say why there is no planner that asks the service."""
+        if self._link.state is ServiceState.CONNECTING:
+            return "the planner service was not reached yet since the start"
+        return f"the planner service cannot be used, {self._link.why}"
 
     async def _run(self) -> None:
         await asyncio.sleep(LATER_S)

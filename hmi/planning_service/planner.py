@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
-from dataclasses import replace
-from typing import Any, TypeVar
+from typing import Any
 
 from pydantic import ValidationError
 
 from backend_clients.planner.client import PlanFailed, PlannerClient, TooSlow
-from backend_clients.service.errors import BadRequest, NoAnswer, ServiceError, Unreadable, Untrusted
+from backend_clients.service.errors import BadRequest, NoAnswer, ServiceError, Unreadable
 from hmi.clock import Clock
 from hmi.domain.ids import new_id
 from hmi.domain.mission_plan import Candidate, PathUnfit, PlannedMission, PlanWish, Tell, nobody
 from hmi.planning import jobs
 from hmi.planning.worker import PlanningProcess
 from hmi.planning_service.form import form_of
-from hmi.service_link import ServiceLink, ServiceState
+from hmi.planning_service.place import P, made_here, made_there
+from hmi.service_link import ServiceLink, ServiceState, state_of
 
-P = TypeVar("P", PlannedMission, Candidate)
 Given = Callable[[PlanWish, list[dict[str, Any]], list[str]], P]
-HERE, SERVICE = "here", "service"
 CHECKING = "Checking the plan"
 
 
@@ -55,10 +53,9 @@ class ServicePlanner:
                 why = self._failed(error)
             else:
                 took_s = self._clock.mono_s() - begin_s
-                return noted(found, SERVICE, f"Planned by the planner service in {took_s:.1f} s, checked here.")
-        text = f"Planned on this server: {why}."
+                return made_there(found, took_s)
         tell(0.0, f"Planning on this server: {why}")
-        return noted(await here(wish), HERE, text)
+        return made_here(await here(wish), why)
 
     async def _asked(self, wish: PlanWish, tell: Tell, given: Given[P]) -> P:
         """Return the service's plan after it was checked; raises ``ServiceError`` and, of the wish, ``PlanRefused``."""
@@ -78,7 +75,7 @@ class ServicePlanner:
             found = await self._local.run(given, wish, segments, list(path.notes))
         except PathUnfit as unfit:
             raise UnfitPlan(unfit.text) from unfit
-        self._link.answered(took_s)
+        self._link.worked(took_s)
         return found
 
     def _why_not_asked(self) -> str:
@@ -94,14 +91,15 @@ class ServicePlanner:
             return f"the wish cannot be sent: {_sentence(str(error))}"
         if isinstance(error, TooSlow):
             self._link.late(error)
-            return f"the planner service had no plan in time, {_sentence(str(error))}"
+            return f"the planner service {str(error).removeprefix('it ')}"
+        if state_of(error) is ServiceState.NOT_UNDERSTOOD:
+            self._link.bad_work(error)
+            is_unfit = isinstance(error, UnfitPlan)
+            what = "the plan of the planner service was refused." if is_unfit else "the planner service failed:"
+            return f"{what} {_sentence(str(error))}"
         self._link.failed(error)
-        if isinstance(error, UnfitPlan):
-            return f"the plan of the planner service was refused. {_sentence(str(error))}"
         if isinstance(error, NoAnswer):
             return f"the planner service did not answer in {self._client.timeout_s:g} s"
-        if isinstance(error, Untrusted):
-            return "the certificate of the planner service is not trusted"
         return _REASONS.get(self._link.state, f"the planner service failed: {_sentence(str(error))}")
 
 
@@ -121,11 +119,6 @@ _REASONS = {
     ServiceState.BUSY: "the planner service is busy",
     ServiceState.NOT_UNDERSTOOD: "the planner service gave answers that cannot be used",
 }
-
-
-def noted(found: P, where: str, text: str) -> P:
-    """Return a plan that says where it was made."""
-    return replace(found, statistics={**found.statistics, "planned_at": {"where": where, "text": text}})
 
 
 def _sentence(text: str) -> str:

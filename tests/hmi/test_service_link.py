@@ -46,10 +46,14 @@ def test_answers_that_cannot_be_used_count_when_they_come_again_and_again() -> N
     link = ServiceLink(FakeClock())
     link.well(0.1)
     for _ in range(BAD_ANSWERS - 1):
-        link.failed(errors.Unreadable("nonsense"))
-        assert link.may_ask
-    link.failed(errors.Unreadable("nonsense"))
+        link.bad_work(errors.Unreadable("nonsense"))
+        assert (link.may_ask, link.is_well) == (True, True)
+    link.bad_work(errors.Unreadable("nonsense"))
     assert (link.may_ask, link.state) == (False, ServiceState.NOT_UNDERSTOOD)
+    link.well(0.1)  # that it is there
+    assert (link.may_ask, link.state) == (True, ServiceState.NOT_UNDERSTOOD)
+    link.worked(2.0)
+    assert link.is_well
 
 
 def test_a_busy_service_is_left_alone_as_long_as_it_asks_for() -> None:

@@ -119,6 +119,16 @@ async def test_settings_that_cannot_be_used_are_shown_and_missions_are_planned_h
 
 
 @pytest.mark.slow
+async def test_a_plan_made_before_the_service_was_looked_for_says_so() -> None:
+    room = PlannerRoom(settings(planner_url="http://planner.test"), FakeClock())
+    made = await room.candidate(wish())
+    assert made.statistics["planned_at"]["text"] == (
+        "Planned on this server: the planner service was not reached yet since the start."
+    )
+    await room.stop()
+
+
+@pytest.mark.slow
 async def test_plans_of_the_room_come_from_the_service_and_rests_do_not() -> None:
     async with served(make_application(PlanDesk(process=HereProcess()))) as url:
         room = PlannerRoom(settings(planner_url=url), SystemClock())

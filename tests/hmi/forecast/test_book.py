@@ -132,7 +132,7 @@ async def test_a_clock_that_is_off_is_seen() -> None:
     clock = FakeClock(datetime.now(UTC))
     faulty = FaultyHttp(ForecastEndpoint(clock=clock).application(), clock=clock)
     faulty.set(clock_s=-3600.0)
-    async with served(faulty) as url:
+    async with served(faulty, has_date=False) as url:
         link, source = ServiceLink(clock), HttpForecast(ForecastClient(Service(url)))
 
         async def place() -> tuple[float, float]:
