@@ -29,7 +29,7 @@ SCRIPTS = {
         "core", "glyphs", "words", "preferences", "units", "port", "stops", "sheet",
         "banner", "top_bar", "alarm_counts", "menus", "telemetry_tile", "mission_card", "state_path", "why",
         "slide_to_confirm", "lease", "hold_to_drive", "stop_card", "action_dock",
-        "sign_in", "records", "screen", "keys", "stay_awake",
+        "sign_in", "records", "rail", "screen", "keys", "stay_awake",
     ),
     "admin": (
         "alarm_channels", "alarm_notifications", "alarm_limits",

@@ -11,6 +11,7 @@
     for (const link of document.querySelectorAll("[data-nav]")) attr(link, "aria-current", link.dataset.nav === HL.view.screen ? "page" : null);
     document.querySelector(".h-app")?.toggleAttribute("data-one-robot", Boolean(HL.view.robot));
     document.querySelector("[data-nav][aria-current]")?.scrollIntoView({ block: "nearest", inline: "nearest" });
+    HL.rail?.mark();
     if (HL.view.robot) HL.keep.write(LAST_KEY, HL.view.robot);
     HL.port.watch();
     window.headlandStop?.setScope(HL.view.robot ? { kind: "robot", id: HL.view.robot, name: HL.view.name() } : { kind: "all" });
@@ -28,9 +29,18 @@
     document.head.append(script);
   }
 
+  // a section pressed before its script has come: it says so at once and is the one that opens
+  function pressEarly(event) {
+    const tab = event.target.closest("[data-tab]");
+    if (!tab || event.currentTarget.querySelector(":defined > .h-sec")) return;
+    HL.draft.set(`${HL.view.screen}-tab`, tab.dataset.tab);
+    for (const one of event.currentTarget.querySelectorAll("[data-tab]")) attr(one, "aria-pressed", String(one === tab));
+  }
+
   class Screen extends HTMLElement {
     connectedCallback() {
       show(this);
+      if (this.querySelector("[data-tab]")) this.addEventListener("click", pressEarly);
       const sources = (list) => (list || "").split(" ").filter(Boolean);
       for (const src of sources(this.dataset.code)) load(src);
       if (this.dataset.late) HL.afterStop().then(() => sources(this.dataset.late).forEach(load));

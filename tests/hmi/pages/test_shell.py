@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Route, expect
 
 from tests.hmi.pages.conftest import SIZES, Theatre
 
@@ -89,6 +89,39 @@ def is_stop_on_top(page: Page) -> bool:
     places = [[box["x"] + box["width"] * x, box["y"] + box["height"] * y] for x, y in points]
     is_slab = "([x, y]) => Boolean(document.elementFromPoint(x, y)?.closest('#headland-stop'))"
     return all(page.evaluate(is_slab, place) for place in places)
+
+
+def test_in_portrait_more_holds_the_screens_that_do_not_fit_and_stop_stays_free(look: Look, theatre: Theatre) -> None:
+    theatre.play("running")
+    page = look("/fleet", role="admin", size="portrait")
+    expect(page.get_by_test_id("nav-alarms")).to_be_visible()
+    expect(page.get_by_test_id("nav-admin")).to_be_hidden()
+    page.get_by_test_id("nav-more").click()
+    box, slab = page.get_by_test_id("nav-admin").bounding_box(), page.get_by_test_id("stop").bounding_box()
+    assert box
+    assert slab
+    assert min(box["width"], box["height"]) >= 56
+    assert box["x"] + box["width"] <= slab["x"]
+    assert is_stop_on_top(page)
+    page.get_by_test_id("nav-admin").click()
+    expect(page.get_by_test_id("robot-form")).to_be_visible()
+    expect(page.get_by_test_id("nav-admin")).to_be_hidden()
+    expect(page.get_by_test_id("nav-more")).to_have_attribute("aria-current", "page")
+
+
+@pytest.mark.long
+def test_a_section_pressed_before_its_script_came_is_the_one_that_opens(look: Look, theatre: Theatre) -> None:
+    theatre.play("running")
+    page = look("/fleet", role="admin")
+    held: list[Route] = []
+    page.route("**/static/bundle/admin.js*", lambda route: held.append(route))
+    page.get_by_test_id("nav-admin").click()
+    page.get_by_test_id("admin-tab-limits").click()
+    expect(page.get_by_test_id("admin-tab-limits")).to_have_attribute("aria-pressed", "true")
+    assert held
+    held[0].continue_()
+    expect(page.locator("hl-admin .h-sec > *").first).to_be_visible()
+    expect(page.get_by_test_id("admin-tab-limits")).to_have_attribute("aria-pressed", "true")
 
 
 def test_keys_move_between_screens_but_not_while_typing(look: Look, theatre: Theatre) -> None:
