@@ -20,7 +20,7 @@ FIRST_PAUSE_S, LONGEST_PAUSE_S = 10.0, 300.0
 LATE_PAUSE_S = 60.0
 BAD_ANSWERS = 3  # one answer that cannot be used may be about one request
 TIMES_KEPT = 50
-SKEW_TOLD_S = 5.0
+SKEW_TOLD_S = 2.0
 MAX_WHY = 300
 log = logging.getLogger(__name__)
 

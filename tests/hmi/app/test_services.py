@@ -31,7 +31,7 @@ from tests.served import served
 
 def settings(**values: Any) -> Settings:
     """Return the settings of a demo with some changed."""
-    return Settings(demo=True, time_zone="Europe/Amsterdam", **values)  # type: ignore[call-arg]
+    return Settings(demo=True, time_zone="Europe/Amsterdam", **values)
 
 
 class Features:
