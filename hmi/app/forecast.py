@@ -94,7 +94,7 @@ class ForecastRoom:
         from hmi.forecast.book import ForecastBook
 
         try:
-            source = make_source(self._settings)
+            source = await asyncio.to_thread(make_source, self._settings)  # reads certificates
         except ServiceError as error:
             self._link.failed(error)
             return

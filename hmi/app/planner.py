@@ -101,7 +101,7 @@ class PlannerRoom:
         from hmi.app.planner_work import look, make_client, make_planner  # loaded above, beside the event loop
 
         try:
-            self._client = make_client(self._settings)
+            self._client = await asyncio.to_thread(make_client, self._settings)  # reads certificates
         except ServiceError as error:
             self._link.failed(error)
             return

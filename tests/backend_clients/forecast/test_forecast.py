@@ -19,6 +19,7 @@ from backend_clients.simulator.faulty_http import Fault, FaultyHttp
 from backend_clients.simulator.field.weather import Weather
 from backend_clients.simulator.forecast import ForecastEndpoint
 from hmi.clock import FakeClock
+from hmi.keeper.certificates import make_certificates
 from tests.served import served
 
 DOCS = Path(__file__).parents[3] / "docs/protocols/forecast"
@@ -121,6 +122,28 @@ async def test_each_fault_of_a_service_has_its_own_error(fault: Fault, kind: typ
         with pytest.raises(kind):
             await client.forecast(*PLACE, 48)
         await client.close()
+
+
+async def test_a_slow_service_is_not_waited_for_longer_than_is_set() -> None:
+    service = FaultyHttp(ForecastEndpoint().application())
+    service.set(delay_s=30.0)
+    async with served(service) as url:
+        client = ForecastClient(Service(url, timeout_s=0.2))
+        with pytest.raises(errors.NoAnswer, match=r"no answer in 0\.2 s"):
+            await client.forecast(*PLACE, 48)
+        await client.close()
+
+
+async def test_a_certificate_that_is_not_ours_is_not_trusted_and_one_that_is_named_is(tmp_path: Path) -> None:
+    made = make_certificates(["127.0.0.1"], tmp_path, days=2)
+    async with served(ForecastEndpoint().application(), cert=made.cert, key=made.key) as url:
+        stranger, friend = ForecastClient(Service(url)), ForecastClient(Service(url, ca=str(made.ca)))
+        with pytest.raises(errors.Untrusted) as refused:
+            await stranger.forecast(*PLACE, 48)
+        assert "this machine's clock" in refused.value.mend
+        assert (await friend.forecast(*PLACE, 48))[0] is not None
+        for client in (stranger, friend):
+            await client.close()
 
 
 async def test_the_simulated_service_refuses_a_place_that_is_none() -> None:

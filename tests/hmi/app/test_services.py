@@ -128,6 +128,31 @@ async def test_a_plan_made_before_the_service_was_looked_for_says_so() -> None:
     await room.stop()
 
 
+async def test_the_clock_of_a_planner_service_that_is_off_is_told() -> None:
+    clock = SystemClock()
+    faulty = FaultyHttp(make_application(PlanDesk(process=HereProcess())), clock=clock)
+    faulty.set(clock_s=900.0)
+    async with served(faulty, has_date=False) as url:
+        room = PlannerRoom(settings(planner_url=url), clock)
+        room.start()
+        await until(lambda: room.report()["skew_s"] is not None)
+        assert room.report()["skew_s"] == pytest.approx(900, abs=5)
+        await room.stop()
+
+
+async def test_a_forecast_that_comes_after_the_end_has_no_effect() -> None:
+    clock = FakeClock()
+    faulty = FaultyHttp(ForecastEndpoint(clock=clock).application())
+    faulty.set(delay_s=0.2)
+    async with served(faulty) as url:
+        room = ForecastRoom(settings(forecast_url=url), clock, RECORDS)
+        room.start()
+        await until(lambda: faulty.requests > 0)
+        await room.stop()
+        assert room.latest() is None
+        assert room.report()["heard_utc"] is None
+
+
 @pytest.mark.slow
 async def test_plans_of_the_room_come_from_the_service_and_rests_do_not() -> None:
     async with served(make_application(PlanDesk(process=HereProcess()))) as url:
