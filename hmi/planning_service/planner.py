@@ -19,6 +19,7 @@ from hmi.planning_service.place import P, made_here, made_there
 from hmi.service_link import ServiceLink, ServiceState, state_of
 
 Given = Callable[[PlanWish, list[dict[str, Any]], list[str]], P]
+MAX_WHY = 200
 CHECKING = "Checking the plan"
 
 
@@ -122,4 +123,5 @@ _REASONS = {
 
 
 def _sentence(text: str) -> str:
-    return text.strip().rstrip(".")
+    """Return words from outside as plain text, without their full stop."""
+    return "".join(c for c in text[:MAX_WHY] if c.isprintable()).strip().rstrip(".")

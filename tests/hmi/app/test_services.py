@@ -78,7 +78,8 @@ def test_a_console_without_services_loads_none_of_their_clients() -> None:
     code = (
         "from hmi.app import LEANLY, lean_start\nwith lean_start(*LEANLY): import hmi.app.server\n"
         "import sys; print([n for n in sys.modules if n.startswith(('backend_clients.planner', "
-        "'backend_clients.forecast', 'hmi.planning_service.planner', 'hmi.forecast', 'backend_clients.service.connection'))])"
+        "'backend_clients.forecast', 'backend_clients.service.connection', 'hmi.planning_service.planner', "
+        "'hmi.forecast'))])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True)
     assert done.stdout.strip() == "[]"

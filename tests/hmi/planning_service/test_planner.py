@@ -108,6 +108,24 @@ async def test_whatever_goes_wrong_the_plan_is_made_here_and_says_why(
         rig.faulty.set()
 
 
+def refuses_in_odd_words(report: Any) -> Any:
+    """Return a plan that failed, with words no screen should carry on."""
+    problem = {"code": "x", "text": "No\x00 \x1b[31mway.\n" + "y" * 300}
+    if "wish_sha256" not in report:
+        return report
+    return {**report, "state": "failed", "result": None, "problem": problem}
+
+
+async def test_what_a_service_says_goes_on_as_plain_words_only() -> None:
+    async with service_rig() as rig:
+        rig.faulty.set(alter=refuses_in_odd_words)
+        text = (await rig.planner.plan(wish())).statistics["planned_at"]["text"]
+        assert text.startswith("Planned on this server: the planner service refused the wish: No [31mway.yyy")
+        assert text.isprintable()
+        assert len(text) < 300
+        assert rig.link.last_error is None
+
+
 async def test_a_service_that_is_away_is_not_waited_for_again_and_comes_back_by_itself() -> None:
     async with service_rig() as rig:
         rig.faulty.set(fault=Fault.FAIL)
