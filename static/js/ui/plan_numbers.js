@@ -86,9 +86,11 @@
       this.body.replaceChildren(...patterns.map((pattern) => this.row(pattern, answers, chosen)));
     }
 
+    // one short line beside the heading: its width must not push the rows about
     progress(done, seconds, step) {
-      const under = step ? `. ${stepWords(step)}` : "";
-      text(this.state, `${done} of ${Object.keys(NAMES).length} planned${seconds < SOON_S ? "" : `, ${seconds} s`}${under}`);
+      const isUnder = step?.share > 0 && step.share < 1;
+      const since = isUnder ? `, next ${Math.round(100 * step.share)} %` : seconds < SOON_S ? "" : `, ${seconds} s`;
+      text(this.state, `${done} of ${Object.keys(NAMES).length} planned${since}`);
     }
 
     row(pattern, answers, chosen) {
