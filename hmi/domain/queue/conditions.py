@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from datetime import timedelta
 
-from hmi.domain.forecast import HOUR, Expected, clearing
+from hmi.domain.forecast import Expected
 from hmi.domain.queue.daylight import daylight
 from hmi.domain.queue.entry import Entry
 from hmi.domain.queue.facts import VALUE_FRESH_S, WEATHER_FRESH_S, Facts
+from hmi.domain.queue.outlook import outlook_of
 from hmi.domain.queue.reason import Waiting, Who, clock_text
 
 EXPECTED = {"rain": Expected.RAIN_RATE, "wind": Expected.WIND_SPEED}
@@ -50,23 +51,9 @@ def _weather(entry: Entry, facts: Facts) -> Waiting | None:
             return _no_weather(what, facts)
         if value >= limit:
             text = f"Waits: {what} {value:.1f} {unit}, limit {limit:.1f}."
-            outlook = _outlook(entry, facts, what, limit)
+            outlook = outlook_of(facts.forecast, entry.place, EXPECTED[what], limit, facts.now, facts.zone)
             return Waiting(what, text, f"Less {what}, or another limit.", Who.ITSELF, outlook=outlook)
     return None
-
-
-def _outlook(entry: Entry, facts: Facts, what: str, limit: float) -> str:
-    """Say when it is expected to be below its limit; the measurement alone decides."""
-    forecast = facts.forecast
-    if forecast is None or (entry.place is not None and not forecast.is_near(entry.place)):
-        return ""
-    found = clearing(forecast, EXPECTED[what], limit, facts.now)
-    if found is None:
-        return ""
-    made = "" if found.age is None else f" made {found.age // HOUR} h ago"
-    if found.at is None:
-        return f"Forecast{made}: not below {limit:.1f} before {clock_text(found.until, facts.now, facts.zone)}."
-    return f"Forecast{made}: below {limit:.1f} from about {clock_text(found.at, facts.now, facts.zone)}."
 
 
 def _is_fresh(facts: Facts) -> bool:
