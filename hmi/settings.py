@@ -178,7 +178,28 @@ class Settings(BaseSettings):
         64, ge=1, le=10_000, description="Room on disk for what waits while the cloud is away, MB; the oldest goes."
     )
     cloud_outbox_days: float = Field(7, gt=0, le=365, description="What waited so long is dropped.")
-    demo_cloud: bool = Field(True, description="Run a simulated context broker in the demo.")
+    demo_cloud: bool = Field(
+        True, description="Run a simulated context broker in the demo, and a weather forecast with it."
+    )
+    planner_url: str | None = Field(
+        None,
+        description="Planner service (docs/protocols/planner.md), e.g. https://plans.example/v1. Missions are planned "
+        "there, checked here, and planned here if it does not answer. Not set: always here.",
+    )
+    planner_token: SecretStr = Field(default_factory=_no_secret, description="Bearer token of the planner service.")
+    planner_ca: Path | None = Field(None, description="CA file for a planner service with its own certificate.")
+    planner_timeout_s: float = Field(
+        30, ge=1, le=600, description="A plan of the planner service may take this long; then it is made here, seconds."
+    )
+    demo_planner: bool = Field(
+        False,
+        description="Run a planner service in the demo. Off: planning twice loads the geometry in two processes.",
+    )
+    forecast_url: str | None = Field(
+        None, description="Weather forecast (docs/protocols/forecast.md), e.g. https://weather.example/v1."
+    )
+    forecast_token: SecretStr = Field(default_factory=_no_secret, description="Bearer token of the weather forecast.")
+    forecast_ca: Path | None = Field(None, description="CA file for a weather forecast with its own certificate.")
     demo_light: Literal["day", "clock"] = Field(
         "day",
         description="What the demo's cameras see: day is a summer morning at any hour, clock the light of now.",
@@ -240,14 +261,14 @@ class Settings(BaseSettings):
     def _tile_url(cls, value: str | None) -> str | None:
         return None if not value else checked_template(value)
 
-    @field_validator("cloud_url", "cloud_oauth_url", "cloud_notify_url")
+    @field_validator("cloud_url", "cloud_oauth_url", "cloud_notify_url", "planner_url", "forecast_url")
     @classmethod
     def _cloud_address(cls, value: str | None) -> str | None:
         if not value:
             return None
         parts = urlsplit(value)
         if parts.scheme not in ("http", "https") or not parts.hostname or parts.query or "@" in parts.netloc:
-            raise ValueError("an address of the cloud must be http(s)://host/..., without name and password in it")
+            raise ValueError("an address of a service must be http(s)://host/..., without name and password in it")
         return value.rstrip("/")
 
     @field_validator("cloud_tenant")

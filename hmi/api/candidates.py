@@ -18,6 +18,8 @@ NDJSON = "application/x-ndjson"
 def candidate_stream(answers: AsyncIterator[CandidateAnswer]) -> StreamingResponse:
     """Return a stream: first the patterns to come, then a line for each, at the end ``{"state": "done"}``.
 
+    A planner that tells how far it is gives lines with state ``progress`` before a pattern's own.
+
     Leaving early (the browser closes the connection) ends the planning.
     """
     return StreamingResponse(_lines(answers), media_type=NDJSON, headers={"Cache-Control": "no-store"})
@@ -33,6 +35,9 @@ async def _lines(answers: AsyncIterator[CandidateAnswer]) -> AsyncIterator[bytes
 
 def _told(answer: CandidateAnswer) -> dict[str, Any]:
     line: dict[str, Any] = {"pattern": answer.pattern.value}
+    if answer.progress is not None:
+        share, words = answer.progress
+        return {**line, "state": "progress", "share": round(share, 3), "text": words}
     if answer.refusal is not None:
         refusal = answer.refusal
         return {**line, "state": "refused", "code": refusal.code, "text": refusal.text, "field": refusal.field or None}

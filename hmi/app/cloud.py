@@ -72,6 +72,7 @@ class CloudRoom:
         folder = settings.data / "cloud"
         outbox = Outbox(folder / "outbox.db", settings.cloud_outbox_mb * 2**20, settings.cloud_outbox_days * 86_400)
         self._backlog = Backlog(outbox, clock)
+        self.services: list[Callable[[], dict[str, Any]]] = []  # rows of other services outside
         self.news = CloudNews(self._urns, clock, self._backlog.put, self._family_of)
 
     @property
@@ -189,6 +190,9 @@ class CloudRoom:
 
     def report(self) -> dict[str, Any]:
         """See ``CloudDesk``."""
+        return {**self._own_report(), "services": [report() for report in self.services]}
+
+    def _own_report(self) -> dict[str, Any]:
         if self._work is not None:
             return self._work.report.whole()
         words = words_of(state := "connecting" if self.is_on else "off")

@@ -17,6 +17,7 @@ from hmi.app.chores import Chores
 from hmi.app.cloud import CloudRoom
 from hmi.app.edge import Edge
 from hmi.app.fleet import FleetDesk
+from hmi.app.forecast import ForecastRoom
 from hmi.app.maps import MapDesk
 from hmi.app.missions import MissionDesk
 from hmi.app.pictures import PictureDesk
@@ -78,6 +79,8 @@ class Console:
         self.cloud = CloudRoom(
             settings, clock, records, edge.fleet, lambda: edge.coordinator.tally.total, self._lane_event
         )
+
+        self.forecast = ForecastRoom(settings, clock, records)
 
     def _open_commands(self, epoch: int) -> None:
         """Commands to one robot, to several, by the queue, and STOP's second path."""
@@ -152,6 +155,11 @@ class Console:
         self.alarms.stations, self.alarms.condition_of = self.sensors.findings, self.sensors.condition_of
         self.queue.treatment = self.sensors.gate
         self.sensors.on_loaded.append(lambda work: self.cloud.watch_stations(work.board))
+        self.queue.forecast = self.forecast.latest
+        for room in (self.missions.planner, self.forecast):
+            self.cloud.services.append(room.report)
+        self.alarms.further["planner"] = self.missions.planner.findings
+        self.alarms.further["forecast"] = self.forecast.findings
         self.desk.missions.cloud = self.cloud if self.cloud.is_on else None
         self.alarms.notifications.responsible_for = self._responsible_for
         self.alarms.store.listeners.append(self.pictures.recorder.alarm)
@@ -197,9 +205,11 @@ class Console:
         self.chores.start()
         self.sensors.start()
         self.cloud.start()
+        self.forecast.start()
 
     async def stop(self) -> None:
         """End everything in the opposite order; what is queued is written."""
+        await self.forecast.stop()
         await self.cloud.stop()
         await self.sensors.stop()
         await self.twin.stop()

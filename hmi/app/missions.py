@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import asyncio
-
 from fastapi import APIRouter
 
 from hmi.api.mission_rest import rest_routes
 from hmi.api.missions import mission_routes
 from hmi.api.templates import template_routes
 from hmi.app.mission_facts import MissionFactsBook
+from hmi.app.planner import PlannerRoom
 from hmi.app.records import Records
 from hmi.clock import Clock
 from hmi.commands.checklist_desk import ChecklistDesk
@@ -24,7 +23,6 @@ from hmi.commands.start_rules import MissionStartRules
 from hmi.commands.template_book import TemplateBook
 from hmi.demo.seed import DemoSeed, SeedParts
 from hmi.domain.mission import MissionChange
-from hmi.planning.worker import PlanningProcess
 from hmi.presenters.operate import MissionTitle
 from hmi.security.authorization import Authorize
 from hmi.security.demo_users import seed_demo_users
@@ -49,7 +47,7 @@ class MissionDesk:
     ) -> None:
         self._on_event = on_event
         self._settings, self._clock, self._records, self._fleet = settings, clock, records, fleet
-        self._planner = PlanningProcess()
+        self.planner = PlannerRoom(settings, clock)
         self._seed: DemoSeed | None = None
         self.book = MissionBook(
             MissionParts(
@@ -57,7 +55,7 @@ class MissionDesk:
                 features=records.features,
                 database=records.database,
                 fleet=fleet,
-                planner=self._planner,
+                planner=self.planner,
                 audit=records.audit,
                 authorize=authorize,
                 clock=clock,
@@ -102,7 +100,7 @@ class MissionDesk:
                 maps=records.maps,
                 database=records.database,
                 fleet=self._fleet,
-                planner=self._planner,
+                planner=self.planner,
                 gate=desk.gate,
                 leases=desk.leases,
                 sender=desk.missions,
@@ -126,6 +124,7 @@ class MissionDesk:
     def start(self) -> None:
         """Begin to follow the robots' reports."""
         self.tracking.start()
+        self.planner.start()
         if self._seed is not None:
             self._seed.in_background()
 
@@ -136,7 +135,7 @@ class MissionDesk:
         await self.tracking.close()
         await self.acts.close()
         await self.facts.close()
-        await asyncio.to_thread(self._planner.close)
+        await self.planner.stop()
 
     async def _seed_demo(self) -> None:
         records = self._records

@@ -25,6 +25,7 @@ from hmi.commands.queue_handover import HandoverParts, QueueHandover
 from hmi.commands.queue_life import LifeParts, QueueLife
 from hmi.commands.queue_runner import QueueRunner, RunnerParts
 from hmi.commands.weather import WeatherBoard
+from hmi.domain.forecast import Forecast
 from hmi.domain.freshness import TickRing
 from hmi.domain.queue.arming import ArmingBook
 from hmi.domain.robot import Robot
@@ -61,6 +62,7 @@ class QueueDesk:
         self.store = QueueStore(records.database, settings.farm_id, clock)
         self.weather = WeatherBoard(clock, authorize, settings.farm_id)
         self.treatment: Callable[[], TreatmentGate | None] = lambda: None
+        self.forecast: Callable[[], Forecast | None] = lambda: None
         gate = Gate(fleet, ticks, clock, authorize)
         self.arming = self._make_arming(gate)
         self.freeze = QueueFreeze(
@@ -138,6 +140,7 @@ class QueueDesk:
             weather=lambda: self.weather.latest,
             is_given_up=self.handover.is_given_up,
             treatment=lambda: self.treatment(),
+            forecast=lambda: self.forecast(),
         )
         parts = RunnerParts(
             store=self.store,

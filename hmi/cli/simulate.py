@@ -10,9 +10,11 @@ from typing import Annotated, Any
 
 import typer
 
+from hmi.cli import services
 from hmi.keeper.errors import StartError
 
 app = typer.Typer(no_args_is_help=True)
+services.register(app)
 
 
 @app.callback()
@@ -211,12 +213,15 @@ def weather(
 def context_broker(
     port: Annotated[int, typer.Option(min=0, max=65535, help="Port to listen on; 0 takes a free one.")] = 1026,
     host: Annotated[str, typer.Option(help="Address to listen on.")] = "127.0.0.1",
+    forecast: Annotated[bool, typer.Option(help="Serve a weather forecast beside it.")] = False,
+    planner: Annotated[bool, typer.Option(help="Serve a planner beside it.")] = False,
 ) -> None:
     """Start a simulated context broker (NGSI-v2), which forgets everything when it ends."""
     from backend_clients.simulator.context_broker.__main__ import run
+    from hmi.demo.cloud_services import beside_the_broker
 
     try:
-        run(host, port)
+        run(host, port, beside_the_broker(has_planner=planner, has_forecast=forecast))
     except OSError as error:
         raise StartError(f"Cannot listen on {host}:{port}: {error}.") from error
 

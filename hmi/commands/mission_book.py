@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncGenerator, AsyncIterator, Sequence
+from contextlib import aclosing
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -52,12 +54,18 @@ class MissionParts:
 
 @dataclass(frozen=True, slots=True)
 class CandidateAnswer:
-    """One pattern of a comparison: the plan, or why there is none; ``same_as`` names one with the same path."""
+    """One pattern of a comparison: how far it is, then the plan, or why there is none.
+
+    Args:
+        same_as: names a pattern with the same path.
+        progress: of a planner that tells it, a share from 0 to 1 and words; the answer itself is still to come.
+    """
 
     pattern: Pattern
     candidate: Candidate | None = None
     refusal: PlanRefused | None = None
     same_as: Pattern | None = None
+    progress: tuple[float, str] | None = None
 
 
 class MissionBook:
@@ -128,12 +136,15 @@ class MissionBook:
         paths: dict[tuple[float, ...], Pattern] = {}
         for pattern in patterns:
             try:
-                found = await self._parts.planner.candidate(replace(wish, pattern=pattern))
+                async with aclosing(told_while(self._parts.planner, replace(wish, pattern=pattern))) as steps:
+                    async for step in steps:
+                        if not isinstance(step, Candidate):
+                            yield CandidateAnswer(pattern, progress=step)
+                            continue
+                        same = paths.setdefault(_fingerprint(step), pattern)
+                        yield CandidateAnswer(pattern, step, same_as=None if same is pattern else same)
             except PlanRefused as refusal:
                 yield CandidateAnswer(pattern, refusal=refusal)
-                continue
-            same = paths.setdefault(_fingerprint(found), pattern)
-            yield CandidateAnswer(pattern, found, same_as=None if same is pattern else same)
 
     async def plan(self, session: SessionInfo, order: PlanOrder) -> Mission:
         """Plan and store a mission; raises as ``preview``."""
@@ -159,8 +170,12 @@ class MissionBook:
             statistics=planned.statistics,
             map_version=version.number,
         )
-        stored = await self._database.run(self._missions.add, mission, planned.document, "Planned.")
-        self._audit(session, stored, "planned", {"width_m": order.width_m, "field_id": order.field_id})
+        place = planned.statistics.get("planned_at") or {}
+        stored = await self._database.run(
+            self._missions.add, mission, planned.document, place.get("text") or "Planned."
+        )
+        about = {"width_m": order.width_m, "field_id": order.field_id}
+        self._audit(session, stored, "planned", {**about, "planned_at": place["where"]} if place else about)
         return stored
 
     async def rename(self, session: SessionInfo, mission_id: str, name: str) -> Mission:
@@ -304,6 +319,23 @@ class MissionBook:
         self._parts.audit.append(
             audit_line(session, "mission", outcome, text, ref=mission.id, robot_id=robot_id, data=data)
         )
+
+
+async def told_while(planner: Planner, wish: PlanWish) -> AsyncGenerator[tuple[float, str] | Candidate, None]:
+    """Return how far a candidate is, as often as it is told, and at last the candidate.
+
+    Ending the iteration gives the work up. Raises ``PlanRefused``.
+    """
+    heard: asyncio.Queue[tuple[float, str] | None] = asyncio.Queue()
+    work = asyncio.ensure_future(planner.candidate(wish, lambda share, words: heard.put_nowait((share, words))))
+    work.add_done_callback(lambda _: heard.put_nowait(None))
+    try:
+        while (step := await heard.get()) is not None:
+            yield step
+        yield work.result()
+    finally:
+        work.cancel()
+        await asyncio.gather(work, return_exceptions=True)
 
 
 def _on_map(planned: PlannedMission, version: MapStamp) -> PlannedMission:

@@ -11,6 +11,7 @@ from hmi.clock import Clock
 from hmi.commands.lease_service import LeaseService
 from hmi.commands.ports import FleetReader
 from hmi.domain.command import Action
+from hmi.domain.forecast import Forecast
 from hmi.domain.function_use import obstacle
 from hmi.domain.queue.arming import ArmingBook
 from hmi.domain.queue.entry import Entry
@@ -38,6 +39,7 @@ class FactSources:
     weather: Callable[[], Weather | None]
     is_given_up: Callable[[str, str], bool] = lambda _robot_id, _sha256: False
     treatment: Callable[[], Gate | None] = lambda: None
+    forecast: Callable[[], Forecast | None] = lambda: None
 
 
 class FactDesk:
@@ -69,6 +71,7 @@ class FactDesk:
             blackouts=source.store.blackouts(),
             weather=source.weather(),
             treatment=source.treatment() if entry.conditions.needs_treatment_weather else None,
+            forecast=source.forecast(),
             pause=pause,
         )
 

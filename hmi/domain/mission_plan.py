@@ -4,12 +4,13 @@
 
     MissionError
     ├── PlanRefused       the wish cannot be planned; says why and what to change
+    ├── PathUnfit         a path from elsewhere is not one that the robot may drive; says why
     └── MissionRefused    what was asked of a stored mission is not possible now
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, Protocol
@@ -43,6 +44,10 @@ class MissionError(Exception):
 
 class PlanRefused(MissionError):
     """The wish was understood and cannot be planned."""
+
+
+class PathUnfit(MissionError):
+    """A path that was planned elsewhere breaks a rule that every plan keeps."""
 
 
 class MissionRefused(MissionError):
@@ -165,14 +170,22 @@ class Candidate:
     drawing: dict[str, Any]
 
 
+Tell = Callable[[float, str], None]
+"""Hears how far a plan is: a share, 0 to 1, and words for a person."""
+
+
+def nobody(_share: float, _words: str) -> None:
+    """Hear of progress and leave it."""
+
+
 class Planner(Protocol):
     """Plans off the event loop."""
 
-    async def candidate(self, wish: PlanWish) -> Candidate:
+    async def candidate(self, wish: PlanWish, tell: Tell = nobody) -> Candidate:
         """Return the plan to look at; cancelling gives the work up. Raises as ``plan``."""
         ...
 
-    async def plan(self, wish: PlanWish) -> PlannedMission:
+    async def plan(self, wish: PlanWish, tell: Tell = nobody) -> PlannedMission:
         """Return the plan.
 
         Raises:

@@ -42,7 +42,7 @@ def checkup() -> list[Finding]:
         return [*findings, Finding("settings", False, f"{text}. A fresh secret: HEADLAND_SECRET={fresh}")]
     findings.append(Finding("settings", True, "read and consistent"))
     findings.append(_tried("data folder", lambda: f"{require_writable(settings.data)} can be written"))
-    findings += [_broker(settings), *_ports(settings), _tls(settings)]
+    findings += [_broker(settings), *_ports(settings), _tls(settings), *_services(settings)]
     return findings
 
 
@@ -104,6 +104,17 @@ def _ports(settings: Settings) -> Iterator[Finding]:
 def _free(host: str, port: int, name: str) -> str:
     require_free(host, port, name)
     return "free"
+
+
+def _services(settings: Settings) -> Iterator[Finding]:
+    """Ask the services outside that are set; farms without any load nothing for it."""
+    if settings.planner_url or settings.forecast_url:
+        from hmi.keeper.service_checkup import forecast_answers, planner_answers
+
+        if settings.planner_url:
+            yield Finding("planner service", *planner_answers(settings))
+        if settings.forecast_url:
+            yield Finding("weather forecast", *forecast_answers(settings))
 
 
 def _tls(settings: Settings) -> Finding:

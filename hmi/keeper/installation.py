@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from hmi.cameras import door as camera_door
+from hmi.demo.cloud_services import FORECAST_PATH, PLANNER_PATH
 from hmi.keeper.broker import answers, demo_broker
 from hmi.keeper.data_folder import keep_secret, require_writable
 from hmi.keeper.errors import StartError
@@ -129,6 +130,11 @@ def _point_to_demo_cloud() -> None:
         os.environ["HEADLAND_DEMO_CLOUD"] = "false"
     elif settings.demo_cloud:
         os.environ |= {"HEADLAND_CLOUD_URL": f"http://127.0.0.1:{free_port()}", "HEADLAND_CLOUD_TENANT": "demo"}
+        cloud_url = os.environ["HEADLAND_CLOUD_URL"]
+        if not settings.forecast_url:
+            os.environ["HEADLAND_FORECAST_URL"] = cloud_url + FORECAST_PATH
+        if settings.demo_planner and not settings.planner_url:
+            os.environ["HEADLAND_PLANNER_URL"] = cloud_url + PLANNER_PATH
         if not settings.is_tls:  # the simulated broker does not know a certificate made here
             os.environ["HEADLAND_CLOUD_NOTIFY_URL"] = f"http://127.0.0.1:{settings.port}"
 
@@ -144,11 +150,19 @@ def _demo_cloud(settings: Settings) -> PartSpec:
     port = int(url.rsplit(":", 1)[1])
     return PartSpec(
         "context_broker",
-        (sys.executable, "-m", "hmi", "simulate", "context-broker", "--port", str(port)),
+        (sys.executable, "-m", "hmi", "simulate", "context-broker", "--port", str(port),
+         *_beside_the_cloud(settings, url)),
         is_ready=lambda: answers("127.0.0.1", port),
         url=url,
         dies_with_keeper=True,
-    )
+    )  # fmt: skip
+
+
+def _beside_the_cloud(settings: Settings, url: str) -> list[str]:
+    """Return the services that the demo's cloud serves in its own process: no further one starts for them."""
+    served = {"--forecast": settings.forecast_url == url + FORECAST_PATH,
+              "--planner": settings.planner_url == url + PLANNER_PATH}  # fmt: skip
+    return [name for name, is_served in served.items() if is_served]
 
 
 def _media(settings: Settings) -> PartSpec:

@@ -11,12 +11,12 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from hmi.domain.mission_plan import Pattern, PlanRefused
+from hmi.domain.mission_plan import Pattern, PlanRefused, Tell, nobody
 from hmi.planning import headland as headlands
 from hmi.planning import swaths as rows_of
 from hmi.planning.corners import Corners
 from hmi.planning.dubins import Pose
-from hmi.planning.estimate import effort
+from hmi.planning.figures import figures_of, missed_note, worked_strips
 from hmi.planning.ground import Ground, erode
 from hmi.planning.headland import Headland, Lap
 from hmi.planning.job import Job, checked_field, inner_field
@@ -29,15 +29,16 @@ from hmi.planning.swaths import Swath
 from hmi.planning.tour import by_part
 
 _GAP_M = 0.04
-_GRID_M = 1e-4  # without a grid, a union of many strips with common edges loses some of them
-_TOLD_MISSED = 0.04  # a share of the field; sharp corners of small fields cost that much
 _LONG_WAY_M = 10.0  # ways longer than this are driven at transit speed
 _MORE_PASSES = "Choose more headland passes."
 _DEEPER_RADII = (0.0, 1.0, 2.0)  # a border that slants more than usual needs a deeper headland to turn in
 
 
-def plan_coverage(job: Job) -> Plan:
+def plan_coverage(job: Job, tell: Tell = nobody) -> Plan:
     """Return a path that treats the whole field once.
+
+    Args:
+        tell: hears how far it is.
 
     Raises:
         PlanRefused: the input is unusable or the field cannot be worked like this; says why.
@@ -46,12 +47,12 @@ def plan_coverage(job: Job) -> Plan:
     is_wide = job.pattern is Pattern.SKIP_ROWS
     division = headlands.divide(job.machine, job.width_m, job.headland_passes, is_wide=is_wide)
     if job.headland_passes is not None or job.machine.can_pivot:
-        return _cover(job, field, division)
+        return _cover(job, field, division, tell)
     refusals: list[PlanRefused] = []
     for radii in _DEEPER_RADII:
         deeper_by = math.ceil(radii * job.machine.turning_radius_m / job.width_m)
         try:
-            return _cover(job, field, headlands.deepened(division, job.width_m, deeper_by))
+            return _cover(job, field, headlands.deepened(division, job.width_m, deeper_by), tell)
         except PlanRefused as refusal:
             refusals.append(refusal)
             if refusal.code != "turn_does_not_fit":
@@ -63,7 +64,8 @@ def plan_coverage(job: Job) -> Plan:
     raise PlanRefused(said.code, text, "width_m")
 
 
-def _cover(job: Job, field: BaseGeometry, division: Headland) -> Plan:
+def _cover(job: Job, field: BaseGeometry, division: Headland, tell: Tell) -> Plan:
+    tell(0.02, "Laying rows")
     inner = inner_field(field, division, job)
     ground = Ground(field, job.machine, crop=erode(inner, min(job.width_m, 1.0) * 0.6))
     angle = job.angle_rad if job.angle_rad is not None else rows_of.best_angle(inner, job.width_m)
@@ -73,7 +75,7 @@ def _cover(job: Job, field: BaseGeometry, division: Headland) -> Plan:
     cells = [[row for row in cell if job.doses.is_wanted_along(np.array([row.a, row.b]))] for cell in cells]
     if not any(cells):
         raise PlanRefused("nothing_to_treat", "No row crosses ground to be treated. Change the treatment.", "treatment")
-    return _Course(job, ground, division, cells, field, inner).run(angle)
+    return _Course(job, ground, division, cells, field, inner, tell).run(angle)
 
 
 class _Course:
@@ -87,7 +89,9 @@ class _Course:
         cells: list[list[Swath]],
         field: BaseGeometry,
         inner: BaseGeometry,
+        tell: Tell,
     ) -> None:
+        self.tell = tell
         self.job, self.ground, self.division = job, ground, division
         self.field, self.inner = field, inner
         self.wanted = job.doses.wanted(field)
@@ -109,16 +113,17 @@ class _Course:
 
     def run(self, angle: float) -> Plan:
         """Make the plan."""
+        self.tell(0.1, "Ordering rows")
         self._rows()
+        self.tell(0.8, "Headland")
         self._headland()
         if self.job.home is not None:
             self._home()
+        self.tell(0.9, "Adding up")
         legs = self.job.doses.cut(_with_pivots(self.legs, self.job.machine))
         figures = self._figures(legs, angle)
-        missed = figures.missed_m2 / figures.wanted_m2
-        if missed > _TOLD_MISSED:
-            ground = "field" if self.job.doses.is_plain else "ground to be treated"
-            self.notes.append(f"{missed:.0%} of the {ground} stays untreated, mostly where the robot cannot turn.")
+        if missed := missed_note(self.job, figures):
+            self.notes.append(missed)
         return Plan(tuple(legs), figures, tuple(self.notes))
 
     # rows
@@ -136,6 +141,7 @@ class _Course:
             [lap for lap in self.waiting if lap.is_inner], driven, self.division, self.job.width_m
         )
         for number, swath in enumerate(driven):
+            self.tell(0.1 + 0.7 * number / len(driven), f"Row {number + 1} of {len(driven)}")
             self._row(swath)
             self._laps(around.get(number, []))
         if self.row == 0:
@@ -247,30 +253,9 @@ class _Course:
         self.legs += [Leg(LegKind.EXIT, p, self._way_speed(p, 0.6)) for p in back]
 
     def _figures(self, legs: list[Leg], angle: float) -> Figures:
-        work = effort(legs, self.job.machine)
-        strips = self._strips(legs)
-        worked = shapely.union_all(strips, grid_size=_GRID_M)
-        covered = shapely.intersection(worked, self.field)
-        treated = covered if self.job.doses.is_plain else covered.intersection(self.wanted)
-        return Figures(
-            length_m=work.length_m,
-            working_length_m=work.working_length_m,
-            duration_s=work.duration_s,
-            working_s=work.working_s,
-            rows=self.row,
-            turns=work.turns,
-            pivots=work.pivots,
-            area_m2=float(self.field.area),
-            covered_m2=float(covered.area),
-            overlap_m2=max(0.0, float(shapely.area(strips).sum() - worked.area)),
-            inner_m2=float(self.inner.area),
-            inner_covered_m2=float(covered.intersection(self.inner).area),
-            energy_j=work.energy_j,
-            battery_share=work.energy_j / self.job.machine.battery_j,
-            angle_rad=angle % math.pi,
-            headland_passes=len(self.division.offsets_m),
-            wanted_m2=float(self.wanted.area),
-            missed_m2=max(0.0, float(self.wanted.area - treated.area)),
+        passes = len(self.division.offsets_m)
+        return figures_of(
+            self.job, self.field, self.inner, legs, self._strips(legs), rows=self.row, angle=angle, passes=passes
         )
 
     def _strips(self, legs: list[Leg]) -> list[BaseGeometry]:
@@ -280,12 +265,6 @@ class _Course:
             around = [leg for leg in legs if leg.kind is LegKind.HEADLAND]
             return [*rows_of.strips(self.done, width), *worked_strips(around, width)]
         return worked_strips(legs, width)
-
-
-def worked_strips(legs: Sequence[Leg], width_m: float) -> list[BaseGeometry]:
-    """Return the ground that each leg with the tool on works, not clipped to the field."""
-    lines = [shapely.LineString(leg.points) for leg in legs if leg.tool_on]
-    return list(shapely.buffer(lines, width_m / 2, quad_segs=12, cap_style="flat"))
 
 
 def _entry_cost(here: Pose, lap: Floats) -> float:

@@ -11,8 +11,8 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from hmi.planning.coverage import worked_strips
 from hmi.planning.estimate import timeline
+from hmi.planning.figures import worked_strips
 from hmi.planning.ground import polygons_of
 from hmi.planning.job import Job
 from hmi.planning.plan import Plan

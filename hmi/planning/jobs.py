@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from hmi.domain.mission_plan import Candidate, PlannedMission, PlanWish
@@ -21,6 +21,20 @@ def candidate(wish: PlanWish) -> Candidate:
     from hmi.planning.mission import plan_candidate
 
     return plan_candidate(wish)
+
+
+def given_mission(wish: PlanWish, segments: Sequence[Mapping[str, Any]], notes: Sequence[str] = ()) -> PlannedMission:
+    """Check a path that was planned elsewhere and make a mission of it; see ``hmi.planning.given_path``."""
+    from hmi.planning.given_path import checked_mission
+
+    return checked_mission(wish, segments, notes)
+
+
+def given_candidate(wish: PlanWish, segments: Sequence[Mapping[str, Any]], notes: Sequence[str] = ()) -> Candidate:
+    """Check a path that was planned elsewhere, to look at; see ``hmi.planning.given_path``."""
+    from hmi.planning.given_path import checked_candidate
+
+    return checked_candidate(wish, segments, notes)
 
 
 def rest(wish: RestWish) -> PlannedRest:

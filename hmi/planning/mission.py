@@ -43,23 +43,33 @@ def plan_mission(wish: PlanWish, machine: RobotProfile | None = None) -> Planned
     Raises:
         PlanRefused: the input is unusable or the field cannot be worked like this; says why.
     """
-    job, plan = _planned(wish, machine)
-    document = canonical(_document(wish, job, plan))
-    return PlannedMission(document, mission_sha256(document), statistics(wish, job, plan))
+    job = job_of(wish, machine)
+    return mission_of(wish, job, plan_coverage(job))
 
 
 def plan_candidate(wish: PlanWish) -> Candidate:
     """Plan a mission to look at: its numbers and a drawing, no document; raises as ``plan_mission``."""
-    job, plan = _planned(wish, None)
+    job = job_of(wish)
+    return candidate_of(wish, job, plan_coverage(job))
+
+
+def mission_of(wish: PlanWish, job: Job, plan: Plan) -> PlannedMission:
+    """Return a plan as a mission; raises ``PlanRefused`` if it is too long for a robot."""
+    document = canonical(_document(wish, job, plan))
+    return PlannedMission(document, mission_sha256(document), statistics(wish, job, plan))
+
+
+def candidate_of(wish: PlanWish, job: Job, plan: Plan) -> Candidate:
+    """Return a plan to look at; raises as ``mission_of``."""
     _check_length(plan)
     return Candidate(statistics(wish, job, plan), drawing(job, plan, _frame(wish)))
 
 
-def _planned(wish: PlanWish, machine: RobotProfile | None) -> tuple[Job, Plan]:
+def job_of(wish: PlanWish, machine: RobotProfile | None = None) -> Job:
+    """Return what is to be planned, in metres on the plane of the wish's datum; raises ``PlanRefused``."""
     _check_names(wish)
     _check_numbers(wish)
-    job = _job(wish, _frame(wish), machine or _machine(wish))
-    return job, plan_coverage(job)
+    return _job(wish, _frame(wish), machine or machine_of(wish))
 
 
 def _job(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> Job:
@@ -98,7 +108,8 @@ def _doses(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> DoseMap:
     return DoseMap(areas, given.rest_dose, lead_in, lead_out)
 
 
-def _machine(wish: PlanWish) -> RobotProfile:
+def machine_of(wish: PlanWish) -> RobotProfile:
+    """Return the machine of a wish with the speed and tool it asks for; raises ``PlanRefused``."""
     usual = RobotProfile() if wish.robot is None else RobotProfile.from_factsheet(wish.robot)
     if wish.robot is not None and wish.robot.family is Family.PLANTER:
         usual = usual.planting(wish.width_m, wish.plant_spacing_m)

@@ -48,6 +48,13 @@ class DoseMap:
             return field.intersection(shapely.union_all([zone for zone, dose in self._zones if dose > 0]))
         return field.difference(shapely.union_all(off)) if off else field
 
+    def zone(self, field: BaseGeometry, dose: float) -> BaseGeometry:
+        """Return the part of a field that gets one dose."""
+        zones = [zone for zone, own in self._zones if own == dose]
+        if self.rest == dose:
+            zones.append(field.difference(shapely.union_all([zone for zone, _ in self._zones])))
+        return field.intersection(shapely.union_all(zones))
+
     def is_wanted_along(self, points: Floats) -> bool:
         """Say whether anything along a line is to be treated."""
         return self.is_plain or any(dose > 0 for _, _, dose in self._spans(points))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
-from typing import TypeVar
+from typing import ParamSpec, TypeVar
 
-from hmi.domain.mission_plan import Candidate, PlannedMission, PlanRefused, PlanWish
+from hmi.domain.mission_plan import Candidate, PlannedMission, PlanRefused, PlanWish, Tell, nobody
 from hmi.domain.mission_rest import PlannedRest, RestWish
 from hmi.planning import jobs
 from hmi.planning.side_process import SideProcess, SideProcessDied
@@ -15,7 +15,7 @@ PLAN_LIMIT_S = 60.0  # a hundred hectares with ten holes at half a metre take le
 WAITING_LIMIT = 8  # plans that may wait for the one at work
 
 
-W = TypeVar("W")
+W = ParamSpec("W")
 P = TypeVar("P")
 
 
@@ -32,29 +32,30 @@ class PlanningProcess:
         self._waiting = 0
         self._turn = asyncio.Lock()
 
-    async def plan(self, wish: PlanWish) -> PlannedMission:
+    async def plan(self, wish: PlanWish, _tell: Tell = nobody) -> PlannedMission:
         """Return the plan.
 
         Raises:
             PlanRefused: it cannot be planned, took too long, or too many are waiting.
         """
-        return await self._run(jobs.mission, wish)
+        return await self.run(jobs.mission, wish)
 
     async def rest(self, wish: RestWish) -> PlannedRest:
         """Return the new rest of a mission; raises as ``plan``."""
-        return await self._run(jobs.rest, wish)
+        return await self.run(jobs.rest, wish)
 
-    async def candidate(self, wish: PlanWish) -> Candidate:
+    async def candidate(self, wish: PlanWish, _tell: Tell = nobody) -> Candidate:
         """Return the plan to look at; raises as ``plan``, and cancelling it frees the process."""
-        return await self._run(jobs.candidate, wish)
+        return await self.run(jobs.candidate, wish)
 
-    async def _run(self, work: Callable[[W], P], wish: W) -> P:
+    async def run(self, work: Callable[W, P], *given: W.args, **named: W.kwargs) -> P:
+        """Return what other work of planning returns; raises as ``plan``, and what the work raises."""
         if self._waiting >= WAITING_LIMIT:
             raise PlanRefused("busy", "The planner is busy. Try again in a minute.")
         self._waiting += 1
         try:
             async with self._turn:
-                return await asyncio.wait_for(self._process.run(work, wish), self._limit_s)
+                return await asyncio.wait_for(self._process.run(work, *given, **named), self._limit_s)
         except TimeoutError as error:
             text = f"Planning took more than {self._limit_s:.0f} s. Choose a larger row distance or a smaller field."
             raise PlanRefused("too_long", text, "width_m") from error

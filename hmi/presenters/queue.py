@@ -44,7 +44,8 @@ def waiting_row(verdict: Verdict, since: datetime) -> dict[str, Any]:
     waiting = verdict.waiting
     return {
         "code": waiting.code,
-        "text": waiting.text,
+        "text": f"{waiting.text} {waiting.outlook}".strip(),
+        "outlook": waiting.outlook,
         "clears": waiting.clears,
         "who": waiting.who.value,
         "clears_utc": utc_text(waiting.clears_at),

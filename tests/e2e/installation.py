@@ -45,6 +45,7 @@ class Installation:
         has_cameras: bool = False,
         map_engine: str = "full",
         has_cloud: bool = False,
+        has_planner: bool = False,
     ) -> Installation:
         """Start the demo with its data in ``data`` and wait until it says that it is ready; twin and cameras on demand.
 
@@ -60,6 +61,7 @@ class Installation:
             "HEADLAND_MEDIA": str(has_media).lower(),
             "HEADLAND_CAMERAS": str(has_cameras).lower(),
             "HEADLAND_DEMO_CLOUD": str(has_cloud).lower(),
+            "HEADLAND_DEMO_PLANNER": str(has_planner).lower(),
         }
         started_s = time.monotonic()
         process = subprocess.Popen(

@@ -6,30 +6,36 @@ import argparse
 import asyncio
 import signal
 import sys
+from collections.abc import Mapping
+
+from starlette.types import ASGIApp
 
 from backend_clients.simulator.context_broker.server import serve
 
 ORION_PORT = 1026
 
 
-async def _run(host: str, port: int) -> None:
+async def _run(host: str, port: int, beside: Mapping[str, ASGIApp]) -> None:
     stopping = asyncio.Event()
     loop = asyncio.get_running_loop()
     for number in (signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(number, stopping.set)
-    async with serve(host, port) as served:
+    async with serve(host, port, beside=beside) as served:
         sys.stdout.write(f"context broker (simulated) at {served.url}\n")
         sys.stdout.flush()
         await stopping.wait()
 
 
-def run(host: str, port: int) -> None:
+def run(host: str, port: int, beside: Mapping[str, ASGIApp] | None = None) -> None:
     """Run a broker until SIGTERM or SIGINT.
+
+    Args:
+        beside: other services of the same process, by path.
 
     Raises:
         OSError: the port is taken.
     """
-    asyncio.run(_run(host, port))
+    asyncio.run(_run(host, port, beside or {}))
 
 
 def main() -> int:

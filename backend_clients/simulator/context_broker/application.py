@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 
 from pydantic import ValidationError
@@ -116,8 +116,10 @@ class _Cut:
         raise ConnectionAbortedError("a tester cut this answer")
 
 
-def make_application(broker: ContextBroker, switch: FaultSwitch | None = None) -> Starlette:
-    """Return the ASGI application of a broker; its end ends the broker's notifications."""
+def make_application(
+    broker: ContextBroker, switch: FaultSwitch | None = None, beside: Mapping[str, ASGIApp] | None = None
+) -> Starlette:
+    """Return the ASGI application of a broker, with others beside it; its end ends the broker's notifications."""
     endpoint = BrokerEndpoint(broker, switch or FaultSwitch())
 
     @asynccontextmanager
@@ -126,7 +128,8 @@ def make_application(broker: ContextBroker, switch: FaultSwitch | None = None) -
         endpoint.close()
         await broker.close()
 
-    return Starlette(routes=[Mount("/", app=endpoint)], lifespan=lifespan)
+    others = [Mount(path, app=application) for path, application in (beside or {}).items()]
+    return Starlette(routes=[*others, Mount("/", app=endpoint)], lifespan=lifespan)
 
 
 def _response(answer: Answer) -> Response:

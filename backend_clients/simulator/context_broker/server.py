@@ -5,11 +5,12 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import socket
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Iterator, Mapping
 from contextlib import asynccontextmanager
 
 import httpx
 import uvicorn
+from starlette.types import ASGIApp
 
 from backend_clients.simulator.context_broker.application import make_application
 from backend_clients.simulator.context_broker.broker import ContextBroker
@@ -33,8 +34,12 @@ async def serve(
     *,
     clock: Clock | None = None,
     notify_transport: httpx.AsyncBaseTransport | None = None,
+    beside: Mapping[str, ASGIApp] | None = None,
 ) -> AsyncIterator[Served]:
     """Run a broker on a port until the block ends; port 0 is a free one.
+
+    Args:
+        beside: other services of the same port, by path.
 
     Raises:
         OSError: the port is taken.
@@ -42,7 +47,7 @@ async def serve(
     listener = socket.create_server((host, port), backlog=BACKLOG)
     broker, switch = ContextBroker(clock, notify_transport), FaultSwitch()
     config = uvicorn.Config(
-        make_application(broker, switch),
+        make_application(broker, switch, beside),
         log_config=None,
         log_level="critical",  # a cut answer is a fault on purpose, not one to report
         access_log=False,

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from datetime import timedelta
 
+from hmi.domain.forecast import Expected
 from hmi.domain.queue.daylight import daylight
 from hmi.domain.queue.entry import Entry
 from hmi.domain.queue.facts import VALUE_FRESH_S, WEATHER_FRESH_S, Facts
+from hmi.domain.queue.outlook import outlook_of
 from hmi.domain.queue.reason import Waiting, Who, clock_text
 from hmi.domain.sensors.gate import GateState
+
+EXPECTED = {"rain": Expected.RAIN_RATE, "wind": Expected.WIND_SPEED}
 
 
 def unmet(entry: Entry, facts: Facts) -> Waiting | None:
@@ -49,7 +53,8 @@ def _weather(entry: Entry, facts: Facts) -> Waiting | None:
             return _no_weather(what, facts)
         if value >= limit:
             text = f"Waits: {what} {value:.1f} {unit}, limit {limit:.1f}."
-            return Waiting(what, text, f"Less {what}, or another limit.", Who.ITSELF)
+            outlook = outlook_of(facts.forecast, entry.place, EXPECTED[what], limit, facts.now, facts.zone)
+            return Waiting(what, text, f"Less {what}, or another limit.", Who.ITSELF, outlook=outlook)
     return None
 
 

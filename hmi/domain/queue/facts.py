@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from zoneinfo import ZoneInfo
 
+from hmi.domain.forecast import Forecast
 from hmi.domain.mission import MissionStatus
 from hmi.domain.queue.blackout import Blackout
 from hmi.domain.robot import Mode, OrderStatus
@@ -84,6 +85,8 @@ class Facts:
         disarmed: why it is not armed any more, empty if it never was.
         owner: who has control instead of the queue, empty if nobody.
         treatment: what field stations say of the farm's treatment limits, ``None`` if nobody is asked.
+        weather: what is measured: rules go by it alone.
+        forecast: says when a rule that waits is expected to clear, and decides nothing.
         pause: what the queue itself waits for after a refusal, with until when.
     """
 
@@ -102,4 +105,5 @@ class Facts:
     blackouts: Sequence[Blackout] = ()
     weather: Weather | None = None
     treatment: Gate | None = None
+    forecast: Forecast | None = None
     pause: tuple[str, datetime] | None = None

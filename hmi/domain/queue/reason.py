@@ -20,13 +20,17 @@ class Who(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Waiting:
-    """One sentence, what clears it, who can, and when it clears by itself (UTC) if that is known."""
+    """One sentence, what clears it, who can, and when it clears by itself (UTC) if that is known.
+
+    ``outlook`` is a further sentence on what is expected, which is never known.
+    """
 
     code: str
     text: str
     clears: str
     who: Who
     clears_at: datetime | None = None
+    outlook: str = ""
 
 
 def clock_text(at: datetime, now: datetime, zone: ZoneInfo, *, seconds: bool = False) -> str:

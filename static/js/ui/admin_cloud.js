@@ -20,13 +20,33 @@
   const size = (bytes) => (bytes < 1e6 ? `${Math.ceil(bytes / 1000)} kB` : `${(bytes / 1e6).toFixed(1)} MB`);
   const clock = (skew) => (skew === null || skew === undefined ? "not known" : skew === 0 ? "agrees with ours within 2 s" : `${Math.abs(skew).toFixed(0)} s ${skew > 0 ? "ahead of" : "behind"} ours`);
 
+  // a service beside the broker: how its link is, how long it takes, what went wrong last
+  function service(one) {
+    const head = el("div", { class: "h-card h-sec", "data-testid": `service-${one.key}`, "data-state": one.state },
+      el("div", { class: "h-row" }, icon(SIGNS[one.level], "l"), el("b", { class: "h-t18 h-b" }, one.head), el("span", { class: "h-2" }, one.state === "off" ? "" : `for ${span(one.for_s)}`)),
+      el("p", {}, one.text),
+      ...(one.why ? [el("p", { class: "h-2" }, one.why)] : []),
+      ...(one.mend ? [el("p", {}, el("b", {}, "To do: "), one.mend)] : []));
+    const title = el("h2", {}, one.name);
+    if (one.state === "off") return [title, head];
+    const last = one.last_error;
+    const rows = [
+      ["Address", one.url], ["Answers after", one.delay_s === null ? "–" : `${one.delay_s < 1 ? ms(one.delay_s) : span(one.delay_s)} (median)`],
+      ["Last answer", one.heard_utc ? HL.records.when(one.heard_utc) : "none yet"], ["Its clock", clock(one.skew_s)],
+      ["Last error", last ? `${HL.records.when(last.utc)}: ${last.text}` : "none"], ...one.facts,
+    ];
+    if (one.again_in_s > 0) rows.push(["Asked again", `in ${span(one.again_in_s)}`]);
+    return [title, head, table(["What", "Value"], rows.map((cells) => ({ cells })))];
+  }
+
   class Panel {
     constructor(place) {
       this.place = place;
       this.head = el("div", { class: "h-card h-sec", "data-testid": "cloud-state", role: "status" });
       this.body = el("div", { class: "h-sec" });
       this.error = el("div", { class: "h-error", role: "alert", hidden: true });
-      place.append(el("h2", {}, "Cloud"), this.error, this.head, this.body);
+      this.services = el("div", { class: "h-sec", "data-testid": "cloud-services" });
+      place.append(el("h2", {}, "Cloud"), this.error, this.head, this.body, this.services);
       this.head.append(el("span", { class: "h-2" }, "Loading"));
       this.ask();
     }
@@ -42,6 +62,7 @@
 
     draw(told) {
       this.state(told);
+      this.services.replaceChildren(...(told.services ?? []).flatMap((one) => service(one)));
       if (told.state === "off") return this.body.replaceChildren(empty("Nothing goes to a cloud", "Robots, STOP and everything on these screens work without one."));
       this.body.replaceChildren(
         el("h2", {}, "Waiting here"), this.waiting(told.waiting, told.counts),

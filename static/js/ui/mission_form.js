@@ -3,7 +3,7 @@
   "use strict";
   const { el, icon, attr, text } = HL;
   const { Inputs, Treatment, Step, Picture, Path, Scrubber, Compare } = HL.planner;
-  const PLAN_LIMIT_MS = 70000; // the planner gives up after 60 s and says so
+  const PLAN_LIMIT_MS = 130000; // the planner here gives up after 60 s and says so; a planner service is asked before
 
   const sheets = new Map();
   function loadSheet(href) {
@@ -131,6 +131,7 @@
       this.shown = null;
       this.planned = this.ground();
       this.isPlanning = true;
+      this.step = null;
       this.begunAt = performance.now();
       clearInterval(this.ticker);
       this.ticker = setInterval(() => this.tick(), 1000);
@@ -153,7 +154,7 @@
     // a second more of planning: only words change, so that a tap on a row is never lost
     tick() {
       if (!this.isPlanning || !this.node.isConnected) return clearInterval(this.ticker);
-      this.compare.progress(this.answers.size, this.plannedForS());
+      this.compare.progress(this.answers.size, this.plannedForS(), this.step);
       return this.picture.say(this.said());
     }
 
@@ -164,17 +165,26 @@
     // over the picture: what is under way, what went wrong, or that the plan is of before the last change
     said() {
       const isStale = this.shown !== null && !this.isFresh;
-      if (this.isPlanning) return this.shown ? "" : HL.planner.planningWords(this.inputs.get("pattern").value, this.answers.size, this.plannedForS());
+      if (this.isPlanning) return this.shown ? "" : HL.planner.planningWords(this.inputs.get("pattern").value, this.answers.size, this.plannedForS(), this.step);
       return this.refusal ? `Not planned. ${this.refusal}` : isStale ? "Changed. Preview again." : "";
     }
 
     heard(answer) {
       if (!answer.pattern) return;
+      if (answer.state === "progress") return this.hearProgress(answer);
+      this.step = null;
       this.answers.set(answer.pattern, answer);
       const wished = this.inputs.get("pattern").value;
       if (answer.pattern === wished && answer.state === "planned") this.show(wished, false);
       else if (answer.pattern === wished) this.refused(answer.state === "same" ? { text: "" } : answer, answer);
       this.paint();
+    }
+
+    // a planner that tells how far it is; only words change
+    hearProgress(answer) {
+      this.step = answer;
+      this.compare.progress(this.answers.size, this.plannedForS(), answer);
+      this.picture.say(this.said());
     }
 
     // answer: given when a row order, not the wish, was refused
@@ -215,7 +225,7 @@
       this.picture.draw(drawing, path, statistics);
       this.scrubber.load(path.duration);
       this.numbers.replaceChildren(HL.planner.cards(statistics), HL.planner.energy(statistics));
-      this.notes.replaceChildren(...(statistics.notes ?? []).map((note) => el("div", { class: "h-row h-t14 h-b" }, icon("warning", "m"), note)));
+      this.notes.replaceChildren(...HL.planner.place(statistics), ...(statistics.notes ?? []).map((note) => el("div", { class: "h-row h-t14 h-b" }, icon("warning", "m"), note)));
       this.strip.follow(this.inputs.robot, statistics);
       this.checks.set({ robot: this.inputs.get("robot_id").value, name: this.inputs.robot?.name ?? "The robot", statistics });
     }

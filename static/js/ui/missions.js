@@ -173,6 +173,7 @@
         ...HL.missionWays(mission, this.may.send, () => this.load(false)),
         el("div", { class: "h-mpicture" }, shape ? HL.fieldPicture(shape, `${mission.name}, ${mission.field_name}`) : el("div", { class: "h-notice" }, "The picture did not load.")),
         Object.keys(mission.statistics ?? {}).length ? HL.plan.cards(mission.statistics) : "",
+        ...HL.planner.place(mission.statistics ?? {}),
         ...(mission.statistics?.notes ?? []).map((note) => el("div", { class: "h-row h-t14 h-b" }, icon("warning", "m"), note)),
         el("div", { class: "h-row" }, el("h3", { class: "h-t16 h-b h-sp" }, "What happened"), WORKED.includes(mission.status) && mission.robot_id ? el("a", { class: "h-btn", href: `/supervisor/${mission.robot_id}?mission=${encodeURIComponent(mission.id)}`, "data-testid": "mission-state-times" }, icon("account_tree", "m"), "State times") : ""),
         HL.records.table(["Time", "State", "By", "Why"], (mission.log ?? []).toReversed().map((one) => ({ cells: [when(one.utc), HL.plan.status(one.status), one.by, outcome(one)] }))),

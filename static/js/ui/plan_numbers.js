@@ -1,15 +1,26 @@
 // The numbers of a plan beside its picture: path, time, turns, ground, energy with reserve; and the row orders compared.
 (() => {
   "use strict";
-  const { el, attr, text, words } = HL;
+  const { el, icon, attr, text, words } = HL;
   const { NAMES } = HL.planner;
 
   const SOON_S = 2; // before that nobody counts
   const LONG_S = 6;
   const MANY_S = 360000; // of a hundred hours nobody counts the minutes
 
-  // what is said over the empty picture; whoever waits long learns how long it can take
-  function planningWords(pattern, done, seconds) {
+  // how far a planner service is, in its words and per cent: {text, share}
+  const stepWords = (step) => (step.share > 0 && step.share < 1 ? `${step.text}, ${Math.round(100 * step.share)} %` : step.text);
+
+  // where a plan was made, if a planner service is set: a warning where it was not made there
+  function place(s) {
+    if (!s.planned_at) return [];
+    const isHere = s.planned_at.where === "here";
+    return [el("div", { class: `h-row h-t14 ${isHere ? "h-b" : "h-2"}`, "data-testid": "plan-place", "data-where": s.planned_at.where }, icon(isHere ? "cloud_off" : "check", "m"), el("span", {}, s.planned_at.text))];
+  }
+
+  // what is said over the empty picture; whoever waits long learns how long it can take; step: of a planner service
+  function planningWords(pattern, done, seconds, step) {
+    if (step) return `${NAMES[step.pattern]}: ${stepWords(step)}`;
     const name = `Planning ${NAMES[pattern].toLowerCase()}`;
     if (seconds < SOON_S) return name;
     return `${name}, ${seconds} s. ${done} of ${Object.keys(NAMES).length} row orders are done.${seconds < LONG_S ? "" : " A large field with narrow rows takes up to a minute each; Cancel planning ends it at once."}`;
@@ -75,8 +86,11 @@
       this.body.replaceChildren(...patterns.map((pattern) => this.row(pattern, answers, chosen)));
     }
 
-    progress(done, seconds) {
-      text(this.state, `${done} of ${Object.keys(NAMES).length} planned${seconds < SOON_S ? "" : `, ${seconds} s`}`);
+    // one short line beside the heading: its width must not push the rows about
+    progress(done, seconds, step) {
+      const isUnder = step?.share > 0 && step.share < 1;
+      const since = isUnder ? `, next ${Math.round(100 * step.share)} %` : seconds < SOON_S ? "" : `, ${seconds} s`;
+      text(this.state, `${done} of ${Object.keys(NAMES).length} planned${since}`);
     }
 
     row(pattern, answers, chosen) {
@@ -99,5 +113,5 @@
     return answer.state === "same" ? `the same path as ${NAMES[answer.as].toLowerCase()}` : answer.text;
   }
 
-  Object.assign(HL.planner, { cards, energy, Compare, planningWords });
+  Object.assign(HL.planner, { cards, energy, Compare, planningWords, place });
 })();

@@ -16,7 +16,7 @@ from hmi.api.access import Access
 from hmi.api.missions import mission_routes
 from hmi.clock import FakeClock
 from hmi.commands.mission_book import MissionBook, MissionParts
-from hmi.domain.mission_plan import Candidate, PlannedMission, PlanWish
+from hmi.domain.mission_plan import Candidate, PlannedMission, PlanWish, Tell, nobody
 from hmi.domain.robot import (
     LinkHealth,
     Mode,
@@ -75,11 +75,11 @@ def farm_map() -> list[Feature]:
 class HerePlanner:
     """Plans in this process, at once."""
 
-    async def plan(self, wish: PlanWish) -> PlannedMission:
+    async def plan(self, wish: PlanWish, tell: Tell = nobody) -> PlannedMission:
         """Return the plan."""
         return plan_mission(wish)
 
-    async def candidate(self, wish: PlanWish) -> Candidate:
+    async def candidate(self, wish: PlanWish, tell: Tell = nobody) -> Candidate:
         """Return the plan to look at."""
         return plan_candidate(wish)
 

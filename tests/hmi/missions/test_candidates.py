@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 import shapely
 
+from hmi.api.candidates import candidate_stream
 from hmi.commands.mission_book import MissionBook, MissionParts
 from hmi.commands.plan_wish import PlanOrder
-from hmi.domain.mission_plan import Candidate, Pattern, PlannedMission, PlanRefused, PlanWish
+from hmi.domain.mission_plan import Candidate, Pattern, PlannedMission, PlanRefused, PlanWish, Tell, nobody
 from hmi.domain.role import Role
 from hmi.planning.mission import plan_candidate
 from hmi.planning.worker import PlanningProcess
+from hmi.planning_service.place import made_here
 from hmi.store.features import Feature
 from hmi.store.maps import Maps
 from tests.hmi.missions.rig import FARM, FRAME, HerePlanner, Rig, lon_lat, parcel_geometry
@@ -70,7 +72,7 @@ async def test_the_ground_of_the_drawing_adds_up_to_the_field(rig: Rig) -> None:
 class Picky(HerePlanner):
     """Plans only row by row."""
 
-    async def candidate(self, wish: PlanWish) -> Candidate:
+    async def candidate(self, wish: PlanWish, tell: Tell = nobody) -> Candidate:
         """Return the plan or refuse."""
         if wish.pattern is not Pattern.ROW_BY_ROW:
             raise PlanRefused("turn_does_not_fit", "The turn does not fit.", "headland_passes")
@@ -94,11 +96,11 @@ class Slow:
         self.has_begun = asyncio.Event()
         self.is_given_up = False
 
-    async def plan(self, wish: PlanWish) -> PlannedMission:
+    async def plan(self, wish: PlanWish, tell: Tell = nobody) -> PlannedMission:
         """Not asked here."""
         raise NotImplementedError
 
-    async def candidate(self, wish: PlanWish) -> Candidate:
+    async def candidate(self, wish: PlanWish, tell: Tell = nobody) -> Candidate:
         """Wait for ever."""
         self.has_begun.set()
         try:
@@ -107,6 +109,44 @@ class Slow:
             self.is_given_up = True
             raise
         raise AssertionError
+
+
+class Telling(Picky):
+    """Tells how far it is, and where it planned."""
+
+    async def candidate(self, wish: PlanWish, tell: Tell = nobody) -> Candidate:
+        """Return the plan or refuse."""
+        tell(0.4, "Row 4 of 10")
+        return made_here(await super().candidate(wish), "the planner service did not answer in 5 s")
+
+    async def plan(self, wish: PlanWish, tell: Tell = nobody) -> PlannedMission:
+        """Return the plan."""
+        return made_here(await super().plan(wish), "the planner service did not answer in 5 s")
+
+
+async def test_how_far_a_planner_is_comes_before_its_answer_in_every_order(rig: Rig) -> None:
+    book = with_planner(rig, Telling())
+    stream = await book.candidates(rig.person(Role.PLANNER), PlanOrder("field-1", "weeder-01", 3.0))
+    lines = [json.loads(line) async for line in candidate_stream(stream).body_iterator if isinstance(line, bytes)]
+    told = [(one["pattern"], one["state"]) for one in lines if "pattern" in one]
+    assert told[::2] == [(pattern, "progress") for pattern, _ in told[::2]]
+    assert [pattern for pattern, _ in told[::2]] == [pattern for pattern, _ in told[1::2]]
+    assert {state for _, state in told[1::2]} == {"planned", "refused"}
+    step = next(one for one in lines if one["state"] == "progress")
+    assert (step["share"], step["text"]) == (0.4, "Row 4 of 10")
+
+
+async def test_where_a_mission_was_planned_stands_in_its_record_and_in_the_audit(rig: Rig) -> None:
+    book = with_planner(rig, Telling())
+    mission = await book.plan(rig.person(Role.PLANNER), PlanOrder("field-1", "weeder-01", 3.0))
+    text = "Planned on this server: the planner service did not answer in 5 s."
+    assert mission.statistics["planned_at"] == {"where": "here", "text": text}
+    (entry,) = await book.log(rig.person(Role.PLANNER), mission.id)
+    assert entry.why == text
+    assert rig.audit.entries[-1].data["planned_at"] == "here"
+    own = await rig.book.plan(rig.person(Role.PLANNER), PlanOrder("field-1", "weeder-01", 3.0))
+    assert "planned_at" not in own.statistics
+    assert (await book.log(rig.person(Role.PLANNER), own.id))[0].why == "Planned."
 
 
 async def test_leaving_gives_the_planning_up(rig: Rig) -> None:

@@ -108,6 +108,32 @@ def test_row_orders_are_compared_and_the_tapped_one_is_stored_and_sent(
     ]
 
 
+def planned_at(where: str, text: str) -> dict[str, Any]:
+    """Return what a plan says of where it was made."""
+    return {"planned_at": {"where": where, "text": text}}
+
+
+@pytest.mark.long
+def test_a_plan_says_where_it_was_made_and_a_planner_service_how_far_it_is(
+    plan: Callable[..., tuple[Page, PlayedPlans]],
+) -> None:
+    page, played = plan()
+    first, shortest, *others = played.candidates
+    step = {"pattern": "shortest", "state": "progress", "share": 0.43, "text": "Row 12 of 28"}
+    words = page.evaluate("(step) => HL.planner.planningWords('shortest', 0, 1, step)", step)
+    assert words == "Shortest: Row 12 of 28, 43 %"
+    text = "Planned on this server: the planner service did not answer in 5 s."
+    shortest["statistics"] |= planned_at("here", text)
+    others[0]["statistics"] |= planned_at("service", "Planned by the planner service in 3.2 s, checked here.")
+    played.candidates = [first, step, shortest, *others]
+    page.get_by_test_id("plan-preview").click()
+    expect(page.get_by_test_id("plan-place")).to_have_text(f"cloud_off{text}")
+    expect(page.get_by_test_id("plan-place")).to_have_attribute("data-where", "here")
+    page.get_by_test_id("plan-compare-row_by_row").get_by_role("button").click()
+    expect(page.get_by_test_id("plan-place")).to_have_attribute("data-where", "service")
+    expect(page.get_by_test_id("plan-progress")).to_have_text("")
+
+
 @pytest.mark.long
 def test_the_robot_travels_along_the_plan_by_keys_and_looks_along_its_row(
     plan: Callable[..., tuple[Page, PlayedPlans]],

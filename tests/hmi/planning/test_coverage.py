@@ -95,7 +95,7 @@ def test_a_headland_that_nobody_chose_is_deepened_until_the_turns_fit() -> None:
 def test_turns_that_fit_behind_no_headland_ask_for_something_else(monkeypatch: pytest.MonkeyPatch) -> None:
     tried: list[int] = []
 
-    def never(_job: Job, _field: object, division: Headland) -> Plan:
+    def never(_job: Job, _field: object, division: Headland, _tell: object) -> Plan:
         tried.append(len(division.offsets_m))
         raise PlanRefused("turn_does_not_fit", "It does not fit. Choose more headland passes.", "headland_passes")
 

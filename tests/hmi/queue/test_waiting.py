@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hmi.domain.forecast import Forecast, Hour
 from hmi.domain.mission import MissionStatus
 from hmi.domain.queue.blackout import Blackout
 from hmi.domain.queue.entry import Conditions, Entry
@@ -61,6 +62,33 @@ def test_nothing_starts_while_a_function_that_the_work_needs_is_off() -> None:
     verdict = why_waiting(ENTRY, replace(GOOD, robot=replace(ROBOT, cannot=off)))
     assert (verdict.step, verdict.waiting.code) == (Step.WAIT, "function_off")
     assert verdict.waiting.text == f"Weeder 03: {off}"
+
+
+def test_a_forecast_says_when_a_rule_is_expected_to_clear_and_decides_nothing() -> None:
+    begin, weather = NOW.replace(minute=0), GOOD.weather
+    assert weather is not None
+    hours = tuple(Hour(begin + timedelta(hours=k), wind_speed=6.4 if k < 4 else 4.1) for k in range(24))
+    forecast = Forecast(NOW - timedelta(minutes=30), hours, PLACE)
+    windy = replace(GOOD, weather=replace(weather, wind_mps=6.1), forecast=forecast)
+
+    def outlook(facts: Facts, entry: Entry = ENTRY) -> str:
+        return why_waiting(entry, facts).waiting.outlook
+
+    waiting = why_waiting(ENTRY, windy).waiting
+    assert (waiting.text, waiting.clears_at) == ("Waits: wind 6.1 m/s, limit 5.0.", None)
+    assert waiting.outlook == "Forecast: below 5.0 from about 16:00."
+    old = replace(forecast, made_at=NOW - timedelta(hours=4))
+    assert outlook(replace(windy, forecast=old)) == "Forecast made 4 h ago: below 5.0 from about 16:00."
+    storm = replace(forecast, hours=hours[:3])
+    assert outlook(replace(windy, forecast=storm)) == "Forecast: not below 5.0 before 15:00."
+    assert outlook(replace(windy, forecast=replace(forecast, made_at=NOW - timedelta(hours=25)))) == ""
+    assert outlook(windy, replace(ENTRY, place=(-3.9, 40.4))) == ""
+    # calm by the forecast is not calm: without a measurement, and over the limit, it still waits
+    calm = replace(forecast, hours=tuple(replace(one, wind_speed=0.1, rain_rate=0.0) for one in hours))
+    assert why_waiting(ENTRY, replace(windy, forecast=calm)).step is Step.WAIT
+    assert why_waiting(ENTRY, replace(GOOD, weather=None, forecast=calm)).waiting.code == "no_weather"
+    # and a storm by the forecast holds nothing up that may go by what is measured
+    assert why_waiting(ENTRY, replace(GOOD, forecast=forecast)).step is Step.START
 
 
 def test_the_sentence_says_what_is_missing_and_what_clears_it() -> None:

@@ -1,0 +1,1 @@
+"""The open format of weather forecasts over HTTP, and its client; see docs/protocols/forecast.md."""

@@ -1,0 +1,1 @@
+"""The open format of planners over HTTP, and its client; see docs/protocols/planner.md."""

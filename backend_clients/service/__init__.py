@@ -1,0 +1,1 @@
+"""Small HTTP services with open formats: one way to speak to them, used by the clients of planner and forecast."""

@@ -1,0 +1,194 @@
+"""The console's planner with a service: plans of it are checked, and whatever it does, a plan is made here."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from backend_clients.planner.client import PlannerClient, limited
+from backend_clients.service.connection import Service
+from backend_clients.simulator.faulty_http import Fault
+from hmi.cli.services import moved, of_another
+from hmi.domain.mission_plan import PlanRefused, PlanWish, Surroundings, TreatedArea, Treatment
+from hmi.keeper.certificates import make_certificates
+from hmi.planning.mission import plan_mission
+from hmi.planning_service.application import make_application
+from hmi.planning_service.desk import PlanDesk
+from hmi.planning_service.form import form_of, wish_of
+from hmi.planning_service.planner import ServicePlanner
+from hmi.service_link import ServiceState
+from tests.hmi.missions.rig import farm_map, lon_lat
+from tests.hmi.missions.test_document import wish
+from tests.hmi.planning_service.rig import HereProcess, ServiceRig, service_rig, until
+from tests.hmi.presenters.robots import SHEET
+from tests.served import served
+
+
+async def test_a_plan_of_the_service_is_the_plan_we_would_make_and_says_where_it_was_made() -> None:
+    async with service_rig() as rig:
+        heard: list[str] = []
+        made = await rig.planner.plan(wish(), lambda _share, words: heard.append(words))
+        own = plan_mission(wish())
+        assert (made.sha256, made.document) == (own.sha256, own.document)
+        place = made.statistics["planned_at"]
+        assert place["where"] == "service"
+        assert place["text"].endswith("checked here.")
+        assert (heard[0], heard[-1]) == ("Asking the planner service", "Checking the plan")
+        assert rig.local.planned == 0
+        assert rig.link.is_well
+        candidate = await rig.planner.candidate(wish())
+        assert candidate.statistics["planned_at"]["where"] == "service"
+        assert candidate.drawing["legs"]
+
+
+def test_a_wish_survives_the_way_to_the_service_and_back() -> None:
+    features = {one.id: one for one in farm_map()}
+    around = Surroundings(((features["pylon-1"].geometry, 4.0),), ((features["road-1"].geometry, 6.0),))
+    area = TreatedArea(wish().parcel, 0.5)
+    asked = wish(robot=SHEET, surroundings=around, home=tuple(lon_lat((-25, 10))[0]), returns_home=True,
+                 treatment=Treatment((area,), 1.0), row_speed_mps=0.7, overlap=0.1)  # fmt: skip
+    again, machine = wish_of(form_of(asked))
+    own, other = plan_mission(asked), plan_mission(again, machine)
+    assert other.document["segments"] == own.document["segments"]
+    names = {asked.name, asked.field_name, asked.robot_id, asked.mission_id}
+    assert not any(name in form_of(asked).model_dump_json() for name in names)
+
+
+@dataclass(frozen=True, slots=True)
+class WiderWish(PlanWish):
+    """A wish of a later version, for something the format has no word for."""
+
+    moon_phase: str = "any"
+
+
+async def test_a_wish_for_what_the_format_has_no_word_for_is_not_sent() -> None:
+    usual = {one.name: getattr(wish(), one.name) for one in fields(PlanWish)}
+    async with service_rig() as rig:
+        made = await rig.planner.plan(WiderWish(**usual, moon_phase="full"))
+        place = made.statistics["planned_at"]
+        assert place["where"] == "here"
+        assert "planner services know nothing of moon phase" in place["text"]
+        assert rig.faulty.requests == 0
+        assert (await rig.planner.plan(WiderWish(**usual))).statistics["planned_at"]["where"] == "service"
+
+
+FAULTS: list[tuple[dict[str, Any], str, ServiceState]] = [
+    ({"fault": Fault.FAIL}, "the planner service failed", ServiceState.FAILING),
+    ({"fault": Fault.TOO_LARGE}, "the planner service failed: 413", ServiceState.OK),
+    ({"fault": Fault.REFUSE}, "does not let us in", ServiceState.REFUSED),
+    ({"fault": Fault.NOT_JSON}, "not what the format promises", ServiceState.OK),
+    ({"fault": Fault.HUGE}, "more than", ServiceState.OK),
+    ({"fault": Fault.CUT}, "cannot be reached", ServiceState.UNREACHABLE),
+    ({"fault": Fault.HALF_OPEN}, "did not answer in 0.3 s", ServiceState.SILENT),
+    ({"delay_s": 5.0}, "did not answer in 0.3 s", ServiceState.SILENT),
+    ({"alter": of_another}, "answered for another wish", ServiceState.OK),
+    ({"alter": moved}, "The robot's outline would leave the field", ServiceState.OK),
+]
+
+
+@pytest.mark.parametrize(("faults", "words", "state"), FAULTS, ids=lambda value: str(value)[:40])
+async def test_whatever_goes_wrong_the_plan_is_made_here_and_says_why(
+    faults: dict[str, Any], words: str, state: ServiceState
+) -> None:
+    async with service_rig(timeout_s=0.3 if state is ServiceState.SILENT else 30.0) as rig:
+        rig.link.well(0.1)
+        rig.faulty.set(**faults)
+        made = await rig.planner.plan(wish())
+        place = made.statistics["planned_at"]
+        assert place["where"] == "here"
+        assert place["text"].startswith("Planned on this server: ")
+        assert words in place["text"]
+        assert made.sha256 == plan_mission(wish()).sha256
+        assert rig.link.state is state
+        assert rig.link.last_error is not None
+        rig.faulty.set()
+
+
+def refuses_in_odd_words(report: Any) -> Any:
+    """Return a plan that failed, with words no screen should carry on."""
+    problem = {"code": "x", "text": "No\x00 \x1b[31mway.\n" + "y" * 300}
+    if "wish_sha256" not in report:
+        return report
+    return {**report, "state": "failed", "result": None, "problem": problem}
+
+
+async def test_what_a_service_says_goes_on_as_plain_words_only() -> None:
+    async with service_rig() as rig:
+        rig.faulty.set(alter=refuses_in_odd_words)
+        text = (await rig.planner.plan(wish())).statistics["planned_at"]["text"]
+        assert text.startswith("Planned on this server: the planner service refused the wish: No [31mway.yyy")
+        assert text.isprintable()
+        assert len(text) < 300
+        assert rig.link.last_error is None
+
+
+async def test_a_service_that_is_away_is_not_waited_for_again_and_comes_back_by_itself() -> None:
+    async with service_rig() as rig:
+        rig.faulty.set(fault=Fault.FAIL)
+        await rig.planner.plan(wish())
+        asked = rig.faulty.requests
+        second = await rig.planner.plan(wish())
+        assert "it is asked again by itself" in second.statistics["planned_at"]["text"]
+        assert rig.faulty.requests == asked
+        rig.faulty.set()
+        rig.clock.advance(rig.link.again_in_s + 0.1)
+        assert (await rig.planner.plan(wish())).statistics["planned_at"]["where"] == "service"
+
+
+async def test_answers_that_cannot_be_used_again_and_again_stop_the_asking() -> None:
+    async with service_rig() as rig:
+        rig.link.well(0.1)
+        rig.faulty.set(alter=moved)
+        for _ in range(3):
+            await rig.planner.plan(wish())
+        assert rig.link.state is ServiceState.NOT_UNDERSTOOD
+        asked = rig.faulty.requests
+        await rig.planner.plan(wish())
+        assert rig.faulty.requests == asked
+
+
+async def test_cancelling_reaches_the_service_and_nothing_comes_late() -> None:
+    async with service_rig() as rig:
+        rig.process.held = asyncio.Event()
+        begun = asyncio.Event()
+        work = asyncio.create_task(rig.planner.candidate(wish(), lambda *_: begun.set()))
+        await begun.wait()
+        await until(lambda: rig.desk.waiting > 0)
+        work.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await work
+        await until(lambda: rig.desk.waiting == 0)
+        assert rig.local.planned == 0
+        assert rig.link.last_error is None
+
+
+async def test_a_wish_that_no_planner_can_plan_is_refused_here_too() -> None:
+    async with service_rig() as rig:
+        with pytest.raises(PlanRefused):
+            await rig.planner.plan(wish(width_m=39.0))
+        with pytest.raises(PlanRefused, match="speed"):
+            await rig.planner.plan(replace(wish(), row_speed_mps=9.0))
+        assert rig.link.last_error is None
+
+
+async def test_a_certificate_that_is_not_ours_is_not_trusted_and_one_that_is_named_is(tmp_path: Path) -> None:
+    made = make_certificates(["127.0.0.1"], tmp_path, days=2)
+    desk = PlanDesk(process=HereProcess())
+    async with served(make_application(desk), cert=made.cert, key=made.key) as url, service_rig() as rig:
+        for ca, where in (("", "here"), (str(made.ca), "service")):
+            client = PlannerClient(limited(Service(url, ca=ca)), 30.0)
+            planner = ServicePlanner(rig.local, client, fresh(rig), rig.clock)  # type: ignore[arg-type]
+            place = (await planner.plan(wish())).statistics["planned_at"]
+            await client.close()
+            assert place["where"] == where
+            if where == "here":
+                assert "certificate of the planner service is not trusted" in place["text"]
+
+
+def fresh(rig: ServiceRig) -> Any:
+    """Return a link that nothing happened to."""
+    return type(rig.link)(rig.clock)
