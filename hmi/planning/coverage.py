@@ -11,9 +11,9 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from hmi.domain.mission_plan import Pattern, PlanRefused
+from hmi.domain.mission_plan import Pattern, PlanRefused, Rows
 from hmi.planning import headland as headlands
-from hmi.planning import swaths as rows_of
+from hmi.planning import rows as rows_of
 from hmi.planning.corners import Corners
 from hmi.planning.dubins import Pose
 from hmi.planning.estimate import effort
@@ -25,7 +25,7 @@ from hmi.planning.machine import RobotProfile
 from hmi.planning.patterns import driving_order, span_for
 from hmi.planning.plan import GENTLE_RAD, Figures, Leg, LegKind, Plan, headings, turn_between
 from hmi.planning.projection import Floats
-from hmi.planning.swaths import Swath
+from hmi.planning.swaths import Swath, strips
 from hmi.planning.tour import by_part
 
 _GAP_M = 0.04
@@ -66,14 +66,14 @@ def plan_coverage(job: Job) -> Plan:
 def _cover(job: Job, field: BaseGeometry, division: Headland) -> Plan:
     inner = inner_field(field, division, job)
     ground = Ground(field, job.machine, crop=erode(inner, min(job.width_m, 1.0) * 0.6))
-    angle = job.angle_rad if job.angle_rad is not None else rows_of.best_angle(inner, job.width_m)
-    cells = rows_of.lay_rows(inner, ground.turning, angle, job.width_m)
-    if not any(cells):
-        raise PlanRefused("field_too_small", "No row fits into this field. Choose a smaller width.", "width_m")
-    cells = [[row for row in cell if job.doses.is_wanted_along(np.array([row.a, row.b]))] for cell in cells]
+    rows = rows_of.laid(job, inner, ground.turning)
+    cells = [[row for row in cell if job.doses.is_wanted_along(row.points)] for cell in rows.cells]
     if not any(cells):
         raise PlanRefused("nothing_to_treat", "No row crosses ground to be treated. Change the treatment.", "treatment")
-    return _Course(job, ground, division, cells, field, inner).run(angle)
+    if job.rows is Rows.RECORDED_ROWS:  # they may end anywhere: what lies beyond is free
+        standing = rows_of.crop_of(rows.cells, job.treated_width_m)
+        ground = Ground(field, job.machine, crop=erode(standing, min(job.width_m, 1.0) * 0.6))
+    return _Course(job, ground, division, cells, field, inner, rows.notes).run(rows.angle_rad)
 
 
 class _Course:
@@ -87,6 +87,7 @@ class _Course:
         cells: list[list[Swath]],
         field: BaseGeometry,
         inner: BaseGeometry,
+        notes: Sequence[str] = (),
     ) -> None:
         self.job, self.ground, self.division = job, ground, division
         self.field, self.inner = field, inner
@@ -94,7 +95,7 @@ class _Course:
         self.linker = Linker(ground)
         self.cells = cells
         self.legs: list[Leg] = []
-        self.notes: list[str] = []
+        self.notes: list[str] = list(notes)
         self.row = 0
         self.waiting = [lap for lap in headlands.laps(ground, division) if job.doses.is_wanted_along(lap.points)]
         self.corners = Corners(
@@ -149,7 +150,7 @@ class _Course:
 
     def _row(self, swath: Swath) -> None:
         """Drive to a row and along it; a row that cannot be reached is left out."""
-        points = np.array([swath.a, swath.b])
+        points = swath.points
         heading = float(headings(points)[0])
         if not self._go((*swath.a, heading), self.job.machine.turn_speed_mps):
             return
@@ -248,8 +249,8 @@ class _Course:
 
     def _figures(self, legs: list[Leg], angle: float) -> Figures:
         work = effort(legs, self.job.machine)
-        strips = self._strips(legs)
-        worked = shapely.union_all(strips, grid_size=_GRID_M)
+        worked_parts = self._strips(legs)
+        worked = shapely.union_all(worked_parts, grid_size=_GRID_M)
         covered = shapely.intersection(worked, self.field)
         treated = covered if self.job.doses.is_plain else covered.intersection(self.wanted)
         return Figures(
@@ -262,7 +263,7 @@ class _Course:
             pivots=work.pivots,
             area_m2=float(self.field.area),
             covered_m2=float(covered.area),
-            overlap_m2=max(0.0, float(shapely.area(strips).sum() - worked.area)),
+            overlap_m2=max(0.0, float(shapely.area(worked_parts).sum() - worked.area)),
             inner_m2=float(self.inner.area),
             inner_covered_m2=float(covered.intersection(self.inner).area),
             energy_j=work.energy_j,
@@ -278,7 +279,7 @@ class _Course:
         width = self.job.treated_width_m
         if self.job.doses.is_plain:
             around = [leg for leg in legs if leg.kind is LegKind.HEADLAND]
-            return [*rows_of.strips(self.done, width), *worked_strips(around, width)]
+            return [*strips(self.done, width), *worked_strips(around, width)]
         return worked_strips(legs, width)
 
 

@@ -22,6 +22,7 @@ from hmi.planning.job import Job
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import Leg, Plan
 from hmi.planning.projection import LocalFrame
+from hmi.planning.recorded import CropRow
 from hmi.planning.statistics import statistics
 from hmi.planning.treatment import DoseMap
 
@@ -87,7 +88,22 @@ def _job(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> Job:
         pattern=wish.pattern,
         corner=wish.corner,
         doses=_doses(wish, frame, machine),
+        rows=wish.rows,
+        lines=_crop_rows(wish, frame),
+        crop_spacing_m=wish.row_spacing_m,
     )
+
+
+def _crop_rows(wish: PlanWish, frame: LocalFrame) -> tuple[CropRow, ...]:
+    if sum(len(line.points) for line in wish.row_lines) > MAX_POINTS_IN:
+        raise PlanRefused("too_many_points", f"The rows have more than {MAX_POINTS_IN} points.", "rows")
+    try:
+        found = [CropRow(line.name, frame.to_local(_positions(line.points))) for line in wish.row_lines]
+    except (TypeError, ValueError) as error:
+        raise PlanRefused("bad_rows", "The rows on the map have points that are not numbers.", "rows") from error
+    if any(not (np.abs(row.points) <= MAX_EXTENT_M).all() for row in found):
+        raise PlanRefused("bad_rows", "The rows on the map lie far from the robot's site.", "rows")
+    return tuple(found)
 
 
 def _doses(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> DoseMap:
