@@ -6,7 +6,7 @@ import asyncio
 import hashlib
 import math
 from collections import OrderedDict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any
 
 import msgspec
@@ -22,6 +22,7 @@ from hmi.api.orders import RobotId
 from hmi.api.plan_body import PlanBody, order_of
 from hmi.commands.mission_book import MissionBook
 from hmi.commands.ports import FleetReader
+from hmi.commands.row_direction import FOLLOWED, lines_of
 from hmi.domain.mission_document import Document, mission_sha256
 from hmi.domain.mission_plan import MissionError, MissionRefused, PlanRefused
 from hmi.planning.jobs import mission_geojson

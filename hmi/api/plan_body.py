@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import Field, model_validator
 
@@ -13,9 +13,6 @@ from hmi.domain.mission_plan import Corner, Pattern, Rows
 MOST_AREAS = 200
 Dose = Annotated[float, Field(ge=0, le=2, description="times the usual dose; 0 is off")]
 Metres = Annotated[float | None, Field(ge=0, le=10)]
-
-
-ChosenRows = Literal[Rows.BEST_ANGLE, Rows.ALONG_EDGE, Rows.AB_LINE, Rows.GUIDE_LINE, Rows.RECORDED_ROWS]
 
 
 class AreaBody(Body):
@@ -38,7 +35,7 @@ class PlanChoices(Body):
     width_m: Annotated[float, Field(description="working width; the rows are that far apart, less the overlap")]
     name: Annotated[str, Field(max_length=80)] = ""
     row_bearing_deg: Annotated[float | None, Field(ge=-360, le=360, description="clockwise from north")] = None
-    rows: Annotated[ChosenRows | None, Field(strict=False, description="what the rows run along")] = None
+    rows: Annotated[Rows | None, Field(strict=False, description="what the rows run along")] = None
     headland_passes: Annotated[int | None, Field(ge=0, le=50)] = None
     home_id: Id | None = None
     returns_home: bool = True

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from hmi.domain.mission_plan import PlanRefused, RowLine, Rows
 from hmi.store.features import Feature
 
+FOLLOWED = (Rows.AB_LINE, Rows.GUIDE_LINE, Rows.RECORDED_ROWS)
 _DRAWN = {"a-b": Rows.AB_LINE, "curve": Rows.GUIDE_LINE, "recorded": Rows.RECORDED_ROWS}
 _MISSING = {
     Rows.AB_LINE: "no A-B line",
@@ -19,9 +20,12 @@ _MISSING = {
 
 @dataclass(frozen=True, slots=True)
 class RowDirection:
-    """What rows run along: an ENU angle in radians, or lines; ``None`` and no lines search the best angle."""
+    """What rows run along: an ENU angle in radians, or lines; without both the best angle is searched.
 
-    rows: Rows
+    ``rows`` is what a person chose.
+    """
+
+    rows: Rows | None = None
     angle_rad: float | None = None
     lines: tuple[RowLine, ...] = ()
 
@@ -80,12 +84,11 @@ def kind_of(lines: Feature) -> Rows:
 
 def _usual(bearing_deg: float | None, field: Feature, features: Sequence[Feature]) -> RowDirection:
     if bearing_deg is not None:
-        return RowDirection(Rows.BEARING, math.pi / 2 - math.radians(bearing_deg))
+        return RowDirection(None, math.pi / 2 - math.radians(bearing_deg))
     of_field = field.properties.get("row_bearing_deg")
     if of_field is not None:
-        return RowDirection(Rows.FIELD, math.pi / 2 - math.radians(float(of_field)))
-    angle = _mean_angle(tuple(lines_of(field, features)))
-    return RowDirection(Rows.BEST_ANGLE if angle is None else Rows.FIELD, angle)
+        return RowDirection(None, math.pi / 2 - math.radians(float(of_field)))
+    return RowDirection(None, _mean_angle(tuple(lines_of(field, features))))
 
 
 def _mean_angle(lines: Sequence[RowLine]) -> float | None:

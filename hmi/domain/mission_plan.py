@@ -141,7 +141,7 @@ class PlanWish:
         overlap: share of the width that neighbouring rows work twice.
         row_speed_mps: speed on the rows; ``None`` takes the robot's usual one.
         plant_spacing_m: of a planter, along the row; ``None`` takes the usual density.
-        rows: what the rows run along, ``None`` if in a direction; ``angle_rad`` counts unless they follow edge or lines.
+        rows: what the rows run along, ``None`` for ``angle_rad``, which edge and lines do without.
         row_lines: the guide lines or recorded rows to follow.
         row_spacing_m: distance of the recorded rows; ``None`` measures it.
     """
