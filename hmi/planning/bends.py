@@ -22,6 +22,7 @@ from hmi.planning.projection import Floats
 
 NOISE_M = 0.02  # RTK is no better: what a recorded line wavers by is not followed
 SLACK_RAD = math.radians(3)  # half a piece of a sampled arc, nearly
+KINK_RAD = math.radians(8)  # more at one point is a corner, however long the pieces on its sides
 _QUARTER = 24  # pieces of a quarter circle
 _THIN_M, _THIN = 0.005, 0.001  # points nearer to the line of their neighbours are left out; the latter of the radius
 _END_M = 1.0  # the direction of an end is that of its last metre
@@ -132,11 +133,13 @@ def distinct(points: Floats) -> Floats:
 
 
 def is_gentle(points: Floats, radius_m: float) -> bool:
-    """Say whether no stretch of a line turns more than a radius allows, but for the sampling of arcs."""
+    """Say whether a line has no corner, and no stretch that turns more than a radius allows but for sampling."""
     if len(points) < 3:
         return True
     lengths = np.hypot(*np.diff(points, axis=0).T)
     turns = np.abs(np.angle(np.exp(1j * np.diff(headings(points)))))
+    if turns.max() > KINK_RAD:
+        return False
     # between the middles of pieces: what is turned, less what may be turned
     middles = np.cumsum(lengths) - lengths / 2
     excess = np.append(0.0, np.cumsum(turns)) - middles / radius_m
