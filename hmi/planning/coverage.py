@@ -119,7 +119,10 @@ class _Course:
         missed = figures.missed_m2 / figures.wanted_m2
         if missed > _TOLD_MISSED:
             ground = "field" if self.job.doses.is_plain else "ground to be treated"
-            self.notes.append(f"{missed:.0%} of the {ground} stays untreated, mostly where the robot cannot turn.")
+            why = ", mostly where the robot cannot turn"
+            if self.job.rows is Rows.RECORDED_ROWS:
+                why = ": no recorded row runs there, or the robot cannot turn there"
+            self.notes.append(f"{missed:.0%} of the {ground} stays untreated{why}.")
         return Plan(tuple(legs), figures, tuple(self.notes))
 
     # rows

@@ -25,6 +25,7 @@ from hmi.planning.bends import (
     thinned,
 )
 from hmi.planning.guide import Parallels
+from hmi.planning.neighbours import beside
 from hmi.planning.projection import Floats
 
 LEAST_ROW_M = 1.0
@@ -97,6 +98,9 @@ class _Field:
     ) -> None:
         self.inner, self.tool_m, self.radius_m = inner, tool_m, radius_m
         self.notes: list[str] = []
+        self.doubled: list[str] = []
+        self.gaps: list[str] = []
+        self.bent: list[str] = []
         kept = [CropRow(row.name, cleaned(row.points)) for row in rows]
         kept = [row for row in kept if len(row.points) > 1 and LineString(row.points).length >= LEAST_ROW_M]
         if not kept:
@@ -113,6 +117,8 @@ class _Field:
         levels = self._levels()
         self._name_gaps(levels)
         lines = [self._driven(group) for group in self._groups(levels)]
+        if self.bent:
+            self.notes.append(f"Driven straighter than recorded, for they bend tightly: {_listed(self.bent)}.")
         return Parallels(tuple(tuple(line) for line in lines), self.along, tuple(self.notes))
 
     # which rows there are
@@ -150,14 +156,20 @@ class _Field:
 
     def _levels(self) -> list[_Level]:
         """Return the rows from the left of the longest to its right, those of one line together."""
-        beside = sorted(((self._beside_m(row), row) for row in self.rows), key=lambda one: -one[0])
+        places = beside(self.along, [row.points for row in self.rows], 3 * self.spacing_m)
+        ordered = sorted(zip(places, self.rows, strict=True), key=lambda one: -one[0])
         groups: list[list[tuple[float, CropRow]]] = []
-        for place, row in beside:
+        for place, row in ordered:
             if groups and groups[-1][0][0] - place < _SAME * self.spacing_m:
                 groups[-1].append((place, row))
             else:
                 groups.append([(place, row)])
-        return [self._level(group) for group in groups]
+        levels = [self._level(group) for group in groups]
+        if self.doubled:
+            self.notes.append(f"Left out, for it lies on another row: {_listed(self.doubled)}.")
+        if self.gaps:
+            self.notes.append(f"Gaps in rows are driven through: {_listed(self.gaps)}.")
+        return levels
 
     def _level(self, group: list[tuple[float, CropRow]]) -> _Level:
         """Return the pieces of one row in order; those that lie on one another are named and left out."""
@@ -168,11 +180,11 @@ class _Field:
             if kept and self._span(row.points)[0] < self._span(kept[-1].points)[1] - LEAST_ROW_M:
                 shorter, longer = sorted((kept[-1], row), key=lambda one: LineString(one.points).length)
                 kept[-1] = longer
-                self.notes.append(f"{shorter.name} lies on {longer.name} and is left out.")
+                self.doubled.append(f"{shorter.name} on {longer.name}")
             elif kept and self._can_join(kept[-1].points, row.points):
                 gap_m = math.dist(kept[-1].points[-1], row.points[0])
                 if gap_m > LEAST_ROW_M:
-                    self.notes.append(f"{kept[-1].name} has a gap of {gap_m:.0f} m, which is driven through.")
+                    self.gaps.append(f"{gap_m:.0f} m in {kept[-1].name}")
                 kept[-1] = CropRow(kept[-1].name, distinct(np.vstack([kept[-1].points, row.points])))
             else:
                 kept.append(row)
@@ -181,14 +193,6 @@ class _Field:
     def _can_join(self, before: Floats, after: Floats) -> bool:
         joined = distinct(np.vstack([before, after]))
         return math.dist(before[-1], after[0]) <= GAP_M and is_gentle(joined, self.radius_m)
-
-    def _beside_m(self, row: CropRow) -> float:
-        """Return how far left of the longest row a row lies, in its middle."""
-        middle = LineString(row.points).interpolate(0.5, normalized=True)
-        s = self.along.project(middle)
-        a, b = (self.along.interpolate(max(0.0, s + d)) for d in (-0.5, 0.5))
-        cross = (b.x - a.x) * (middle.y - a.y) - (b.y - a.y) * (middle.x - a.x)
-        return math.copysign(self.along.distance(middle), cross)
 
     def _span(self, points: Floats) -> tuple[float, float]:
         first, last = sorted(float(self.along.project(shapely.Point(p))) for p in points[[0, -1]])
@@ -284,7 +288,7 @@ class _Field:
             )
             raise PlanRefused("rows_too_tight", text, "rows")
         if moved_m > _TOLD_M:
-            self.notes.append(f"{name} is driven up to {moved_m:.2f} m beside where it was recorded: it bends tightly.")
+            self.bent.append(f"{name} by up to {moved_m:.2f} m")
         # the rounded line runs on to the window's edge
         whole = max(rounded, key=lambda one: LineString(one).length)
         first, last = sorted(LineString(whole).project(shapely.Point(p)) for p in line[[0, -1]])

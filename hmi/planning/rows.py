@@ -19,6 +19,8 @@ from hmi.planning.projection import Floats
 from hmi.planning.recorded import CropRow, passes
 from hmi.planning.swaths import Swath
 
+_SLIT_M = 1.0  # nobody drives through what is narrower than twice this
+_EDGE_M = 0.2
 FOLLOWING = (Rows.GUIDE_LINE, Rows.RECORDED_ROWS)
 
 
@@ -52,9 +54,10 @@ def laid(job: Job, inner: BaseGeometry, room: BaseGeometry) -> Laid:
 
 
 def crop_of(rows: list[list[Swath]], width_m: float) -> BaseGeometry:
-    """Return the ground that rows stand on, as one area."""
+    """Return the ground that rows stand on, as one area with plain edges: ways around it bend at its corners."""
     strips = swaths.strips([row for cell in rows for row in cell], 1.02 * width_m)
-    return shapely.union_all(strips, grid_size=1e-3)
+    area = shapely.union_all(strips, grid_size=1e-3)
+    return area.buffer(_SLIT_M, join_style="mitre").buffer(-_SLIT_M, join_style="mitre").simplify(_EDGE_M)
 
 
 def _straight(job: Job, inner: BaseGeometry, room: BaseGeometry) -> Laid:
