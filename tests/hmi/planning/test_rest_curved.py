@@ -77,7 +77,7 @@ def test_the_mission_has_curved_rows_with_the_tool_off_in_an_area() -> None:
     assert sharpest_rad(segments()) <= GENTLE_RAD
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(place=places, x=st.floats(5.0, 35.0), y=st.floats(5.0, 35.0), is_reversed=st.booleans())
 @pytest.mark.slow
 def test_taken_up_anywhere_all_work_is_there_once_along_the_same_curves(
