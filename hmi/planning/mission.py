@@ -29,6 +29,7 @@ from hmi.planning.treatment import DoseMap
 MAX_SEGMENTS = 20_000  # of the edge contract
 MAX_EXTENT_M = 20_000.0  # a plane at the datum is true over this distance; no field is larger
 MAX_POINTS_IN = 200_000
+MAX_POINTS_OUT = 300_000  # some 23 bytes each: the edge contract takes missions of 8 MB
 MAX_OVERLAP = 0.5
 MAX_DOSE = 2.0
 MAX_LEAD_M = 10.0
@@ -168,6 +169,10 @@ def _check_length(plan: Plan) -> None:
     if len(plan.legs) > MAX_SEGMENTS:
         text = f"The plan has {len(plan.legs)} pieces; a robot takes {MAX_SEGMENTS}. Choose a larger row distance."
         raise PlanRefused("too_many_rows", text, "width_m")
+    points = sum(len(leg.points) for leg in plan.legs)
+    if points > MAX_POINTS_OUT:
+        text = f"The path has {points} points; a robot takes {MAX_POINTS_OUT}. Choose a larger row distance."
+        raise PlanRefused("too_many_points", text, "width_m")
 
 
 def _frame(wish: PlanWish) -> LocalFrame:
