@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from functools import cache
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from backend_clients.edge import messages_down as down
+from backend_clients.simulator.route import Route
 from hmi.domain.mission_plan import PlannedMission, PlanWish, RowLine, Rows, Surroundings, TreatedArea, Treatment
 from hmi.domain.mission_rest import Progress, RestWish, is_work, length_m, pieces_of
 from hmi.planning.mission import plan_mission
 from hmi.planning.plan import GENTLE_RAD, headings
 from hmi.planning.rest import plan_rest
+from tests.backend_clients.simulator.test_path_following import drive
 from tests.hmi.missions.rig import FRAME, lon_lat, parcel_geometry
 from tests.hmi.planning.lines import wave
 from tests.hmi.planning.test_rest import places, standing
@@ -103,3 +108,13 @@ def test_a_new_obstacle_cuts_curved_rows_and_the_ways_go_around_it() -> None:
     assert path.distance(shapely.Point(28.0, 25.0)) > 1.5
     assert sum(work_m(now).values()) < sum(work_m(segments()).values()) - 4
     assert sharpest_rad(now) <= GENTLE_RAD
+
+
+@pytest.mark.slow
+def test_a_simulated_robot_keeps_to_the_curves_and_takes_the_time_that_was_planned() -> None:
+    planned_s = planned().statistics["duration_s"]
+    route = Route(msgspec.convert(planned().document, down.Mission).segments)
+    (x, y), (ahead_x, ahead_y) = segments()[0]["points"][:2]
+    _, seconds, errors = drive(route, x, y, math.atan2(ahead_y - y, ahead_x - x), 2 * planned_s)
+    assert max(errors) < 0.05
+    assert seconds == pytest.approx(planned_s, rel=0.05)
