@@ -37,6 +37,7 @@ _SAME = 0.5  # of the row distance: lines nearer than this are pieces of one row
 _WIDE = 1.5  # of the row distance: more between two rows is a gap
 _NEARLY = 0.02  # of a row distance that a tool may lack
 _STEP_M = 1.0
+_WHOLE = 0.95  # of the longest row beside it: a middle row shorter than this does not stand for all
 _NAMED = 3
 _PROBES = 100  # rows whose distance to the next is measured
 _LEAST_RADIUS_M = 0.05
@@ -228,28 +229,35 @@ class _Field:
         return groups
 
     def _driven(self, group: Sequence[_Level]) -> list[Floats]:
-        """Return the line of a pass, in pieces: its middle row, or between the two in its middle."""
-        middle = len(group) // 2
-        carrier = group[middle]
+        """Return the line of a pass, in pieces: its middle row, or the middle of its rows where none lies there."""
+        middle, longest = group[len(group) // 2], max(group, key=lambda level: level.length_m)
         spans = [self._span(one.points) for level in group for one in level.pieces]
         whole = (min(a for a, _ in spans), max(b for _, b in spans))
-        lines = [one.points for one in carrier.pieces]
-        if len(group) % 2 == 0:
-            other = shapely.MultiLineString([one.points for one in group[middle - 1].pieces])
-            lines = [found for line in lines if (found := self._between(line, other)) is not None]
+        if len(group) % 2 and middle.length_m >= _WHOLE * longest.length_m:
+            lines = [one.points for one in middle.pieces]
+        else:
+            lines = [self._centred(one.points, group) for one in longest.pieces]
         last = len(lines) - 1
         return [
-            self._drivable(line, carrier.name, whole, is_first=k == 0, is_last=k == last)
+            self._drivable(line, longest.name, whole, is_first=k == 0, is_last=k == last)
             for k, line in enumerate(lines)
         ]
 
-    def _between(self, points: Floats, other: BaseGeometry) -> Floats | None:
+    def _centred(self, points: Floats, group: Sequence[_Level]) -> Floats:
+        """Return a row moved to the middle of the rows beside it; where one of them lacks, as far as next to that."""
         line = LineString(points)
-        places = shapely.line_interpolate_point(line, np.arange(0.0, line.length + _STEP_M, _STEP_M))
-        nearest = shapely.get_coordinates(shapely.shortest_line(places, other)).reshape(-1, 2, 2)
-        is_beside = np.hypot(*(nearest[:, 1] - nearest[:, 0]).T) < 2 * self.spacing_m
-        middles = cleaned(nearest[is_beside].mean(axis=1)) if is_beside.sum() > 1 else np.empty((0, 2))
-        return middles if len(middles) > 1 else None
+        places = line.interpolate(np.linspace(0.0, line.length, max(2, math.ceil(line.length / _STEP_M) + 1)))
+        moved = shapely.get_coordinates(places)
+        for level in (group[0], group[-1]):
+            outer = shapely.MultiLineString([one.points for one in level.pieces])
+            nearest = shapely.get_coordinates(shapely.shortest_line(places, outer)).reshape(-1, 2, 2)
+            steps = nearest[:, 1] - nearest[:, 0]
+            beside = np.flatnonzero(np.hypot(*steps.T) < (len(group) + _SAME) * self.spacing_m)
+            if len(beside):
+                every = np.arange(len(steps))
+                moved += np.column_stack([np.interp(every, beside, steps[beside, k]) for k in (0, 1)]) / 2
+        found = cleaned(moved)
+        return found if len(found) > 1 else points
 
     def _drivable(
         self, points: Floats, name: str, whole: tuple[float, float], *, is_first: bool, is_last: bool
@@ -277,14 +285,14 @@ class _Field:
         try:
             left, _ = sides_of(line, window, 10 * self.radius_m)
         except NoSide:
-            raise PlanRefused("bad_rows", f"{name} crosses itself. Mend it on the map.", "rows") from None
+            raise PlanRefused("bad_rows", f"{_capital(name)} crosses itself. Mend it on the map.", "rows") from None
         rounded = left.gentle_parallel(0.0, self.radius_m)
         moved_m, place = furthest([line], rounded, self.inner)
         if moved_m > STRAIGHTENED * self.spacing_m and place is not None:
             at_m = LineString(line).project(shapely.Point(place))
             text = (
-                f"{name} bends tighter than the robot's turning radius of {self.radius_m:g} m, {at_m:.0f} m from its "
-                "beginning. Mend it on the map, or choose another row direction."
+                f"{_capital(name)} bends tighter than the robot's turning radius of {self.radius_m:g} m, {at_m:.0f} m "
+                "from its beginning. Mend it on the map, or choose another row direction."
             )
             raise PlanRefused("rows_too_tight", text, "rows")
         if moved_m > _TOLD_M:
@@ -294,6 +302,10 @@ class _Field:
         first, last = sorted(LineString(whole).project(shapely.Point(p)) for p in line[[0, -1]])
         cut = substring(LineString(whole), first, last)
         return thinned(shapely.get_coordinates(cut), self.radius_m)
+
+
+def _capital(name: str) -> str:
+    return name[:1].upper() + name[1:]
 
 
 def _listed(texts: Iterable[str]) -> str:

@@ -137,7 +137,6 @@ def test_rows_follow_a_line_that_the_field_has(plan: Callable[..., tuple[Page, P
     asked = next(body for _, path, body in played.asked if path == "missions/candidates")
     assert asked["rows"] == "guide_line"
     assert "row_bearing_deg" not in asked
-    page.screenshot(path=f"/tmp/p1/plan-guide-{size}.png")
     rows_of_reload = page.evaluate("HL.draft.get('mission-plan').rows")
     assert rows_of_reload == "guide_line"
 

@@ -73,6 +73,17 @@ def test_a_wide_tool_takes_whole_rows_and_drives_between_or_over_them() -> None:
     assert min(furthest_m(lines[0], waves(63, 0.75)[1]) for lines in three) < 0.05, "on the middle one of three"
 
 
+def test_a_row_that_lacks_a_piece_takes_none_of_its_neighbours_away() -> None:
+    rows = waves(64, 0.75)
+    for missing in (1, 2):
+        broken = [*rows[:missing], CropRow("stub", rows[missing].points[:12]), *rows[missing + 1 :]]
+        first = passes(broken, INNER, 3.0, 1.5, 0.75).lines[-1]
+        assert sum(shapely.LineString(line).length for line in first) > 120
+        middle = shapely.LineString(wave(-5.0, 125.0, 5.0 + 1.5 * 0.75))
+        inside = shapely.points(first[0][1:-1])
+        assert shapely.distance(inside, middle).max() < 0.3
+
+
 def test_rows_recorded_to_and_fro_in_any_order_and_in_pieces_are_put_in_order() -> None:
     rows = waves(16, 3.0, 2.0, 58.0)
     mixed = [CropRow(row.name, row.points[::-1] if k % 2 else row.points) for k, row in enumerate(rows)][::-1]
@@ -116,7 +127,7 @@ def test_a_row_that_ends_in_the_middle_of_the_field_is_not_drawn_on() -> None:
 
 def test_rows_that_bend_too_tightly_or_are_none_are_refused_by_name() -> None:
     hairpin = CropRow("row 4", np.array([[8.0, 20.0], [50.0, 20.0], [50.0, 21.0], [8.0, 26.0]]))
-    with pytest.raises(PlanRefused, match=r"row 4 bends tighter .* 47 m from its beginning\. Mend it on the map"):
+    with pytest.raises(PlanRefused, match=r"Row 4 bends tighter .* 47 m from its beginning\. Mend it on the map"):
         plan_coverage(job_of([hairpin], crop_spacing_m=0.75))
     with pytest.raises(PlanRefused, match="No recorded row is longer than 1 m"):
         plan_coverage(job_of([CropRow("dot", np.array([[30.0, 30.0], [30.1, 30.0]]))]))
