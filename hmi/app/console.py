@@ -135,6 +135,7 @@ class Console:
             camera_calls(self.cameras),
         )
         self.cameras.rule = CameraRule(self.pictures.sources)
+        self.twin.cameras = camera_calls(self.cameras)
 
     def _tell_each_other(self) -> None:
         """Plug together what knows of each other only here."""

@@ -11,7 +11,7 @@ import msgspec
 from websockets.asyncio.client import ClientConnection
 
 from hmi.app.side_link import SideDown, SideLink
-from hmi.media.door import NAME, RIGHTS_HEADER, SECRET_HEADER, VIEWER_HEADER, Note, read_note
+from hmi.media.door import CAPTURED_HEADER, NAME, RIGHTS_HEADER, SECRET_HEADER, VIEWER_HEADER, Note, read_note
 
 MediaDown = SideDown
 
@@ -31,6 +31,12 @@ class MediaLink:
         """Send a request with a value as JSON; raises ``MediaDown``."""
         content = None if body is None else msgspec.json.encode(body)
         return await self._link.send(self._note().control_port, method, path, content)
+
+    async def picture(self, robot_id: str, camera: str, data: bytes, captured_s: float) -> None:
+        """Hand a picture over, captured at a time of this machine's monotonic clock; raises ``MediaDown``."""
+        headers = {CAPTURED_HEADER: f"{captured_s:.3f}"}
+        path = f"/pictures/{robot_id}/{camera}"
+        await self._link.send(self._note().control_port, "PUT", path, data, headers=headers)
 
     async def upload(self, path: str, chunks: AsyncIterator[bytes], limit_s: float) -> httpx.Response:
         """Pass a file on as it comes; raises ``MediaDown``."""

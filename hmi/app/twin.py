@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections import Counter
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping, Sequence
 
 from fastapi import APIRouter
 from starlette.requests import Request
@@ -17,14 +17,17 @@ from hmi.app.media_link import MediaDown, MediaLink
 from hmi.app.media_models import MediaModels
 from hmi.app.records import Records
 from hmi.app.twin_news import TwinNews
+from hmi.app.twin_pictures import TwinPictures
 from hmi.app.viser_page import CLIENT_PATH, viser_page
 from hmi.app.viser_proxy import OriginRule, TwinSockets
+from hmi.commands.camera_ports import CameraProcess
 from hmi.commands.ports import FleetReader
 from hmi.live.lane import SessionGate
 from hmi.security.authorization import Authorize
 from hmi.settings import Settings
 
 NEWS_S = 2.0
+PICTURES = 2  # for each round of news: two seconds are long for who looks through a camera
 FOR_GOOD = "public, max-age=31536000, immutable"
 
 
@@ -33,6 +36,8 @@ class TwinDesk:
 
     def __init__(self, link: MediaLink, gate: SessionGate, authorize: Authorize, news: TwinNews) -> None:
         self.link, self._gate, self._authorize, self._news = link, gate, authorize, news
+        self.cameras: CameraProcess | None = None
+        self._pictures = TwinPictures(link, lambda: self.cameras)
         self._watched: Counter[str] = Counter()
         self._task: asyncio.Task[None] | None = None
 
@@ -94,9 +99,13 @@ class TwinDesk:
 
     async def _keep_telling(self) -> None:
         while self._robots():
-            await asyncio.sleep(NEWS_S)
+            wanted: Mapping[str, Sequence[str]] = {}
             with contextlib.suppress(MediaDown):  # it comes back, and is told everything then
-                await self._news.tell(self._robots())
+                wanted = await self._news.tell(self._robots())
+            for _ in range(PICTURES):
+                rest = asyncio.create_task(asyncio.sleep(NEWS_S / PICTURES))
+                await self._pictures.carry(wanted)
+                await rest
         self._task = None
 
     async def _page(self, request: Request) -> Response:

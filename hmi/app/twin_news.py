@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from hmi.app.media_link import MediaLink
@@ -49,9 +49,10 @@ class TwinNews:
         self._told.pop(robot_id, None)
         self._told_farm = None
 
-    async def tell(self, watched: Iterable[str]) -> None:
-        """Bring the media process up to date; raises ``MediaDown``."""
-        run = (await self._link.ask("GET", "/status")).json()["pid"]  # one that restarted knows nothing
+    async def tell(self, watched: Iterable[str]) -> Mapping[str, Sequence[str]]:
+        """Bring the media process up to date; return the cameras it wants pictures of. Raises ``MediaDown``."""
+        status = (await self._link.ask("GET", "/status")).json()
+        run = status["pid"]  # one that restarted knows nothing
         farm = Farm([FarmRobot(one.id, one.name, one.keep_out_m) for one in self._robots.all()])
         if self._told_farm != (farm, run):
             await self._link.ask("PUT", "/farm", farm)
@@ -62,6 +63,8 @@ class TwinNews:
             if robot is not None and self._told.get(robot_id) != key:
                 await self._link.ask("PUT", f"/plans/{robot_id}", await self._plan(robot))
                 self._told[robot_id] = key
+        wanted: Mapping[str, Sequence[str]] = status.get("wanted", {})
+        return wanted
 
     def _key(self, robot: Robot | None) -> tuple[Any, ...]:
         order = None if robot is None or robot.state is None else robot.state.order

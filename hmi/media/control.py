@@ -16,7 +16,9 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from hmi.media.door import RIGHTS_HEADER, SECRET_HEADER, VIEWER_HEADER
+from hmi.domain.picture_header import BadPicture
+from hmi.media.camera_pictures import MAX_BYTES, small, wanted
+from hmi.media.door import CAPTURED_HEADER, RIGHTS_HEADER, SECRET_HEADER, VIEWER_HEADER
 from hmi.media.models import ModelShelf
 from hmi.media.orders import BadOrder, decode_order
 from hmi.media.studio import Studio
@@ -36,6 +38,7 @@ def control_app(studio: Studio, shelf: ModelShelf, secret: str) -> ASGIApp:
         Route("/status", _status(studio)),
         Route("/farm", _put_farm(studio), methods=["PUT"]),
         Route("/plans/{robot}", _put_plan(studio), methods=["PUT"]),
+        Route("/pictures/{robot}/{camera}", _put_picture(studio), methods=["PUT"]),
         Route("/models/{robot}", _model(shelf), methods=["GET", "PUT", "DELETE"]),
     ]
     return SecretDoor(Starlette(routes=routes), SECRET_HEADER, secret)
@@ -85,6 +88,7 @@ def _status(studio: Studio) -> Handler:
             "pictures": sum(1 for viewer in studio.viewers.values() if viewer.client is not None),
             "robots": len(studio.world.robots()),
             "messages": studio.intake.messages,
+            "wanted": wanted(studio),
         })  # fmt: skip
 
     return status
@@ -101,6 +105,24 @@ def _put_farm(studio: Studio) -> Handler:
 def _put_plan(studio: Studio) -> Handler:
     async def put(request: Request) -> Response:
         studio.set_plan(request.path_params["robot"], msgspec.json.decode(await request.body(), type=Plan))
+        return Response(status_code=204)
+
+    return put
+
+
+def _put_picture(studio: Studio) -> Handler:
+    async def put(request: Request) -> Response:
+        try:
+            captured_s = float(request.headers.get(CAPTURED_HEADER, ""))
+            data = await request.body()
+            if len(data) > MAX_BYTES:
+                raise BadPicture("too_large", "This picture is larger than 4 MB.")
+            pixels = await asyncio.to_thread(small, data)
+        except ValueError as error:  # a BadPicture, or no time
+            return JSONResponse({"code": "bad_picture", "text": str(error)}, status_code=422)
+        site = studio.site(request.path_params["robot"])
+        if site is not None:
+            site.frusta.picture(request.path_params["camera"], pixels, captured_s)
         return Response(status_code=204)
 
     return put

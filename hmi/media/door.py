@@ -10,6 +10,7 @@ from hmi import side_door
 SECRET_HEADER = "x-headland-media"  # noqa: S105 - a name
 VIEWER_HEADER = "x-headland-viewer"
 RIGHTS_HEADER = "x-headland-rights"
+CAPTURED_HEADER = "x-headland-captured-s"
 NAME = "media"
 
 

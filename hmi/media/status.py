@@ -33,9 +33,11 @@ def status_of(studio: Studio, viewer: Viewer, now_s: float) -> dict[str, Any]:
             "machine": _age(body or pose, now_s),
             "planned": _age(planned, now_s),
             "scan": _age(scan, now_s),
+            "cameras": _rounded(None if site is None else site.frusta.age_s(now_s)),
         },
         "joints": [] if factsheet is None else [joint.name for joint in factsheet[0].joints],
         "has_scan": scan is not None,
+        "cameras": 0 if site is None else len(site.frusta.cameras),
         "trees": None if site is None else _trees(site.surface),
         "trail": 0 if site is None else site.trail.points,
         "keep_out_m": None if factsheet is None else studio.keep_out_m(robot_id, factsheet[0]),
@@ -54,4 +56,8 @@ def _trees(surface: Any) -> dict[str, int] | None:
 
 
 def _age(heard: tuple[Any, float] | None, now_s: float) -> float | None:
-    return None if heard is None else round(max(0.0, now_s - heard[1]), 2)
+    return None if heard is None else _rounded(now_s - heard[1])
+
+
+def _rounded(age_s: float | None) -> float | None:
+    return None if age_s is None else round(max(0.0, age_s), 2)

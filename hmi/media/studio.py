@@ -222,6 +222,7 @@ class Studio:
             site = self._sites[robot_id] = SiteView(self.server.scene, self.world.mover, robot_id)
             site.set_plan(self._plans.get(robot_id, Plan()), self.frame)
         datum = factsheet[0].datum
+        site.frusta.fade(self._clock.mono_s())
         site.show(
             shift=self.frame.shift(datum.lat_deg, datum.lon_deg),
             posture=posture,

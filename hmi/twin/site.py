@@ -7,7 +7,7 @@ import viser
 from backend_clients.edge import machine
 from backend_clients.edge import messages_up as up
 from hmi.twin.farm import Plan
-from hmi.twin.frusta import draw_frusta
+from hmi.twin.frusta import Frusta
 from hmi.twin.ground_frame import SiteFrame
 from hmi.twin.groups import Group
 from hmi.twin.kinematics import Place
@@ -41,6 +41,7 @@ class SiteView:
         self.surface = WorkSurface(scene, Group.TREES.of(robot_id), Group.OBSTACLES.of(robot_id))
         self.sightings = Sightings(scene, Group.LABELS.of(robot_id))
         self.limits = LimitMarks(scene, Group.LIMITS.of(robot_id))
+        self.frusta = Frusta(scene, Group.CAMERAS.of(robot_id))
         self._keep_out_m = -1.0
         self._scan_seq = -1
         self._form: Form | None = None
@@ -86,13 +87,13 @@ class SiteView:
             self._mover.remove(group.of(self._robot_id))
 
     def _parts_of(self, form: Form, posture: Posture, factsheet: up.Factsheet) -> None:
-        """What only another model or factsheet changes: cameras, and how far the arm reaches."""
+        """What hangs on the model and its factsheet: cameras, and how far the arm reaches."""
         cameras, arc = Group.CAMERAS.of(self._robot_id), Group.REACH.of(self._robot_id)
         self._mover.move(cameras, posture.body)
         self._mover.move(arc, posture.body)
+        self.frusta.show(form, posture.joints, factsheet.cameras)
         if form is not self._form or factsheet.joints != self._joints:
             self._form, self._joints = form, factsheet.joints
-            draw_frusta(self._scene, cameras, form)
             self.reach = reach_of(form, factsheet.joints)
             draw_reach(self._scene, f"{arc}/line", self.reach)
 

@@ -1,4 +1,7 @@
-"""Where each camera sits on its machine, how it looks, and which software node it needs."""
+"""Where each camera sits on its machine, how it looks, and which software node it needs.
+
+The links ``camera_...`` of the models in ``static/models`` stand at the same places: what the twin shows there is seen.
+"""
 
 from __future__ import annotations
 
@@ -63,14 +66,14 @@ class Mount:
 
 
 MOUNTS: dict[tuple[str, str], Mount] = {
-    ("weeder", "front"): Mount(1.15, 0.0, 1.6, 0.0, 0.0, 74.0, "perception", is_on_head=True),
-    ("weeder", "rear"): Mount(-1.2, 0.0, 1.55, math.pi, -0.42, 74.0, "perception", view="rear"),
+    ("weeder", "front"): Mount(0.52, 0.0, 1.45, 0.0, 0.0, 74.0, "perception", is_on_head=True),
+    ("weeder", "rear"): Mount(-1.15, 0.0, 1.55, math.pi, -0.42, 74.0, "perception", view="rear"),
     ("weeder", "side"): Mount(
         0.2, -0.75, 1.5, -math.pi / 2, -0.3, 74.0, "perception", kind="infrared", view="front", lamp_m=14.0
     ),
     ("weeder", "tool"): Mount(-0.62, 0.0, 1.15, 0.0, DOWN, 72.0, "perception", view="tool", lamp_m=4.0),
     ("weeder", "tof"): Mount(
-        1.15, 0.0, 1.52, 0.0, -0.2, 62.0, "perception", kind="depth", view="distance", is_on_head=True, lamp_m=0.0
+        0.52, 0.0, 1.37, 0.0, -0.2, 62.0, "perception", kind="depth", view="distance", is_on_head=True, lamp_m=0.0
     ),
     ("planter", "rear"): Mount(-1.6, 0.6, 3.1, math.pi, -0.44, 82.0, "stereo", view="rear", lamp_m=16.0),
     ("planter", "head"): Mount(0.0, 0.0, 1.15, 0.0, DOWN, 62.0, "planter", view="head", is_on_crane=True, lamp_m=4.0),

@@ -41,11 +41,15 @@
     document.addEventListener("pointerdown", (event) => !rail.contains(event.target) && open(false), true);
     window.addEventListener("keydown", (event) => event.key === "Escape" && open(false));
     new ResizeObserver(fit).observe(rail);
-    HL.rail = { mark, staying };
-    fit();
+    return { rail, mark, fit };
   }
 
-  const rail = document.querySelector(".h-rail");
-  HL.rail = { mark: () => {}, staying };
-  if (rail) start(rail);
+  // the screens' scripts come before the frame: the row is found when the first screen shows itself
+  let row = null;
+  function mark() {
+    const rail = document.querySelector(".h-rail");
+    if (rail && row?.rail !== rail) (row = start(rail)).fit();
+    row?.mark();
+  }
+  HL.rail = { mark, staying };
 })();

@@ -9,7 +9,7 @@
   ];
   const HIDDEN = ["terrain", "cameras"];
   const STALE_S = 2;
-  const SLOW = { scan: 3 }; // once a second at most
+  const SLOW = { scan: 3, cameras: 3 }; // once a second at most
 
   const meters = (value) => (value === null || value === undefined ? "" : `${value.toFixed(1)} m`);
 
@@ -64,9 +64,10 @@
         trees: status?.trees ? `${status.trees.done} / ${status.trees.done + status.trees.failed + status.trees.here}` : "",
         keepout: meters(status?.keep_out_m),
         reach: meters(status?.reach_m),
+        ...(status && !this.hidden.has("cameras") && status.ages_s.cameras === null ? { cameras: "no picture" } : {}),
       };
       for (const [key, row] of this.rows) {
-        const age = ["machine", "planned", "scan"].includes(key) ? this.link.ageOf(key) : null;
+        const age = ["machine", "planned", "scan", "cameras"].includes(key) ? this.link.ageOf(key) : null;
         text(row.value, said[key] ?? (age === null ? "" : HL.words.age(age * 1000)));
         toggle(row.node, "stale", age !== null && age > (SLOW[key] ?? STALE_S));
         attr(row.node, "data-age-ms", age === null ? null : Math.round(age * 1000));
@@ -79,6 +80,7 @@
       if (!status) return true;
       if (key === "planned" || key === "limits") return status.joints.length > 0;
       if (key === "trees" || key === "obstacles") return status.trees !== null && status.trees !== undefined;
+      if (key === "cameras") return status.cameras > 0;
       if (key === "reach") return Boolean(status.reach_m);
       return key !== "scan" || status.has_scan;
     }

@@ -58,13 +58,13 @@ class Planter:
         joints = {"slew": slew, "stick": stick}
         self.say(Up.BODY, machine.Body, joints=joints, planned={"slew": slew + 0.3}, seen=[near])
 
-    def introduce(self) -> None:
+    def introduce(self, **more: Any) -> None:
         """Say who it is."""
         size = up.Dimensions(length_m=6.4, width_m=2.6, height_m=3.2, base_to_front_m=4.0)
         limits = up.Limits(max_speed_mps=2.0, max_accel_mps2=1.0, decel_mps2=1.0, max_yaw_rate_radps=1.0)
         self.say(
             Up.FACTSHEET, up.Factsheet, family="planter", name="Planter 02", model="Planter", software="1",
-            datum=up.Datum(lat_deg=52.0, lon_deg=5.0), dimensions=size, limits=limits, joints=JOINTS,
+            datum=up.Datum(lat_deg=52.0, lon_deg=5.0), dimensions=size, limits=limits, joints=JOINTS, **more,
         )  # fmt: skip
 
 

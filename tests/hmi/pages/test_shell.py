@@ -114,7 +114,7 @@ def test_a_section_pressed_before_its_script_came_is_the_one_that_opens(look: Lo
     theatre.play("running")
     page = look("/fleet", role="admin")
     held: list[Route] = []
-    page.route("**/static/bundle/admin.js*", held.append)
+    page.route("**/static/bundle/admin.js*", lambda route: held.append(route))
     page.get_by_test_id("nav-admin").click()
     page.get_by_test_id("admin-tab-limits").click()
     expect(page.get_by_test_id("admin-tab-limits")).to_have_attribute("aria-pressed", "true")
