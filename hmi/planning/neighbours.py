@@ -8,7 +8,9 @@ from heapq import heappop, heappush
 
 import numpy as np
 import shapely
-from shapely.geometry import LineString
+from shapely import affinity
+from shapely.geometry import GeometryCollection, LineString
+from shapely.geometry.base import BaseGeometry
 
 from hmi.planning.projection import Floats
 
@@ -28,7 +30,8 @@ def beside(along: LineString, lines: Sequence[Floats], near_m: float) -> list[fl
         near_m: further away there are no neighbours.
     """
     shapes = [LineString(points if _is_along(along, points) else points[::-1]) for points in lines]
-    tree = shapely.STRtree(shapes)
+    coarse = _level(shapes, near_m)
+    tree = shapely.STRtree(coarse)
     found: dict[int, float] = {}
     waiting: list[tuple[float, int, float]] = []
     longest = max(range(len(shapes)), key=lambda k: shapes[k].length)
@@ -43,11 +46,19 @@ def beside(along: LineString, lines: Sequence[Floats], near_m: float) -> list[fl
             if number in found:
                 continue
             found[number] = place
-            for other in tree.query(shapes[number], predicate="dwithin", distance=near_m).tolist():
+            for other in tree.query(coarse[number], predicate="dwithin", distance=near_m).tolist():
                 if other not in found:
                     cost, step = _between(shapes[number], shapes[other])
                     heappush(waiting, (cost, other, place + step))
     return [found[k] for k in range(len(shapes))]
+
+
+def _level(shapes: list[LineString], near_m: float) -> list[BaseGeometry]:
+    """Return lines without small bends and about parallel to the x axis: the box of a slanting one meets all others."""
+    longest = max(shapes, key=lambda shape: float(shape.length))
+    (x0, y0), (x1, y1) = shapely.get_coordinates(longest)[[0, -1]]
+    turned = affinity.rotate(GeometryCollection(shapes), -math.atan2(y1 - y0, x1 - x0), origin=(0, 0), use_radians=True)
+    return list(shapely.simplify(shapely.get_parts(turned), near_m / 10))
 
 
 def _between(placed: LineString, other: LineString) -> tuple[float, float]:

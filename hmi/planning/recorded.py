@@ -65,7 +65,7 @@ class _Level:
 
     @property
     def length_m(self) -> float:
-        return sum(LineString(one.points).length for one in self.pieces)
+        return sum(float(LineString(one.points).length) for one in self.pieces)
 
 
 def passes(
@@ -126,7 +126,7 @@ class _Field:
 
     def _without_crossing(self, rows: list[CropRow]) -> list[CropRow]:
         """Leave out rows that cross others, those that cross most first, and name them."""
-        shapes = np.array([LineString(row.points) for row in rows], dtype=object)
+        shapes = [LineString(row.points) for row in rows]
         tree = shapely.STRtree(shapes)
         a, b = tree.query(shapes, predicate="crosses")
         crossing: dict[int, set[int]] = {}
