@@ -60,21 +60,21 @@ def test_a_tool_for_one_row_drives_every_row_itself() -> None:
 
 
 def test_a_wide_tool_takes_whole_rows_and_drives_between_or_over_them() -> None:
-    four = [line for lines in passes(waves(64, 0.75), INNER, 3.0, 1.5, None).lines for line in lines]
-    assert len(four) == 16
-    below, above = waves(64, 0.75)[1], waves(64, 0.75)[2]
+    four = [line for lines in passes(waves(24, 0.75), INNER, 3.0, 1.5, None).lines for line in lines]
+    assert len(four) == 6
+    below, above = waves(24, 0.75)[1], waves(24, 0.75)[2]
     between = next(line for line in four if furthest_m(line, below) < 0.5)
     distances = [
         shapely.distance(shapely.points(between[1:-1]), shapely.LineString(row.points)) for row in (below, above)
     ]
     assert np.abs(np.subtract(*distances)).max() < 0.05, "in the middle of the four"
-    three = passes(waves(63, 0.75), INNER, 2.3, 1.5, None).lines
-    assert len(three) == 21
-    assert min(furthest_m(lines[0], waves(63, 0.75)[1]) for lines in three) < 0.05, "on the middle one of three"
+    three = passes(waves(24, 0.75), INNER, 2.3, 1.5, None).lines
+    assert len(three) == 8
+    assert min(furthest_m(lines[0], waves(24, 0.75)[1]) for lines in three) < 0.05, "on the middle one of three"
 
 
 def test_a_row_that_lacks_a_piece_takes_none_of_its_neighbours_away() -> None:
-    rows = waves(64, 0.75)
+    rows = waves(24, 0.75)
     for missing in (1, 2):
         broken = [*rows[:missing], CropRow("stub", rows[missing].points[:12]), *rows[missing + 1 :]]
         first = passes(broken, INNER, 3.0, 1.5, 0.75).lines[-1]
