@@ -21,8 +21,8 @@ from hmi.twin.rotation import from_rpy, product
 
 PREFIX = "camera_"
 FOV_RAD, ASPECT, LENGTH_M = 1.0, 4 / 3, 0.5  # of a camera whose factsheet does not tell
-PICTURE_LENGTH_M = 1.1
-OLD_S = 3.0
+PICTURE_LENGTH_M = 0.7
+OLD_S = 5.0
 WIDEST_RAD = 2.6  # a pyramid cannot show more
 INK = (36, 66, 82)
 _LOOK_ALONG_X = from_rpy((-math.pi / 2, 0.0, -math.pi / 2))  # viser's cameras look along z, y down
