@@ -10,17 +10,19 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import shapely
 from PIL import Image, ImageDraw, ImageFont
 from shapely.geometry import Polygon
 
-from hmi.domain.mission_plan import Pattern
+from hmi.domain.mission_plan import Pattern, Rows
 from hmi.planning.coverage import plan_coverage
 from hmi.planning.drawing import drawing
 from hmi.planning.job import Job
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import Plan
 from hmi.planning.projection import LocalFrame
+from hmi.planning.recorded import CropRow
 from hmi.planning.treatment import DoseMap
 from tests.e2e.installation import ROOT
 from tests.hmi.planning.grounds import given_field, square
@@ -35,8 +37,8 @@ NAMES = {
     Pattern.SKIP_ROWS: "Skip rows",
     Pattern.SPIRAL: "Spiral",
 }
-INK, PATH, TURN, IDLE, GROUND, EDGE, HOLE, TWICE, MISSED = (
-    "#12181b", "#23414f", "#8a3f00", "#9aa5aa", "#e9eae3", "#737970", "#c9ccc4", "#9db4c0", "#f2c500",
+INK, PATH, TURN, IDLE, GROUND, EDGE, HOLE, TWICE, MISSED, GUIDE = (
+    "#12181b", "#23414f", "#8a3f00", "#9aa5aa", "#e9eae3", "#737970", "#c9ccc4", "#9db4c0", "#f2c500", "#8fc3e8",
 )  # fmt: skip
 
 
@@ -61,7 +63,20 @@ def _sheets() -> Iterator[tuple[str, list[tuple[str, Job]]]]:
     wet, weedy = shapely.box(-5, -5, 45, 40), shapely.Point(85, 80).buffer(22)
     dosed = Job(holes, 3.0, machine, doses=DoseMap(((wet, 0.0), (weedy, 2.0)), 1.0, 0.3, 0.1))
     only = replace(dosed, doses=DoseMap(((weedy, 1.0),), 0.0, 0.3, 0.1))
+    yield "curved", list(_curved(holes, machine))
     yield "treatment", [("A wet corner off, a weedy patch twice", dosed), ("Only the patch", only)]
+
+
+def _curved(field: Polygon, machine: RobotProfile) -> Iterator[tuple[str, Job]]:
+    def line(x0: float, x1: float, y: float) -> Any:
+        x = np.linspace(x0, x1, 60)
+        points = np.column_stack([x, y + 11 * np.sin(x / 35)])
+        return points[(points[:, 1] > 4) & (points[:, 1] < 106)]
+
+    guide = CropRow("Guide", line(0, 110, 45))
+    yield "Along a guide line", Job(field, 3.0, machine, rows=Rows.GUIDE_LINE, lines=(guide,))
+    rows = [CropRow(f"row {k}", line(5, 105, -6 + 3 * k)) for k in range(1, 34) if k not in (17, 18)]
+    yield "Along recorded rows, two missing", Job(field, 3.0, machine, rows=Rows.RECORDED_ROWS, lines=tuple(rows))
 
 
 def _panel(title: str, job: Job) -> Image.Image:
@@ -86,6 +101,8 @@ def _panel(title: str, job: Job) -> Image.Image:
         pen.polygon([at(*point) for point in ring], fill=HOLE)
     for ring in (outer, *holes):
         pen.line([at(*point) for point in ring], fill=EDGE, width=2 * FINER)
+    for line in drawn["places"]["lines"]:
+        pen.line([at(*point) for point in line], fill=GUIDE, width=3 * FINER, joint="curve")
     for leg in drawn["legs"]:
         points = list(zip(leg["xy"][::2], leg["xy"][1::2], strict=True))
         colour = (PATH if leg["on"] else IDLE) if leg["kind"] in ("row", "headland") else TURN

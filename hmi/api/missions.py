@@ -6,7 +6,7 @@ import asyncio
 import hashlib
 import math
 from collections import OrderedDict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any
 
 import msgspec
@@ -22,6 +22,7 @@ from hmi.api.orders import RobotId
 from hmi.api.plan_body import PlanBody, order_of
 from hmi.commands.mission_book import MissionBook
 from hmi.commands.ports import FleetReader
+from hmi.commands.row_direction import FOLLOWED, lines_of
 from hmi.domain.mission_document import Document, mission_sha256
 from hmi.domain.mission_plan import MissionError, MissionRefused, PlanRefused
 from hmi.planning.jobs import mission_geojson
@@ -157,8 +158,9 @@ def _add_maps(router: APIRouter, book: MissionBook, fleet: FleetReader, encoded:
         found = await book.features(session, ("parcel",))
         homes = await book.features(session, ("home",))
         areas = await book.features(session, AREA_KINDS)
+        lines = await book.features(session, ("rows",))
         return {
-            "fields": [_field(one) for one in found],
+            "fields": [{**_field(one), "lines": _lines(one, lines)} for one in found],
             "homes": [_field(one) for one in homes],
             "areas": [{**_field(one), "kind": one.kind} for one in areas if "Polygon" in one.geometry["type"]],
         }
@@ -232,6 +234,12 @@ def row(mission: Mission) -> dict[str, Any]:
 def _entry(entry: MissionLogEntry) -> dict[str, Any]:
     utc = entry.at.isoformat(timespec="milliseconds")
     return {"utc": utc, "status": entry.status.value, "by": entry.by, "why": entry.why, "data": entry.data}
+
+
+def _lines(field: Feature, features: Sequence[Feature]) -> dict[str, int]:
+    """Return how many lines a field has that rows can follow, by what they are."""
+    counts = {kind: sum(1 for _ in lines_of(field, features, kind)) for kind in FOLLOWED}
+    return {kind.value: count for kind, count in counts.items() if count}
 
 
 def _field(feature: Feature) -> dict[str, Any]:

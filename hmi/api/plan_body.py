@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from hmi.api.body import Body, Id
 from hmi.commands.plan_wish import AreaOrder, PlanOrder
-from hmi.domain.mission_plan import Corner, Pattern
+from hmi.domain.mission_plan import Corner, Pattern, Rows
 
 MOST_AREAS = 200
 Dose = Annotated[float, Field(ge=0, le=2, description="times the usual dose; 0 is off")]
@@ -35,6 +35,7 @@ class PlanChoices(Body):
     width_m: Annotated[float, Field(description="working width; the rows are that far apart, less the overlap")]
     name: Annotated[str, Field(max_length=80)] = ""
     row_bearing_deg: Annotated[float | None, Field(ge=-360, le=360, description="clockwise from north")] = None
+    rows: Annotated[Rows | None, Field(strict=False, description="what the rows run along")] = None
     headland_passes: Annotated[int | None, Field(ge=0, le=50)] = None
     home_id: Id | None = None
     returns_home: bool = True

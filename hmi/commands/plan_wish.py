@@ -7,12 +7,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from hmi.commands.row_direction import row_direction
 from hmi.domain.mission_plan import (
     Corner,
     Geometry,
     Pattern,
     PlanRefused,
     PlanWish,
+    Rows,
     Surroundings,
     TreatedArea,
     Treatment,
@@ -41,6 +43,7 @@ class PlanOrder:
 
     Args:
         row_bearing_deg: clockwise from north; ``None`` follows the field's crop rows, or searches the best.
+        rows: what the rows run along; ``None`` as asked by ``row_bearing_deg``, or in the field's direction.
         headland_passes: ``None`` takes as many as turning needs.
         home_id: map feature where the robot stands; ``None`` takes its own or the nearest.
         overlap: share of the width worked twice.
@@ -53,6 +56,7 @@ class PlanOrder:
     width_m: float
     name: str = ""
     row_bearing_deg: float | None = None
+    rows: Rows | None = None
     headland_passes: int | None = None
     home_id: str | None = None
     returns_home: bool = True
@@ -75,8 +79,9 @@ def wish_for(
 
     Raises:
         NotFound: a treatment area is not on the map.
-        PlanRefused: a treatment area is no polygon.
+        PlanRefused: a treatment area is no polygon, or the field has no such lines as the rows shall follow.
     """
+    direction = row_direction(order.rows, order.row_bearing_deg, field, features)
     place = _places(field.geometry)[0]
     home = _home(features, order, place)
     origin = (sheet.datum_lon_deg, sheet.datum_lat_deg) if sheet else home or place
@@ -90,7 +95,7 @@ def wish_for(
         datum_lat_deg=round(origin[1], 7),
         datum_lon_deg=round(origin[0], 7),
         robot=sheet,
-        angle_rad=_row_angle(order, field, features),
+        angle_rad=direction.angle_rad,
         headland_passes=order.headland_passes,
         home=home,
         returns_home=order.returns_home,
@@ -101,6 +106,9 @@ def wish_for(
         row_speed_mps=order.row_speed_mps,
         plant_spacing_m=order.plant_spacing_m,
         treatment=_treatment(order, features),
+        rows=direction.rows,
+        row_lines=direction.lines,
+        row_spacing_m=field.properties.get("row_spacing_m"),
     )
 
 
@@ -115,30 +123,6 @@ def _treatment(order: PlanOrder, features: Sequence[Feature]) -> Treatment:
             raise PlanRefused("bad_treatment", "A treatment area is a polygon. Draw its outline.", "treatments")
         areas.append(TreatedArea(shape, area.dose))
     return Treatment(tuple(areas), order.rest_dose, order.lead_in_m, order.lead_out_m)
-
-
-def _row_angle(order: PlanOrder, field: Feature, features: Sequence[Feature]) -> float | None:
-    """Return the ENU angle of the rows: as asked, else as the map says of the field, else to be searched."""
-    bearing = order.row_bearing_deg if order.row_bearing_deg is not None else field.properties.get("row_bearing_deg")
-    return _drawn_angle(field, features) if bearing is None else math.pi / 2 - math.radians(float(bearing))
-
-
-def _drawn_angle(field: Feature, features: Sequence[Feature]) -> float | None:
-    """Return the mean direction of the rows drawn or recorded in a field, longer ones weigh more; ``None`` if none."""
-    east = north = 0.0
-    for one in features:
-        if one.kind != "rows" or one.properties.get("parcel_id") != field.id:
-            continue
-        lines = (
-            one.geometry["coordinates"] if one.geometry["type"] == "MultiLineString" else [one.geometry["coordinates"]]
-        )
-        for line in lines:
-            (x0, y0), (x1, y1) = line[0][:2], line[-1][:2]
-            dx, dy = (x1 - x0) * math.cos(math.radians(y0)), y1 - y0
-            angle, length = math.atan2(dy, dx), math.hypot(dx, dy)
-            # a row has no beginning: doubled angles of opposite directions are the same
-            east, north = east + length * math.cos(2 * angle), north + length * math.sin(2 * angle)
-    return math.atan2(north, east) / 2 if east or north else None
 
 
 def _home(features: Sequence[Feature], order: PlanOrder, place: tuple[float, float]) -> tuple[float, float] | None:

@@ -63,6 +63,24 @@ class Pattern(StrEnum):
     SPIRAL = "spiral"
 
 
+class Rows(StrEnum):
+    """What the rows run along, as a person chooses it."""
+
+    BEST_ANGLE = "best_angle"
+    ALONG_EDGE = "along_edge"
+    AB_LINE = "ab_line"
+    GUIDE_LINE = "guide_line"
+    RECORDED_ROWS = "recorded_rows"
+
+
+@dataclass(frozen=True, slots=True)
+class RowLine:
+    """A line of the map that rows follow: what people call it, and its longitudes and latitudes."""
+
+    name: str
+    points: tuple[tuple[float, float], ...]
+
+
 class Corner(StrEnum):
     """Where in the field the rows begin."""
 
@@ -128,6 +146,9 @@ class PlanWish:
         overlap: share of the width that neighbouring rows work twice.
         row_speed_mps: speed on the rows; ``None`` takes the robot's usual one.
         plant_spacing_m: of a planter, along the row; ``None`` takes the usual density.
+        rows: what the rows run along, ``None`` for ``angle_rad``, which edge and lines do without.
+        row_lines: the guide lines or recorded rows to follow.
+        row_spacing_m: distance of the recorded rows; ``None`` measures it.
     """
 
     mission_id: str
@@ -151,6 +172,9 @@ class PlanWish:
     row_speed_mps: float | None = None
     plant_spacing_m: float | None = None
     treatment: Treatment = Treatment()
+    rows: Rows | None = None
+    row_lines: tuple[RowLine, ...] = ()
+    row_spacing_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

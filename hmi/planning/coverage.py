@@ -11,9 +11,9 @@ import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
-from hmi.domain.mission_plan import Pattern, PlanRefused, Tell, nobody
+from hmi.domain.mission_plan import Pattern, PlanRefused, Rows, Tell, nobody
 from hmi.planning import headland as headlands
-from hmi.planning import swaths as rows_of
+from hmi.planning import rows as rows_of
 from hmi.planning.corners import Corners
 from hmi.planning.dubins import Pose
 from hmi.planning.figures import figures_of, missed_note, worked_strips
@@ -25,7 +25,7 @@ from hmi.planning.machine import RobotProfile
 from hmi.planning.patterns import driving_order, span_for
 from hmi.planning.plan import GENTLE_RAD, Figures, Leg, LegKind, Plan, headings, turn_between
 from hmi.planning.projection import Floats
-from hmi.planning.swaths import Swath
+from hmi.planning.swaths import Swath, strips
 from hmi.planning.tour import by_part
 
 _GAP_M = 0.04
@@ -68,14 +68,14 @@ def _cover(job: Job, field: BaseGeometry, division: Headland, tell: Tell) -> Pla
     tell(0.02, "Laying rows")
     inner = inner_field(field, division, job)
     ground = Ground(field, job.machine, crop=erode(inner, min(job.width_m, 1.0) * 0.6))
-    angle = job.angle_rad if job.angle_rad is not None else rows_of.best_angle(inner, job.width_m)
-    cells = rows_of.lay_rows(inner, ground.turning, angle, job.width_m)
-    if not any(cells):
-        raise PlanRefused("field_too_small", "No row fits into this field. Choose a smaller width.", "width_m")
-    cells = [[row for row in cell if job.doses.is_wanted_along(np.array([row.a, row.b]))] for cell in cells]
+    rows = rows_of.laid(job, inner, ground.turning)
+    cells = [[row for row in cell if job.doses.is_wanted_along(row.points)] for cell in rows.cells]
     if not any(cells):
         raise PlanRefused("nothing_to_treat", "No row crosses ground to be treated. Change the treatment.", "treatment")
-    return _Course(job, ground, division, cells, field, inner, tell).run(angle)
+    if job.rows is Rows.RECORDED_ROWS:  # they may end anywhere: what lies beyond is free
+        standing = rows_of.crop_of(rows.cells, job.treated_width_m)
+        ground = Ground(field, job.machine, crop=erode(standing, min(job.width_m, 1.0) * 0.6))
+    return _Course(job, ground, division, cells, field, inner, tell, rows.notes).run(rows.angle_rad)
 
 
 class _Course:
@@ -90,6 +90,7 @@ class _Course:
         field: BaseGeometry,
         inner: BaseGeometry,
         tell: Tell,
+        notes: Sequence[str] = (),
     ) -> None:
         self.tell = tell
         self.job, self.ground, self.division = job, ground, division
@@ -98,7 +99,7 @@ class _Course:
         self.linker = Linker(ground)
         self.cells = cells
         self.legs: list[Leg] = []
-        self.notes: list[str] = []
+        self.notes: list[str] = list(notes)
         self.row = 0
         self.waiting = [lap for lap in headlands.laps(ground, division) if job.doses.is_wanted_along(lap.points)]
         self.corners = Corners(
@@ -155,7 +156,7 @@ class _Course:
 
     def _row(self, swath: Swath) -> None:
         """Drive to a row and along it; a row that cannot be reached is left out."""
-        points = np.array([swath.a, swath.b])
+        points = swath.points
         heading = float(headings(points)[0])
         if not self._go((*swath.a, heading), self.job.machine.turn_speed_mps):
             return
@@ -263,7 +264,7 @@ class _Course:
         width = self.job.treated_width_m
         if self.job.doses.is_plain:
             around = [leg for leg in legs if leg.kind is LegKind.HEADLAND]
-            return [*rows_of.strips(self.done, width), *worked_strips(around, width)]
+            return [*strips(self.done, width), *worked_strips(around, width)]
         return worked_strips(legs, width)
 
 

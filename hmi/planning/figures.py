@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import shapely
 from shapely.geometry.base import BaseGeometry
 
+from hmi.domain.mission_plan import Rows
 from hmi.planning.estimate import effort
 from hmi.planning.job import Job
 from hmi.planning.plan import Figures, Leg
@@ -68,7 +69,10 @@ def missed_note(job: Job, figures: Figures) -> str:
     if missed <= TOLD_MISSED:
         return ""
     ground = "field" if job.doses.is_plain else "ground to be treated"
-    return f"{missed:.0%} of the {ground} stays untreated, mostly where the robot cannot turn."
+    why = ", mostly where the robot cannot turn"
+    if job.rows is Rows.RECORDED_ROWS:
+        why = ": no recorded row runs there, or the robot cannot turn there"
+    return f"{missed:.0%} of the {ground} stays untreated{why}."
 
 
 def worked_strips(legs: Sequence[Leg], width_m: float) -> list[BaseGeometry]:

@@ -10,10 +10,11 @@ import shapely
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from hmi.domain.mission_plan import Corner, Pattern, PlanRefused
+from hmi.domain.mission_plan import Corner, Pattern, PlanRefused, Rows
 from hmi.planning.ground import erode, polygons_of
 from hmi.planning.headland import Headland
 from hmi.planning.machine import RobotProfile
+from hmi.planning.recorded import CropRow
 from hmi.planning.treatment import EVERYWHERE, DoseMap
 
 MIN_WIDTH_M, MAX_WIDTH_M = 0.05, 50.0
@@ -41,6 +42,9 @@ class Job:
         corner: where the rows begin.
         tool_width_m: the width one pass treats; ``None`` is the distance of the rows.
         doses: where the tool works, and how much.
+        rows: what the rows run along; ``angle_rad`` counts unless they follow an edge or lines.
+        lines: the guide lines or recorded rows to follow.
+        crop_spacing_m: distance of the recorded rows; ``None`` measures it.
     """
 
     parcel: Polygon
@@ -56,6 +60,9 @@ class Job:
     corner: Corner | None = None
     tool_width_m: float | None = None
     doses: DoseMap = EVERYWHERE
+    rows: Rows | None = None
+    lines: tuple[CropRow, ...] = ()
+    crop_spacing_m: float | None = None
 
     @property
     def treated_width_m(self) -> float:

@@ -76,7 +76,7 @@ class Linker:
             return None
         out, back = max(ahead, 0.0), max(-ahead, 0.0)
         from_pose = (start[0] + out * ux, start[1] + out * uy, start[2])
-        to_pose = (end[0] + back * ux, end[1] + back * uy, end[2])
+        to_pose = (end[0] - back * math.cos(end[2]), end[1] - back * math.sin(end[2]), end[2])
         for path in self._hopeful(from_pose, to_pose):
             points = _distinct(np.vstack([start[:2], path.sample(2.0)[:, :2], end[:2]]))
             if self.ground.fits(points, is_crop_free=True):

@@ -22,12 +22,14 @@ from hmi.planning.job import Job
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import Leg, Plan
 from hmi.planning.projection import LocalFrame
+from hmi.planning.recorded import CropRow
 from hmi.planning.statistics import statistics
 from hmi.planning.treatment import DoseMap
 
 MAX_SEGMENTS = 20_000  # of the edge contract
 MAX_EXTENT_M = 20_000.0  # a plane at the datum is true over this distance; no field is larger
 MAX_POINTS_IN = 200_000
+MAX_POINTS_OUT = 300_000  # some 23 bytes each: the edge contract takes missions of 8 MB
 MAX_OVERLAP = 0.5
 MAX_DOSE = 2.0
 MAX_LEAD_M = 10.0
@@ -97,7 +99,22 @@ def _job(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> Job:
         pattern=wish.pattern,
         corner=wish.corner,
         doses=_doses(wish, frame, machine),
+        rows=wish.rows,
+        lines=_crop_rows(wish, frame),
+        crop_spacing_m=wish.row_spacing_m,
     )
+
+
+def _crop_rows(wish: PlanWish, frame: LocalFrame) -> tuple[CropRow, ...]:
+    if sum(len(line.points) for line in wish.row_lines) > MAX_POINTS_IN:
+        raise PlanRefused("too_many_points", f"The rows have more than {MAX_POINTS_IN} points.", "rows")
+    try:
+        found = [CropRow(line.name, frame.to_local(_positions(line.points))) for line in wish.row_lines]
+    except (TypeError, ValueError) as error:
+        raise PlanRefused("bad_rows", "The rows on the map have points that are not numbers.", "rows") from error
+    if any(not (np.abs(row.points) <= MAX_EXTENT_M).all() for row in found):
+        raise PlanRefused("bad_rows", "The rows on the map lie far from the robot's site.", "rows")
+    return tuple(found)
 
 
 def _doses(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> DoseMap:
@@ -163,6 +180,10 @@ def _check_length(plan: Plan) -> None:
     if len(plan.legs) > MAX_SEGMENTS:
         text = f"The plan has {len(plan.legs)} pieces; a robot takes {MAX_SEGMENTS}. Choose a larger row distance."
         raise PlanRefused("too_many_rows", text, "width_m")
+    points = sum(len(leg.points) for leg in plan.legs)
+    if points > MAX_POINTS_OUT:
+        text = f"The path has {points} points; a robot takes {MAX_POINTS_OUT}. Choose a larger row distance."
+        raise PlanRefused("too_many_points", text, "width_m")
 
 
 def _frame(wish: PlanWish) -> LocalFrame:

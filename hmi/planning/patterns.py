@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import shapely
 from shapely.geometry.base import BaseGeometry
@@ -163,7 +162,7 @@ def _driven(
     """Return a cell's rows in driving order, every other one reversed."""
     rows = cell if is_upward else cell[::-1]
     return [
-        rows[number] if (k % 2 == 0) == is_forward else replace(rows[number], a=rows[number].b, b=rows[number].a)
+        rows[number] if (k % 2 == 0) == is_forward else rows[number].reversed()
         for k, number in enumerate(order(len(rows), span))
     ]
 

@@ -111,6 +111,8 @@ def turned_line(segments: Sequence[Document], shift_m: float) -> list[Floats]:
     it is on for longer before treated ground than after it. Borders between two doses stay where they are.
     """
     line = np.vstack([np.asarray(one["points"], dtype=float)[::-1] for one in segments[::-1]])
+    # a piece begins where the one before it ends: the same place twice would be a piece without a direction
+    line = line[np.append(True, np.hypot(*np.diff(line, axis=0).T) > 0)]
     lengths = [float(np.hypot(*np.diff(np.asarray(one["points"], dtype=float), axis=0).T).sum()) for one in segments]
     edges = np.append(0.0, np.cumsum(lengths[::-1]))
     for k, (first, then) in enumerate(pairwise(segments[::-1]), 1):

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from hmi.domain.mission_plan import PlanWish
+from hmi.domain.mission_plan import PlanWish, Rows
 from hmi.domain.robot import Family
 from hmi.planning.job import Job
 from hmi.planning.machine import SEEDLINGS_PER_M2
@@ -24,6 +24,7 @@ def statistics(wish: PlanWish, job: Job, plan: Plan) -> dict[str, Any]:
         **figures,
         "notes": list(plan.notes),
         "pattern": wish.pattern.value,
+        "rows_along": _rows_along(wish),
         "battery_j": job.machine.battery_j,
         "energy_basis": _energy_basis(wish, job),
         "is_tank": job.machine.energy.is_tank,
@@ -42,6 +43,13 @@ def statistics(wish: PlanWish, job: Job, plan: Plan) -> dict[str, Any]:
         found["plant_spacing_m"] = round(spacing, 3)
         found["seedlings"] = round(plan.figures.working_length_m / spacing)
     return found
+
+
+def _rows_along(wish: PlanWish) -> str:
+    """Return what the rows run along; ``direction``: that which was asked for, or the field's."""
+    if wish.rows is not None:
+        return wish.rows.value
+    return Rows.BEST_ANGLE.value if wish.angle_rad is None else "direction"
 
 
 def _energy_basis(wish: PlanWish, job: Job) -> str:

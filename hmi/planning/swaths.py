@@ -21,20 +21,37 @@ from hmi.planning.projection import Floats
 Geometries = NDArray[np.object_]
 
 MIN_ROW_M = 1.0  # shorter rows cost a turn and treat nothing that the headland would not
-_SKIP = 0.02  # share of a row distance left at each edge of a row: two centimetres must not cost a row
-_BLUNT = 0.25  # share of a row distance not followed into the tips of slanted ends
+SKIP = 0.02  # share of a row distance left at each edge of a row: two centimetres must not cost a row
+BLUNT = 0.25  # share of a row distance not followed into the tips of slanted ends
 _CHOOSE_UP_TO = 600  # rows; with more, where they lie makes no difference
 _MOST_CHOICES = 8
+_EDGE_M = 0.5  # an edge that wavers less than this is a straight one
 _SAMPLE_LINES = 60  # lines tried per angle in the search: enough to rank angles, independent of the width
+
+
+Place = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
 class Swath:
-    """A straight row. ``line`` numbers the parallel it lies on; a hole splits a parallel into several rows."""
+    """A row from ``a`` over ``via`` to ``b``; a straight one has no ``via``.
+
+    ``line`` numbers the parallel it lies on; a hole splits a parallel into several rows.
+    """
 
     line: int
-    a: tuple[float, float]
-    b: tuple[float, float]
+    a: Place
+    b: Place
+    via: tuple[Place, ...] = ()
+
+    @property
+    def points(self) -> Floats:
+        """The row as (N, 2) metres."""
+        return np.array([self.a, *self.via, self.b])
+
+    def reversed(self) -> Swath:
+        """Return the row driven the other way round."""
+        return Swath(self.line, self.b, self.a, self.via[::-1])
 
 
 def best_angle(inner: BaseGeometry, width_m: float) -> float:
@@ -46,6 +63,14 @@ def best_angle(inner: BaseGeometry, width_m: float) -> float:
     best = min(coarse, key=lambda angle: _turns(inner, float(angle), width_m))
     fine = np.mod(best + np.radians(np.arange(-6, 7)), math.pi)
     return float(min([best, *fine], key=lambda angle: _turns(inner, float(angle), width_m)))
+
+
+def edge_angle(field: BaseGeometry) -> float:
+    """Return the direction of the longest straight edge of a field, in [0, pi); holes do not count."""
+    rings = [shapely.get_coordinates(part.exterior.simplify(_EDGE_M)) for part in polygons_of(field)]
+    steps = np.concatenate([np.diff(ring, axis=0) for ring in rings])
+    longest = steps[np.argmax(np.hypot(*steps.T))]
+    return float(math.atan2(longest[1], longest[0]) % math.pi)
 
 
 def lay_rows(inner: BaseGeometry, room: BaseGeometry, angle_rad: float, width_m: float) -> list[list[Swath]]:
@@ -62,19 +87,23 @@ def lay_rows(inner: BaseGeometry, room: BaseGeometry, angle_rad: float, width_m:
     options = [(levels, _needed(turned, levels, width_m)) for levels in _choices(turned, width_m)]
     levels, needed = min(options, key=lambda option: _cost(option[1], width_m))
     rooms = _spans(turned_room, levels)
-    rows = [[row for span in needed[k] for row in _fitted(span, rooms[k])] for k in range(len(levels))]
+    rows = [[row for span in needed[k] for row in fitted(span, rooms[k])] for k in range(len(levels))]
     cos, sin = math.cos(angle_rad), math.sin(angle_rad)
 
     def back(x: float, y: float) -> tuple[float, float]:
         return x * cos - y * sin, x * sin + y * cos
 
-    return [[Swath(k, back(x0, levels[k]), back(x1, levels[k])) for k, (x0, x1) in cell] for cell in _cells(rows)]
+    def row(k: int, i: int) -> Swath:
+        x0, x1 = rows[k][i]
+        return Swath(k, back(x0, levels[k]), back(x1, levels[k]))
+
+    return [[row(k, i) for k, i in cell] for cell in cells_of(rows)]
 
 
 def _levels(turned: BaseGeometry, width_m: float) -> Floats:
     """Return the y of each row, spread so that what does not divide evenly laps into both headlands."""
     _, low, _, high = turned.bounds
-    count = max(1, math.ceil((high - low) / width_m - 2 * _SKIP))
+    count = max(1, math.ceil((high - low) / width_m - 2 * SKIP))
     first = (low + high) / 2 - (count - 1) * width_m / 2
     return np.asarray(first + width_m * np.arange(count), dtype=np.float64)
 
@@ -103,26 +132,27 @@ def _needed(turned: BaseGeometry, levels: Floats, width_m: float) -> list[list[t
         half = width_m * (0.5 - skip)
         return np.asarray(shapely.box(left - 1, levels - half, right + 1, levels + half))
 
-    parts, owner = shapely.get_parts(shapely.intersection(strips(_SKIP), turned), return_index=True)
+    parts, owner = shapely.get_parts(shapely.intersection(strips(SKIP), turned), return_index=True)
     bounds = shapely.bounds(parts)
     # the tips of slanted ends are long and treat next to nothing
-    blunt = shapely.bounds(shapely.intersection(parts, strips(_BLUNT)[owner]))
+    blunt = shapely.bounds(shapely.intersection(parts, strips(BLUNT)[owner]))
     bounds = np.where(np.isfinite(blunt), blunt, bounds)
-    worth = shapely.area(parts) > _SKIP * width_m * (bounds[:, 2] - bounds[:, 0])
+    worth = shapely.area(parts) > SKIP * width_m * (bounds[:, 2] - bounds[:, 0])
     intervals: list[list[tuple[float, float]]] = [[] for _ in levels]
     for k, (x0, _, x1, _) in zip(owner[worth], bounds[worth], strict=True):
         intervals[k].append((float(x0), float(x1)))
-    return [_merged(line) for line in intervals]
+    return [merged(line) for line in intervals]
 
 
-def _merged(intervals: list[tuple[float, float]]) -> list[tuple[float, float]]:
-    merged: list[tuple[float, float]] = []
+def merged(intervals: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Return intervals in order, those that overlap as one."""
+    found: list[tuple[float, float]] = []
     for x0, x1 in sorted(intervals):
-        if merged and x0 < merged[-1][1]:
-            merged[-1] = (merged[-1][0], max(x1, merged[-1][1]))
+        if found and x0 < found[-1][1]:
+            found[-1] = (found[-1][0], max(x1, found[-1][1]))
         else:
-            merged.append((x0, x1))
-    return merged
+            found.append((x0, x1))
+    return found
 
 
 def _cost(needed: list[list[tuple[float, float]]], width_m: float) -> float:
@@ -130,7 +160,7 @@ def _cost(needed: list[list[tuple[float, float]]], width_m: float) -> float:
     return sum(x1 - x0 + 2 * width_m + 3.0 for line in needed for x0, x1 in line)
 
 
-def _fitted(needed: tuple[float, float], rooms: list[tuple[float, float]]) -> list[tuple[float, float]]:
+def fitted(needed: tuple[float, float], rooms: list[tuple[float, float]]) -> list[tuple[float, float]]:
     """Return the parts of a row for which there is room and which are long enough to be worth a turn."""
     found = [(max(needed[0], r0), min(needed[1], r1)) for r0, r1 in rooms]
     return [(x0, x1) for x0, x1 in found if x1 - x0 >= MIN_ROW_M]
@@ -150,22 +180,25 @@ def _spans(turned: BaseGeometry, levels: Floats) -> list[list[tuple[float, float
     return [sorted(row) for row in spans]
 
 
-def _cells(rows: list[list[tuple[float, float]]]) -> list[list[tuple[int, tuple[float, float]]]]:
-    """Group rows into cells: a cell ends where a row splits, merges or has no neighbour."""
-    cells: list[list[tuple[int, tuple[float, float]]]] = []
+def cells_of(rows: list[list[tuple[float, float]]]) -> list[list[tuple[int, int]]]:
+    """Group rows, given by line and interval, into cells: a cell ends where a row splits, merges or has no neighbour.
+
+    Returns the numbers of line and interval.
+    """
+    cells: list[list[tuple[int, int]]] = []
     open_cells: dict[int, int] = {}  # position in the previous line -> cell number
     for k, line in enumerate(rows):
         previous = rows[k - 1] if k else []
         below = [[j for j, p in enumerate(previous) if _overlap(p, s)] for s in line]
         above = [sum(_overlap(p, s) for s in line) for p in previous]
         now: dict[int, int] = {}
-        for i, span in enumerate(line):
+        for i in range(len(line)):
             if len(below[i]) == 1 and above[below[i][0]] == 1:
                 number = open_cells[below[i][0]]
             else:
                 cells.append([])
                 number = len(cells) - 1
-            cells[number].append((k, span))
+            cells[number].append((k, i))
             now[i] = number
         open_cells = now
     return cells
@@ -188,5 +221,8 @@ def _turns(inner: BaseGeometry, angle_rad: float, width_m: float) -> float:
 
 def strips(swaths: list[Swath], width_m: float) -> list[Polygon]:
     """Return the ground each row treats."""
-    lines = shapely.linestrings([[s.a, s.b] for s in swaths])
-    return [p for g in shapely.buffer(lines, width_m / 2, cap_style="flat") for p in polygons_of(g)]
+    points = [swath.points for swath in swaths]
+    lines = shapely.linestrings(
+        np.concatenate(points), indices=np.repeat(np.arange(len(points)), list(map(len, points)))
+    )
+    return [p for g in shapely.buffer(lines, width_m / 2, quad_segs=12, cap_style="flat") for p in polygons_of(g)]

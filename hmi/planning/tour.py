@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import shapely
@@ -67,9 +66,7 @@ def _driven(cell: list[Swath], way: int) -> list[Swath]:
     """Return a cell's rows in driving order, every other one reversed."""
     ordered = cell if way < 2 else cell[::-1]
     is_forward = way % 2 == 0
-    return [
-        swath if (k % 2 == 0) == is_forward else replace(swath, a=swath.b, b=swath.a) for k, swath in enumerate(ordered)
-    ]
+    return [swath if (k % 2 == 0) == is_forward else swath.reversed() for k, swath in enumerate(ordered)]
 
 
 def _reversed(number: int, rows: int) -> int:

@@ -234,7 +234,7 @@
       const { robot, home, fieldPlace } = this.inputs;
       const s = this.drawn?.statistics;
       this.steps.robot.fold(`${robot?.name ?? "Robot"}, ${home?.name ?? "its own home or the nearest"}`);
-      this.steps.field.fold([fieldPlace?.name ?? "Field", s ? `${s.rows} rows` : ""].filter(Boolean).join(", "));
+      this.steps.field.fold([fieldPlace?.name ?? "Field", s ? `${s.rows} rows${HL.planner.ALONG[s.rows_along] ?? ""}` : ""].filter(Boolean).join(", "));
       this.steps.treatment.fold(this.treatment.summary());
     }
 
@@ -255,6 +255,7 @@
     words() {
       text(this.sendWord, `Send to ${this.inputs.robot?.name ?? "robot"}`);
       this.inputs.offerSpacing();
+      this.inputs.offerRows();
       this.strip.follow(this.inputs.robot, this.drawn?.statistics ?? null);
       HL.port.follow(this.inputs.get("robot_id").value || null);
     }

@@ -6,6 +6,11 @@
   const CORNERS = [["", "Any"], ["north_west", "North-west"], ["north_east", "North-east"], ["south_west", "South-west"], ["south_east", "South-east"]];
   const PATTERNS = ["row_by_row", "skip_rows", "spiral", "shortest"];
 
+  // what rows can run along; the last three as far as the field has them on the map
+  const ROWS = { "": "As planted", best_angle: "Best angle", along_edge: "Along the edge", ab_line: "A-B line", guide_line: "Guide line", recorded_rows: "Recorded rows" };
+  const ALONG = { best_angle: " at the best angle", along_edge: " along the edge", ab_line: " along the A-B line", guide_line: " along the guide line", recorded_rows: " along the recorded ones" };
+  const DRAWN = ["ab_line", "guide_line", "recorded_rows"];
+
   const FAR_M = 3000;
   const METRES_PER_DEGREE = 111320;
   const firstPlace = (geometry) => (geometry?.type === "Polygon" ? geometry.coordinates[0][0] : geometry?.coordinates?.[0]?.[0]?.[0]);
@@ -55,6 +60,7 @@
         overlap: number("plan-overlap", "overlap", { min: "0", max: "50", placeholder: "0" }),
         headland_passes: number("plan-headland", "headland_passes", { min: "0", max: "50", step: "1", placeholder: "as needed" }),
         row_bearing_deg: number("plan-bearing", "row_bearing_deg", { min: "-360", max: "360", placeholder: "as planted" }),
+        rows: select("plan-rows-along", "rows", []),
         plant_spacing_m: number("plan-spacing", "plant_spacing_m", { min: "0.05", max: "100", placeholder: "usual" }),
         name: el("input", { class: "h-input", "data-testid": "plan-name", name: "name", maxlength: "80", placeholder: "field and width", autocomplete: "off" }),
         returns_home: el("input", { type: "checkbox", name: "returns_home", "data-testid": "plan-return", checked: true }),
@@ -62,6 +68,9 @@
         start_corner: select("plan-corner", "start_corner", CORNERS.map(([value, word]) => el("option", { value }, word))),
       };
       this.spacing = field("Plant spacing, m", this.all.plant_spacing_m);
+      this.bearing = field("Row direction, ° from north", this.all.row_bearing_deg);
+      this.all.rows.addEventListener("input", () => this.offerRows());
+      this.offerRows();
       this.recall();
     }
 
@@ -72,7 +81,7 @@
     how() {
       const i = this.all;
       const group = (label, input) => el("div", { class: "h-field" }, label, input);
-      return [group("Pattern", i.pattern.node), el("div", { class: "p-two" }, field("Working width, m", i.width_m), field("Speed on rows, m/s", i.row_speed_mps), field("Overlap, %", i.overlap), field("Headland laps", i.headland_passes), field("Row direction, ° from north", i.row_bearing_deg), field("Start corner", i.start_corner), this.spacing), field("Name", i.name)];
+      return [group("Pattern", i.pattern.node), el("div", { class: "p-two" }, field("Working width, m", i.width_m), field("Speed on rows, m/s", i.row_speed_mps), field("Overlap, %", i.overlap), field("Headland laps", i.headland_passes), field("Rows", i.rows), this.bearing, field("Start corner", i.start_corner), this.spacing), field("Name", i.name)];
     }
 
     get fieldPlace() {
@@ -112,6 +121,15 @@
       this.spacing.hidden = (HL.port.fleet()[this.all.robot_id.value]?.family ?? this.robot?.family) !== "planter";
     }
 
+    // what this field's rows can run along; a direction in degrees only where nothing else gives it
+    offerRows(wanted = this.all.rows.value) {
+      const lines = this.fieldPlace?.lines ?? {};
+      const offered = Object.entries(ROWS).filter(([key]) => !DRAWN.includes(key) || lines[key]);
+      this.all.rows.replaceChildren(...offered.map(([value, word]) => el("option", { value }, value === "recorded_rows" ? `${word} (${lines[value]})` : word)));
+      this.all.rows.value = offered.some(([key]) => key === wanted) ? wanted : "";
+      this.bearing.hidden = this.all.rows.value !== "";
+    }
+
     recall() {
       const kept = HL.draft.get(DRAFT);
       this.isKept = Boolean(kept);
@@ -121,7 +139,8 @@
     fill(kept) {
       for (const [key, input] of Object.entries(this.all)) {
         if (!(key in kept)) continue;
-        if (input.type === "checkbox") input.checked = kept[key] === true;
+        if (key === "rows") this.offerRows(kept.rows);
+        else if (input.type === "checkbox") input.checked = kept[key] === true;
         else if (!(input instanceof HTMLSelectElement) || [...input.options].some((option) => option.value === kept[key])) input.value = kept[key];
       }
     }
@@ -140,7 +159,8 @@
       if (i.pattern.value !== "shortest") body.pattern = i.pattern.value;
       for (const key of ["home_id", "start_corner"]) if (i[key].value) body[key] = i[key].value;
       if (i.name.value.trim()) body.name = i.name.value.trim();
-      for (const key of ["row_bearing_deg", "row_speed_mps"]) if (i[key].value !== "") body[key] = Number(i[key].value);
+      if (i.rows.value) body.rows = i.rows.value;
+      for (const key of ["row_bearing_deg", "row_speed_mps"]) if (i[key].value !== "" && !(key === "row_bearing_deg" && i.rows.value)) body[key] = Number(i[key].value);
       if (i.headland_passes.value !== "") body.headland_passes = Math.round(Number(i.headland_passes.value));
       if (i.overlap.value !== "" && Number(i.overlap.value)) body.overlap = Number(i.overlap.value) / 100;
       if (!this.spacing.hidden && i.plant_spacing_m.value !== "") body.plant_spacing_m = Number(i.plant_spacing_m.value);
@@ -149,7 +169,7 @@
 
     // a template's wish into the inputs; what it does not say goes back to its usual value
     apply(wish) {
-      const usual = { row_speed_mps: "", headland_passes: "", row_bearing_deg: "", plant_spacing_m: "", name: "", start_corner: "", pattern: "shortest", returns_home: true };
+      const usual = { row_speed_mps: "", headland_passes: "", row_bearing_deg: "", rows: "", plant_spacing_m: "", name: "", start_corner: "", pattern: "shortest", returns_home: true };
       const given = Object.fromEntries(Object.entries(wish).filter(([key]) => key in this.all).map(([key, value]) => [key, typeof value === "number" ? String(value) : value ?? ""]));
       this.fill({ ...usual, ...given, overlap: wish.overlap ? String(Number((100 * wish.overlap).toFixed(2))) : "" });
     }
@@ -159,5 +179,5 @@
     }
   }
 
-  Object.assign(HL.planner, { Inputs, usualWidth, CORNERS: Object.fromEntries(CORNERS) });
+  Object.assign(HL.planner, { Inputs, usualWidth, ALONG, CORNERS: Object.fromEntries(CORNERS) });
 })();

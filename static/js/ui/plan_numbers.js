@@ -45,7 +45,7 @@
     const overlap = el("span", { "data-testid": "plan-stat-overlap", "data-value": share(s.overlap_m2, s.area_m2) / 100 }, `overlap ${share(s.overlap_m2, s.area_m2).toFixed(1)}`);
     const more = s.seedlings === undefined ? [] : [card("seedlings", "Seedlings", [String(s.seedlings), ""], `one every ${s.plant_spacing_m.toFixed(2)} m`, s.seedlings)];
     return el("div", { class: "p-stats" },
-      card("length", "Path", km(s.length_m), `${s.rows} rows, ${s.headland_passes} ${s.headland_passes === 1 ? "lap" : "laps"}, ${km(s.working_length_m).join(" ")} worked`, s.length_m),
+      card("length", "Path", km(s.length_m), `${s.rows} rows${HL.planner.ALONG[s.rows_along] ?? ""}, ${s.headland_passes} ${s.headland_passes === 1 ? "lap" : "laps"}, ${km(s.working_length_m).join(" ")} worked`, s.length_m),
       card("time", "Time", time(s.duration_s), `${words.left(s.working_s)} work, ${words.left(turning)} turns`, s.duration_s),
       card("turns", "Turns", [String(s.turns), ""], `${s.turns ? `${(turning / s.turns).toFixed(0)} s each with ways, ` : ""}${s.pivots ? `${s.pivots} on the spot` : "none on the spot"}`, s.turns),
       card("coverage", "Covered", [share(wanted - missed, wanted).toFixed(1), "%"], el("span", {}, overlap, `, missed ${share(missed, wanted).toFixed(1)}, ${area.text} ${area.unit}`), share(wanted - missed, wanted) / 100),

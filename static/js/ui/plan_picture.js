@@ -110,6 +110,7 @@
         svg("path", { class: "road", d: area(places.roads ?? []) }),
         svg("path", { class: "parcel", d: area([places.parcel]), "fill-rule": "evenodd" }),
         ...(places.doses ?? []).map((one) => svg("path", { class: one.dose > 0 ? "dose" : "dose off", d: area(one.rings), "fill-rule": "evenodd" })),
+        svg("path", { class: "guide", "data-testid": "plan-lines", d: (places.lines ?? []).map(line).join("") }),
         svg("path", { class: "obstacle", d: area(places.obstacles ?? []), "fill-rule": "evenodd" }),
       ];
       const worked = ["worked", "twice", "missed"].map((name) => svg("path", { class: `only overlap ${name}`, "data-testid": `plan-ground-${name}`, d: area(ground?.[name] ?? []), "fill-rule": "evenodd" }));

@@ -9,7 +9,8 @@ import pytest
 from hmi.domain.mission import MissionStatus, Mover
 from hmi.domain.robot import OrderStatus
 from hmi.domain.role import Role
-from tests.hmi.missions.rig import FARM, OTHER_FARM, Rig, order
+from hmi.store.features import Feature
+from tests.hmi.missions.rig import FARM, OTHER_FARM, Rig, lon_lat, order
 from tests.hmi.missions.test_store import put
 
 PLAN = {"field_id": "field-1", "robot_id": "weeder-01", "width_m": 3.0}
@@ -33,6 +34,21 @@ async def test_a_planner_plans_lists_reads_renames_copies_and_deletes(rig: Rig) 
         assert (await client.get(path)).status_code == 404
         log = (await client.get(f"/missions/{copy['id']}")).json()["log"]
         assert [one["status"] for one in log] == ["validated"]
+
+
+async def test_rows_follow_a_line_of_the_map_when_asked_and_the_fields_say_which_there_are(rig: Rig) -> None:
+    curve = {"type": "LineString", "coordinates": lon_lat((-2, 14), (10, 20), (30, 20), (42, 14))}
+    line = Feature("bend", FARM, "rows", "Bend", curve, {"parcel_id": "field-1", "type": "curve"})
+    rig.features.put([line])
+    async with rig.client(Role.PLANNER) as client:
+        places = (await client.get("/fields")).json()["fields"]
+        assert {one["id"]: one["lines"] for one in places}["field-1"] == {"guide_line": 1}
+        made = (await client.post("/missions/plan", json={**PLAN, "rows": "guide_line"})).json()
+        assert made["statistics"]["rows_along"] == "guide_line"
+        whole = (await client.get(f"/missions/{made['id']}")).json()
+        assert whole["row_bearing_deg"] == pytest.approx(90, abs=5)
+        refused = await client.post("/missions/plan", json={**PLAN, "rows": "recorded_rows"})
+        assert (refused.status_code, refused.json()["code"], refused.json()["field"]) == (422, "no_lines", "rows")
 
 
 async def test_a_preview_brings_numbers_and_geometry_and_stores_nothing(rig: Rig) -> None:

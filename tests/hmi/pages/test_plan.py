@@ -11,8 +11,9 @@ import pytest
 import shapely
 from playwright.sync_api import Page, Route, expect
 
-from hmi.domain.mission_plan import Pattern
+from hmi.domain.mission_plan import Pattern, RowLine, Rows
 from hmi.planning.mission import plan_candidate
+from tests.hmi.missions.rig import lon_lat
 from tests.hmi.missions.test_document import wish
 from tests.hmi.pages.test_missions import Played, mission
 from tests.hmi.pages.test_rest_sheet import drag_around
@@ -38,11 +39,11 @@ class PlayedPlans(Played):
         page.route("**/api/v1/missions/candidates", self.compare)
 
     @staticmethod
-    def lines() -> list[dict[str, Any]]:
+    def lines(**changes: Any) -> list[dict[str, Any]]:
         """Return what the server streams."""
         found: list[dict[str, Any]] = [{"state": "planning", "patterns": [one.value for one in Pattern]}]
         for pattern in (Pattern.SHORTEST, Pattern.ROW_BY_ROW, Pattern.SKIP_ROWS):
-            made = plan_candidate(wish(pattern=pattern))
+            made = plan_candidate(wish(pattern=pattern, **changes))
             line = {"pattern": pattern.value, "statistics": made.statistics, "drawing": made.drawing}
             found.append({**line, "state": "planned"})
         refusal = {"state": "refused", "code": "turn_does_not_fit", "text": "The turn does not fit.", "field": None}
@@ -64,7 +65,14 @@ class PlayedPlans(Played):
     def reply(self, method: str, path: str) -> tuple[int, Any]:
         """Answer as usual, the field with its outline."""
         if path == "fields" and self.status == 200:
-            field = {"id": "field-1", "name": "Nordfeld 12", "properties": {}, "geometry": wish().parcel}
+            lines = {"guide_line": 1, "recorded_rows": 24}
+            field = {
+                "id": "field-1",
+                "name": "Nordfeld 12",
+                "properties": {},
+                "geometry": wish().parcel,
+                "lines": lines,
+            }
             return 200, {"fields": [field], "homes": [], "areas": [AREA]}
         return super().reply(method, path)
 
@@ -132,6 +140,30 @@ def test_a_plan_says_where_it_was_made_and_a_planner_service_how_far_it_is(
     page.get_by_test_id("plan-compare-row_by_row").get_by_role("button").click()
     expect(page.get_by_test_id("plan-place")).to_have_attribute("data-where", "service")
     expect(page.get_by_test_id("plan-progress")).to_have_text("")
+
+
+GUIDE = RowLine("Bend", tuple((lon, lat) for lon, lat in lon_lat((-2, 14), (12, 19), (28, 19), (42, 14))))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("size", ["landscape", "portrait", "desk"])
+def test_rows_follow_a_line_that_the_field_has(plan: Callable[..., tuple[Page, PlayedPlans]], size: str) -> None:
+    page, played = plan(size)
+    played.candidates = played.lines(rows=Rows.GUIDE_LINE, row_lines=(GUIDE,))
+    rows, bearing = page.get_by_test_id("plan-rows-along"), page.get_by_test_id("plan-bearing")
+    expect(rows.locator("option")).to_have_text(
+        ["As planted", "Best angle", "Along the edge", "Guide line", "Recorded rows (24)"]
+    )
+    bearing.fill("12")
+    rows.select_option("guide_line")
+    expect(bearing).to_be_hidden()
+    expect(page.get_by_test_id("plan-stat-length")).to_contain_text("along the guide line")
+    expect(page.get_by_test_id("plan-lines")).to_have_attribute("d", re.compile("^M.*L"))
+    asked = next(body for _, path, body in played.asked if path == "missions/candidates")
+    assert asked["rows"] == "guide_line"
+    assert "row_bearing_deg" not in asked
+    rows_of_reload = page.evaluate("HL.draft.get('mission-plan').rows")
+    assert rows_of_reload == "guide_line"
 
 
 @pytest.mark.long
