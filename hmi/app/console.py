@@ -156,6 +156,7 @@ class Console:
         self.queue.treatment = self.sensors.gate
         self.sensors.on_loaded.append(lambda work: self.cloud.watch_stations(work.board))
         self.queue.forecast = self.forecast.latest
+        self.sensors.forecast = self.forecast.row
         for room in (self.missions.planner, self.forecast):
             self.cloud.services.append(room.report)
         self.alarms.further["planner"] = self.missions.planner.findings

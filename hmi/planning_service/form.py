@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, cast
 
 from backend_clients.planner import messages as wire
-from hmi.domain.mission_plan import Corner, Geometry, Pattern, PlanWish, Surroundings, TreatedArea, Treatment
+from hmi.domain.mission_plan import Corner, Geometry, Pattern, PlanWish, Rows, Surroundings, TreatedArea, Treatment
 
 if TYPE_CHECKING:
     from hmi.planning.machine import RobotProfile
@@ -60,7 +60,8 @@ def form_of(wish: PlanWish) -> wire.Wish:
 
 def _only_known(wish: PlanWish) -> None:
     """A wish for something the format has no word for is not sent: the service would plan something else."""
-    unsaid = [one.name for one in fields(wish) if one.name not in TOLD and getattr(wish, one.name) != one.default]
+    plain = replace(wish, rows=None) if wish.rows is Rows.BEST_ANGLE else wish  # what a planner does without an angle
+    unsaid = [one.name for one in fields(wish) if one.name not in TOLD and getattr(plain, one.name) != one.default]
     if unsaid:
         raise ValueError(f"planner services know nothing of {', '.join(unsaid).replace('_', ' ')}")
 

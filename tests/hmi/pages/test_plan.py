@@ -157,6 +157,7 @@ def test_rows_follow_a_line_that_the_field_has(plan: Callable[..., tuple[Page, P
     bearing.fill("12")
     rows.select_option("guide_line")
     expect(bearing).to_be_hidden()
+    page.get_by_test_id("plan-preview").click()
     expect(page.get_by_test_id("plan-stat-length")).to_contain_text("along the guide line")
     expect(page.get_by_test_id("plan-lines")).to_have_attribute("d", re.compile("^M.*L"))
     asked = next(body for _, path, body in played.asked if path == "missions/candidates")
