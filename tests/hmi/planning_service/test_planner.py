@@ -90,7 +90,7 @@ FAULTS: list[tuple[dict[str, Any], str, ServiceState]] = [
 ]
 
 
-@pytest.mark.parametrize(("faults", "words", "state"), FAULTS, ids=lambda value: str(value)[:40])
+@pytest.mark.parametrize(("faults", "words", "state"), FAULTS, ids=[str(n) for n in range(len(FAULTS))])
 async def test_whatever_goes_wrong_the_plan_is_made_here_and_says_why(
     faults: dict[str, Any], words: str, state: ServiceState
 ) -> None:
