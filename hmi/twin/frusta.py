@@ -21,7 +21,7 @@ from hmi.twin.rotation import from_rpy, product
 
 PREFIX = "camera_"
 FOV_RAD, ASPECT, LENGTH_M = 1.0, 4 / 3, 0.5  # of a camera whose factsheet does not tell
-PICTURE_LENGTH_M = 0.7
+PICTURE_LENGTH_M = 0.45
 OLD_S = 5.0
 WIDEST_RAD = 2.6  # a pyramid cannot show more
 INK = (36, 66, 82)
