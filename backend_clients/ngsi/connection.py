@@ -30,6 +30,7 @@ from backend_clients.ngsi.errors import (
 from backend_clients.ngsi.retry import RetryBudget, RetryPolicy, is_passing
 from backend_clients.ngsi.tenant import Tenant
 from backend_clients.ngsi.token import TokenSource
+from backend_clients.trust import is_distrust
 
 MAX_REQUEST = 1_048_576  # Orion refuses longer ones
 MAX_RESPONSE = 16 * 1024 * 1024
@@ -216,7 +217,7 @@ class Connection:
                 finally:
                     await response.aclose()
         except (httpx.ConnectError, httpx.ConnectTimeout, httpx.PoolTimeout) as error:
-            if _is_distrust(error):
+            if is_distrust(error):
                 raise Untrusted(f"{what}: {_reason(error)}") from error
             raise Unreachable(f"{what}: no connection: {_reason(error)}") from error
         except (httpx.TimeoutException, TimeoutError) as error:
@@ -247,14 +248,6 @@ def _trust(broker: Broker) -> ssl.SSLContext | bool:
         return ssl.create_default_context(cafile=broker.verify)
     except OSError as error:  # an SSLError is one, too
         raise BadInput(f"no file of authorities: {broker.verify}") from error
-
-
-def _is_distrust(error: BaseException | None) -> bool:
-    while error is not None:
-        if isinstance(error, ssl.SSLCertVerificationError):
-            return True
-        error = error.__cause__ or error.__context__
-    return False
 
 
 def _is_unknown(error: NgsiError) -> bool:

@@ -28,7 +28,7 @@ from backend_clients.service.errors import (
     is_passing,
     refusal,
 )
-from backend_clients.trust import authorities
+from backend_clients.trust import authorities, is_distrust
 
 CONNECT_S = 3.0
 MAX_TEXT = 200
@@ -188,7 +188,7 @@ class ServiceConnection:
                 finally:
                     await response.aclose()
         except (httpx.ConnectError, httpx.ConnectTimeout, httpx.PoolTimeout) as error:
-            if _is_distrust(error):
+            if is_distrust(error):
                 raise Untrusted(f"{what}: {_reason(error)}") from error
             raise Unreachable(f"{what}: no connection: {_reason(error)}") from error
         except (httpx.TimeoutException, TimeoutError) as error:
@@ -218,14 +218,6 @@ def _trust(service: Service) -> ssl.SSLContext | bool:
         return ssl.create_default_context(cafile=service.ca)
     except OSError as error:  # an SSLError is one, too
         raise BadRequest(f"no file of authorities: {service.ca}") from error
-
-
-def _is_distrust(error: BaseException | None) -> bool:
-    while error is not None:
-        if isinstance(error, ssl.SSLCertVerificationError):
-            return True
-        error = error.__cause__ or error.__context__
-    return False
 
 
 def _refused(reply: Reply) -> ServiceError:

@@ -13,7 +13,7 @@ EVERYTHING = {"hmi", "components", "backend_clients", "nicegui"}
 ALLOWED: dict[str, set[str]] = {
     "backend_clients.simulator": {"backend_clients", "hmi.domain", "hmi.planning", "hmi.clock"},
     "backend_clients.simulator.context_broker": {"backend_clients.simulator.context_broker", "hmi.clock"},
-    "backend_clients.ngsi": {"backend_clients.ngsi", "backend_clients.errors"},
+    "backend_clients.ngsi": {"backend_clients.ngsi", "backend_clients.errors", "backend_clients.trust"},
     "backend_clients": {"backend_clients"},
     "hmi.service_link": {"backend_clients.service.errors", "hmi.clock"},
     "hmi.planning_service": {"hmi.planning_service", "hmi.planning", "hmi.domain", "hmi.service_link", "hmi.clock",

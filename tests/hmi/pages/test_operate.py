@@ -11,6 +11,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.hmi.pages.conftest import SIZES, TABLETS, Theatre
+from tests.hmi.pages.fingers import hold
 
 pytestmark = pytest.mark.browser
 Look = Callable[..., Page]
@@ -227,9 +228,7 @@ def test_the_robot_drives_only_while_a_pad_is_held(look: Look, theatre: Theatre,
     theatre.play("manual")
     page = look(size=size)
     open_drive(page)
-    page.get_by_test_id("drive-forward").hover()
-    page.mouse.down()
-    expect(page.get_by_test_id("drive-forward")).to_have_attribute("data-state", "held")
+    hold(page, page.get_by_test_id("drive-forward"))
     page.wait_for_function("fetch('/stage-heard').then(r => r.json()).then(h => h.drives.length >= 3)")
     page.mouse.up()
     expect(page.get_by_test_id("drive-forward")).to_have_attribute("data-state", "idle")
