@@ -49,7 +49,15 @@ def test_a_day_with_a_cloud(farm: Installation) -> None:
     assert in_cloud(farm, "AgriParcel")
 
     (mission,) = [one for one in caller.get("/missions")["missions"] if one["id"] == "trial-strip"]
-    sent = caller.post(f"/robots/{mission['robot_id']}/mission", {"mission_id": mission["id"], "way": "cloud"}).json()
+    order = {"mission_id": mission["id"], "way": "cloud"}
+    sent: dict[str, Any] = {}
+
+    def is_answered() -> bool:
+        """The robot's agent comes to the cloud later than the console; until then the order is refused and says so."""
+        sent.update(caller.post(f"/robots/{mission['robot_id']}/mission", order).json())
+        return sent["code"] != "no_agent"
+
+    wait_for(is_answered, within_s=60, what="the robot's agent is at the cloud")
     assert (sent["outcome"], sent["way"]) == ("accepted", "cloud"), sent
     truth = farm.world(mission["robot_id"])
     assert (truth["standstill"], truth["mode"]) == (True, "idle")
