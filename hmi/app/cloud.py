@@ -204,7 +204,10 @@ class CloudRoom:
 
     def health(self) -> dict[str, dict[str, Any]]:
         """Return the part of the cloud for ``/api/v1/health``."""
-        return {} if self._work is None else self._work.report.health()
+        if self._work is not None:
+            return self._work.report.health()
+        is_misset = self._link.state is LinkState.MISSET
+        return {"cloud": {"state": "degraded", "url": self._settings.cloud_url}} if is_misset else {}
 
     def report(self) -> dict[str, Any]:
         """See ``CloudDesk``."""

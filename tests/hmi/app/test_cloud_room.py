@@ -44,6 +44,7 @@ async def test_settings_nothing_can_be_sent_with_are_shown_as_such_and_everythin
     assert (told["state"], told["head"], told["again_in_s"]) == ("misset", "Its settings cannot be used", 0.0)
     assert "none.pem" in told["why"]
     assert [one.code for one in cloud.findings()] == ["cloud-refused"]
+    assert cloud.health()["cloud"]["state"] == "degraded"
     cloud._backlog.put(Piece("weeder-01", Rank.EVENT, 0.0, "{}"))
     await until(lambda: cloud._backlog.waiting.count == 1)
     await cloud.stop()
