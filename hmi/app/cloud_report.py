@@ -109,6 +109,8 @@ class CloudReport:
             "subscribed": bool(changes and changes.subscription.is_there),
             "subscription_lost": 0 if changes is None else changes.subscription.lost,
             "subscription_lost_utc": _moment(changes.subscription.lost_at if changes is not None else None),
+            "is_storm": hints is not None and hints.is_too_many,
+            "old_news": 0 if hints is None else hints.counts.old,
             "notifications": 0 if hints is None else hints.counts.taken,
             "notifications_refused": 0 if hints is None else hints.counts.refused,
         }

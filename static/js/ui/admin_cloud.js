@@ -135,10 +135,10 @@
     changes(map) {
       const lost = map.subscription_lost ? `${map.subscription_lost}, the last ${HL.records.when(map.subscription_lost_utc)}: made again, everything read` : "never";
       const rows = [
-        ["Learned", map.is_told ? (map.subscribed ? "at once: the broker tells this console" : "not subscribed yet; read every five minutes") : "read every five minutes: cloud_notify_url is not set"],
+        ["Learned", map.is_storm ? "more is told than can be looked at: everything is read every 10 s" : map.is_told ? (map.subscribed ? "at once: the broker tells this console" : "not subscribed yet; read every five minutes") : "read every five minutes: cloud_notify_url is not set"],
         ["Proposed, see Maps", map.left_out ? `${map.proposals}; ${map.left_out} more did not fit` : map.proposals],
       ];
-      if (map.is_told) rows.push(["Told by the broker", el("span", { "data-testid": "cloud-notified", "data-value": map.notifications }, String(map.notifications))], ["Not let in, or not readable", map.notifications_refused], ["Subscription deleted there", el("span", { "data-testid": "cloud-subscription-lost", "data-value": map.subscription_lost }, lost)]);
+      if (map.is_told) rows.push(["Told by the broker", el("span", { "data-testid": "cloud-notified", "data-value": map.notifications }, String(map.notifications))], ["Of them repeated or out of order", map.old_news], ["Not let in, or not readable", map.notifications_refused], ["Subscription deleted there", el("span", { "data-testid": "cloud-subscription-lost", "data-value": map.subscription_lost }, lost)]);
       return table(["What", "Value"], rows.map((cells) => ({ cells })));
     }
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from datetime import timedelta
 from pathlib import Path
 from typing import Any
 
@@ -140,6 +141,19 @@ async def test_a_notification_is_a_hint_and_what_it_says_is_read_from_the_broker
     (one,) = farm.book.all()
     assert one.after is not None
     assert one.after.name == "North field"
+    await farm.rig.close()
+
+
+async def test_notifications_that_repeat_or_overtake_each_other_are_counted_and_change_nothing(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH)
+    await farm.rig.run(1)
+    now = farm.rig.clock.utc()
+    for ago_s in (3, 1, 2, 1, 0):
+        at = (now - timedelta(seconds=ago_s)).isoformat()
+        assert farm.notified({"id": REF.id, "type": REF.type, "dateModified": {"type": "DateTime", "value": at}})
+    assert (farm.hints.counts.taken, farm.hints.counts.old) == (5, 2)
+    await farm.rig.run(1)
+    assert farm.book.all() == []
     await farm.rig.close()
 
 

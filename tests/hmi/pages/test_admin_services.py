@@ -86,7 +86,8 @@ def broker_of(state: str, **changes: Any) -> dict[str, Any]:
         "counts": {"states": 9, "others": 40, "records": 7, "sent_twice": 0, "refused": 0, "last_refusal": "",
                    "dropped": 0, "heard_twice": 0, "lost_from_robots": 0},
         "map": {"proposals": 1, "left_out": 0, "is_told": True, "subscribed": True, "subscription_lost": 0,
-                "subscription_lost_utc": None, "notifications": 12, "notifications_refused": 0},
+                "subscription_lost_utc": None, "notifications": 12, "notifications_refused": 0, "is_storm": False,
+                "old_news": 2},
         "services": [],
     }  # fmt: skip
     return {**told, **changes}
