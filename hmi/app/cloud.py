@@ -177,12 +177,12 @@ class CloudRoom:
         ]  # fmt: skip
 
     def lets_in(self, secret: str, source: str) -> bool:
-        """See ``CloudDesk``."""
+        """See ``Notified``."""
         hints = None if self._work is None else self._work.hints
         return hints is not None and hints.lets_in(secret, source)
 
     def hint(self, body: bytes, headers: dict[str, str]) -> bool:
-        """See ``CloudDesk``."""
+        """See ``Notified``."""
         hints = None if self._work is None else self._work.hints
         return hints is not None and hints.take(body, headers)
 
