@@ -37,6 +37,7 @@ MODULES: dict[str, tuple[str, ...]] = {
         "video_first_frame_ms",
         "video_large_cpu_pct",
     ),
+    "bench.notification_storm": ("notify_storm_cpu_points", "notify_storm_rest_p99_ms", "notify_storm_newest_s"),
     "bench.simulator": ("simulator_fleet_cpu_pct", "simulator_lean_cpu_pct"),
     "bench.camera_pictures": ("camera_picture_640_ms", "camera_picture_2048_ms"),
     "bench.demo": (

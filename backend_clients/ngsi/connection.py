@@ -4,37 +4,24 @@ from __future__ import annotations
 
 import asyncio
 import json
-import ssl
 import time
 import uuid
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
-from urllib.parse import urlsplit
 
 import httpx
 import structlog
 
-from backend_clients.ngsi.errors import (
-    BadInput,
-    BrokerRefused,
-    NgsiError,
-    NoAnswer,
-    NotAllowed,
-    TooLong,
-    Unreachable,
-    Unreadable,
-    Untrusted,
-    refusal,
-)
-from backend_clients.ngsi.retry import RetryBudget, RetryPolicy, is_passing
+from backend_clients.http.exchange import Answer, BadAddress, Exchange, ExchangeFailed, check_address, trust
+from backend_clients.http.retry import RetryBudget, RetryPolicy, asked_pause_s
+from backend_clients.http.trouble import is_passing
+from backend_clients.ngsi.errors import BadInput, NgsiError, NotAllowed, Unreadable, failure, refusal
 from backend_clients.ngsi.tenant import Tenant
 from backend_clients.ngsi.token import TokenSource
-from backend_clients.trust import is_distrust
 
 MAX_REQUEST = 1_048_576  # Orion refuses longer ones
 MAX_RESPONSE = 16 * 1024 * 1024
-CONNECT_S = 3.0
 READ_S = 10.0
 
 log = structlog.get_logger(__name__)
@@ -47,28 +34,23 @@ class Broker:
     Args:
         url: e.g. ``https://broker.example/orion``; a user name or password in it is refused.
         tenant: where entities live.
-        verify: ``False`` takes any certificate, a text is the file of the authorities to trust.
+        ca: file of the authorities to trust, empty for those of this machine.
         timeout_s: the longest wait for an answer of one attempt.
         max_response: longest answer read, bytes.
     """
 
     url: str
     tenant: Tenant = field(default_factory=Tenant)
-    verify: bool | str = True
+    ca: str = ""
     timeout_s: float = READ_S
     max_response: int = MAX_RESPONSE
     retry: RetryPolicy = field(default_factory=RetryPolicy)
 
     def __post_init__(self) -> None:
         try:
-            parts = urlsplit(self.url)
-            is_usable = parts.scheme in ("http", "https") and bool(parts.hostname) and parts.port != 0
-        except ValueError as error:
-            raise BadInput("the broker's address is no http or https URL") from error
-        if not is_usable or parts.query or parts.fragment:
-            raise BadInput("the broker's address is no http or https URL")
-        if parts.username is not None or parts.password is not None:
-            raise BadInput("credentials do not belong in the broker's address; give a token source")
+            check_address(self.url, "the broker", "give a token source")
+        except BadAddress as error:
+            raise BadInput(f"{error}") from error
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,21 +110,23 @@ class Connection:
         self.broker = broker
         self._tokens, self._sleep, self._mono_s = tokens, sleep, mono_s
         self._budget = RetryBudget()
-        self._client = httpx.AsyncClient(
-            base_url=broker.url.rstrip("/") + "/",
-            # identity, since a small compressed answer can be a large one
-            headers={**broker.tenant.headers(), "Accept": "application/json", "Accept-Encoding": "identity"},
-            timeout=httpx.Timeout(broker.timeout_s, connect=min(CONNECT_S, broker.timeout_s)),
-            verify=_trust(broker),
-            follow_redirects=False,  # a redirect would carry the token elsewhere
-            trust_env=False,
+        try:
+            verify = trust(broker.url, broker.ca)
+        except BadAddress as error:
+            raise BadInput(f"{error}") from error
+        self._exchange = Exchange(
+            broker.url,
+            broker.tenant.headers(),
+            verify,
+            timeout_s=broker.timeout_s,
+            max_response=broker.max_response,
+            connections=(20, 10),
             transport=transport,
-            limits=httpx.Limits(max_connections=20, max_keepalive_connections=10),
         )
 
     async def close(self) -> None:
         """Close all connections, those of the token source too."""
-        await self._client.aclose()
+        await self._exchange.close()
         if self._tokens is not None:
             await self._tokens.close()
 
@@ -176,78 +160,33 @@ class Connection:
         policy = self.broker.retry
         if not call.is_repeatable or not is_passing(error) or attempt >= policy.attempts:
             return None
-        pause_s = policy.pause_s(attempt, getattr(error, "retry_after_s", None))
+        pause_s = policy.pause_s(attempt, error.retry_after_s)
         if spent_s + pause_s > policy.deadline_s or not self._budget.take():
             return None
         return pause_s
 
     async def _with_token(self, call: Call, content: bytes | None, correlator: str) -> Reply:
+        token = {} if self._tokens is None else await self._tokens.headers()
         try:
-            return await self._once(call, content, correlator)
+            return await self._once(call, content, correlator, token)
         except NotAllowed as error:
             # a 401 did nothing, so any request may be sent again with a new token
-            if error.status != 401 or self._tokens is None or not self._tokens.refused():
+            if error.status != 401 or self._tokens is None or not self._tokens.refused(token):
                 raise
-            return await self._once(call, content, correlator)
+            return await self._once(call, content, correlator, await self._tokens.headers())
 
-    async def _once(self, call: Call, content: bytes | None, correlator: str) -> Reply:
-        headers = {"Fiware-Correlator": correlator}
-        if content is not None:
-            headers["Content-Type"] = "application/json"  # never on GET and DELETE: Orion refuses it there
-        if self._tokens is not None:
-            headers |= await self._tokens.headers()
+    async def _once(self, call: Call, content: bytes | None, correlator: str, token: dict[str, str]) -> Reply:
+        headers = {"Fiware-Correlator": correlator, **token}
         begin_s = self._mono_s()
-        request = self._client.build_request(
-            call.method, call.path, params=dict(call.parameters) or None, content=content, headers=headers
-        )
-        reply = await self._exchange(call, request)
+        try:
+            reply = await self._exchange.send(call.method, call.path, call.parameters, headers, content)
+        except ExchangeFailed as failed:
+            raise failure(failed) from failed
         log.debug("ngsi.call", method=call.method, path=call.path, status=reply.status, correlator=correlator,
                   ms=round((self._mono_s() - begin_s) * 1000))  # fmt: skip
         if reply.status >= 300:
             raise _refused(reply, correlator)
-        return reply
-
-    async def _exchange(self, call: Call, request: httpx.Request) -> Reply:
-        what = f"{call.method} {call.path}"
-        try:
-            async with asyncio.timeout(self.broker.timeout_s):  # a byte now and then must not hold a call for ever
-                response = await self._client.send(request, stream=True)
-                try:
-                    return Reply(response.status_code, response.headers, await self._read(response, what))
-                finally:
-                    await response.aclose()
-        except (httpx.ConnectError, httpx.ConnectTimeout, httpx.PoolTimeout) as error:
-            if is_distrust(error):
-                raise Untrusted(f"{what}: {_reason(error)}") from error
-            raise Unreachable(f"{what}: no connection: {_reason(error)}") from error
-        except (httpx.TimeoutException, TimeoutError) as error:
-            text = f"{what}: no answer in {self.broker.timeout_s:g} s"
-            raise NoAnswer(text, is_outcome_unknown=True) from error
-        except httpx.DecodingError as error:
-            raise Unreadable(f"{what}: the answer cannot be decoded") from error
-        except httpx.HTTPError as error:
-            raise Unreachable(f"{what}: {_reason(error)}", is_outcome_unknown=True) from error
-
-    async def _read(self, response: httpx.Response, what: str) -> bytes:
-        if response.headers.get("content-encoding", "identity") != "identity":
-            raise Unreadable(f"{what}: the answer is compressed although nobody asked for it")
-        content = bytearray()
-        async for piece in response.aiter_bytes():
-            content += piece
-            if len(content) > self.broker.max_response:
-                raise TooLong(f"{what}: more than {self.broker.max_response} bytes")
-        return bytes(content)
-
-
-def _trust(broker: Broker) -> ssl.SSLContext | bool:
-    if not broker.url.startswith("https:"):
-        return False  # loading the authorities takes 30 ms and more, for nothing without TLS
-    if not isinstance(broker.verify, str):
-        return broker.verify
-    try:
-        return ssl.create_default_context(cafile=broker.verify)
-    except OSError as error:  # an SSLError is one, too
-        raise BadInput(f"no file of authorities: {broker.verify}") from error
+        return Reply(reply.status, reply.headers, reply.content)
 
 
 def _is_unknown(error: NgsiError) -> bool:
@@ -266,7 +205,7 @@ def _content(body: Any) -> bytes | None:
     return content
 
 
-def _refused(reply: Reply, correlator: str) -> NgsiError:
+def _refused(reply: Answer, correlator: str) -> NgsiError:
     if reply.status < 400:
         return Unreadable(f"a redirect ({reply.status}) is not followed")
     error, description = "", ""
@@ -275,17 +214,9 @@ def _refused(reply: Reply, correlator: str) -> NgsiError:
         error, description = str(body["error"])[:80], str(body.get("description", ""))[:2000]
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         error, description = f"HTTP{reply.status}", "an answer that is not NGSI-v2"
-    found: BrokerRefused = refusal(reply.status, error, description, correlator)
-    found.retry_after_s = _seconds(reply.headers.get("retry-after", ""))
+    found = refusal(reply.status, error, description, correlator)
+    found.retry_after_s = asked_pause_s(reply.headers)
     return found
-
-
-def _seconds(text: str) -> float | None:
-    return float(text) if text.isascii() and text.isdigit() and len(text) < 8 else None
-
-
-def _reason(error: Exception) -> str:
-    return f"{type(error).__name__} {error}".strip()[:200]
 
 
 def _no_constant(text: str) -> None:

@@ -24,10 +24,11 @@
 
 from __future__ import annotations
 
-from backend_clients.errors import ClientError
+from backend_clients.http.exchange import ExchangeFailed
+from backend_clients.http.trouble import OutsideError, Trouble
 
 
-class NgsiError(ClientError):
+class NgsiError(OutsideError):
     """Root of all errors of this package.
 
     Attributes:
@@ -44,6 +45,7 @@ class NgsiError(ClientError):
 class BadInput(NgsiError, ValueError):
     """What was asked for can never be sent; nothing was."""
 
+    trouble = Trouble.MISSET
     mend = "Correct the value; the broker would refuse it."
 
 
@@ -55,6 +57,7 @@ class Unreachable(NgsiError):
         is_outcome_unknown: the request may have taken effect.
     """
 
+    trouble = Trouble.UNREACHABLE
     mend = "Check that the broker runs, its address, the network and the certificate."
 
     def __init__(self, text: str, *, is_outcome_unknown: bool = False) -> None:
@@ -65,24 +68,28 @@ class Unreachable(NgsiError):
 class NoAnswer(Unreachable):
     """The broker did not answer in time."""
 
+    trouble = Trouble.SILENT
     mend = "Check the load of the broker and its database, and the delay of the network."
 
 
 class Untrusted(Unreachable):
     """The broker's certificate is not to be trusted; nothing was sent."""
 
+    trouble = Trouble.UNTRUSTED
     mend = "Check the certificate's name and dates, or name its authority in the settings."
 
 
 class NoToken(NgsiError):
-    """The token service gave no token; nothing was sent to the broker."""
+    """The token service gave no token; nothing was sent to the broker. ``trouble`` is that of the way to it."""
 
+    trouble = Trouble.REFUSED
     mend = "Check the address of the token service, the client id and the secrets."
 
 
 class Unreadable(NgsiError):
     """What came cannot be trusted to mean what it says."""
 
+    trouble = Trouble.NOT_UNDERSTOOD
     mend = "Check that the address is that of an NGSI-v2 broker and not of a proxy's page."
 
 
@@ -100,12 +107,7 @@ class BrokerRefused(NgsiError):
         error: the broker's error word.
         description: the broker's sentence, shortened.
         correlator: what the broker's log calls this request.
-
-    Attributes:
-        retry_after_s: how long it asks to wait, seconds.
     """
-
-    retry_after_s: float | None = None
 
     def __init__(self, status: int, error: str, description: str, correlator: str) -> None:
         super().__init__(f"{status} {error}: {description} [{correlator}]")
@@ -152,18 +154,21 @@ class TooLarge(BrokerRefused):
 class NotAllowed(BrokerRefused):
     """The token is missing, out of date or does not allow this."""
 
+    trouble = Trouble.REFUSED
     mend = "Check the credentials and what they allow in this tenant."
 
 
 class Overloaded(BrokerRefused):
     """The broker, or a proxy before it, asks for fewer requests."""
 
+    trouble = Trouble.BUSY
     mend = "Send less often."
 
 
 class BrokerFailed(BrokerRefused):
     """The broker, its database or a proxy before it failed; whether a write took effect is unknown."""
 
+    trouble = Trouble.FAILING
     mend = "Check the broker and its database."
     is_outcome_unknown = True
 
@@ -185,6 +190,19 @@ def refusal(status: int, error: str, description: str, correlator: str) -> Broke
     found = kind(status, error, description, correlator)
     if isinstance(found, PartlyApplied):
         found.missed = _names(description)
+    return found
+
+
+def failure(failed: ExchangeFailed) -> NgsiError:
+    """Return the error for an exchange that brought nothing usable."""
+    kinds: dict[Trouble, type[NgsiError]] = {
+        Trouble.SILENT: NoAnswer,
+        Trouble.UNTRUSTED: Untrusted,
+        Trouble.NOT_UNDERSTOOD: TooLong if failed.is_too_long else Unreadable,
+    }
+    found = kinds.get(failed.trouble, Unreachable)(f"{failed}")
+    found.is_outcome_unknown = failed.has_left
+    found.mend = failed.mend or found.mend
     return found
 
 

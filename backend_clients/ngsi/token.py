@@ -6,18 +6,33 @@ Small and of our own, since the project has no OAuth2 library: two grants, no re
 from __future__ import annotations
 
 import asyncio
+import base64
+import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Protocol
+from urllib.parse import urlencode
 
 import httpx
 from pydantic import BaseModel, ConfigDict, Field, SecretStr, ValidationError
 
+from backend_clients.http.exchange import Answer, BadAddress, Exchange, ExchangeFailed, check_address, trust
+from backend_clients.http.trouble import PASSING, Trouble
 from backend_clients.ngsi.errors import BadInput, NoToken
 
 EARLY_S = 30.0  # a token is renewed so long before it ends, so that none ends on the way
 TIMEOUT_S = 10.0
 MAX_ANSWER = 65_536
+MENDS_ITSELF = "Check that the token service runs and its address; it is asked again by itself."
+MENDS = {
+    "invalid_client": "Check client id and client secret.",
+    "invalid_grant": "Check user and password.",
+    "unauthorized_client": "Allow this client the grant at the token service.",
+    "unsupported_grant_type": "Set a user for the grant password, none for client_credentials.",
+    "invalid_scope": "The token service does not know the scope.",
+    "invalid_request": "Check that the address is that of the token endpoint.",
+}
+"""By the word of the refusal (RFC 6749, 5.2)."""
 
 
 class TokenSource(Protocol):
@@ -27,8 +42,8 @@ class TokenSource(Protocol):
         """Return the headers that let a request in; raises ``NoToken``."""
         ...
 
-    def refused(self) -> bool:
-        """Take note that the broker refused the token; say whether a new one may help."""
+    def refused(self, sent: Mapping[str, str]) -> bool:
+        """Take note that the broker refused these headers; say whether others may help."""
         ...
 
     async def close(self) -> None:
@@ -54,7 +69,7 @@ class FixedHeader:
         """See ``TokenSource``."""
         return self._headers
 
-    def refused(self) -> bool:
+    def refused(self, sent: Mapping[str, str]) -> bool:
         """See ``TokenSource``."""
         return False
 
@@ -74,6 +89,8 @@ class OAuth2Settings(BaseModel):
     password: SecretStr = SecretStr("")
     scope: str = ""
     header: str = "Authorization"
+    ca: str = ""
+    """File of authorities to trust beside those of this machine: a token service often is not the broker's."""
 
     def form(self) -> dict[str, str]:
         """Return the body of a token request."""
@@ -105,9 +122,17 @@ class OAuth2Tokens:
         mono_s: Callable[[], float] = time.monotonic,
     ) -> None:
         self._settings, self._mono_s = settings, mono_s
-        self._client = httpx.AsyncClient(
-            transport=transport, timeout=TIMEOUT_S, trust_env=False, follow_redirects=False
-        )
+        try:
+            check_address(settings.url, "the token service", "set client id and secret")
+            verify = trust(settings.url, settings.ca, is_ca_alone=False)
+        except BadAddress as error:
+            raise BadInput(f"{error}") from error
+        pair = f"{settings.client_id}:{settings.client_secret.get_secret_value()}"
+        basic = {"Authorization": f"Basic {base64.b64encode(pair.encode()).decode()}"}
+        self._exchange = Exchange(
+            settings.url, basic, verify, timeout_s=TIMEOUT_S, max_response=MAX_ANSWER, connections=(1, 1),
+            transport=transport,
+        )  # fmt: skip
         self._token, self._until_s = "", 0.0
         self._one_at_a_time = asyncio.Lock()
 
@@ -116,17 +141,21 @@ class OAuth2Tokens:
         async with self._one_at_a_time:
             if not self._token or self._mono_s() >= self._until_s:
                 await self._fetch()
+        return self._header()
+
+    def refused(self, sent: Mapping[str, str]) -> bool:
+        """See ``TokenSource``; a call that went out with an older token does not cost the newer one."""
+        if sent == self._header():
+            self._token = ""
+        return True
+
+    def _header(self) -> dict[str, str]:
         is_bearer = self._settings.header.lower() == "authorization"
         return {self._settings.header: f"Bearer {self._token}" if is_bearer else self._token}
 
-    def refused(self) -> bool:
-        """See ``TokenSource``."""
-        self._token = ""
-        return True
-
     async def close(self) -> None:
         """See ``TokenSource``."""
-        await self._client.aclose()
+        await self._exchange.close()
 
     async def _fetch(self) -> None:
         content = await self._answer()
@@ -138,22 +167,33 @@ class OAuth2Tokens:
         self._until_s = self._mono_s() + max(grant.expires_in - EARLY_S, grant.expires_in / 2)
 
     async def _answer(self) -> bytes:
-        settings, content = self._settings, bytearray()
-        secrets = (settings.client_id, settings.client_secret.get_secret_value())
-        headers = {"Accept": "application/json", "Accept-Encoding": "identity"}
+        form = urlencode(self._settings.form()).encode()
+        kind = {"Content-Type": "application/x-www-form-urlencoded"}
         try:
-            async with (
-                asyncio.timeout(TIMEOUT_S),
-                self._client.stream("POST", settings.url, data=settings.form(), auth=secrets, headers=headers) as reply,
-            ):
-                if reply.status_code != 200:  # the body may repeat what was sent: it is not shown
-                    raise NoToken(f"the token service answered {reply.status_code}")
-                if reply.headers.get("content-encoding", "identity") != "identity":
-                    raise NoToken("the token service answered compressed although nobody asked for it")
-                async for piece in reply.aiter_bytes():
-                    content += piece
-                    if len(content) > MAX_ANSWER:
-                        raise NoToken("the token service answered at too great length")
-        except (httpx.HTTPError, httpx.InvalidURL, TimeoutError) as error:
-            raise NoToken(f"the token service cannot be reached: {type(error).__name__}") from error
-        return bytes(content)
+            answer = await self._exchange.send("POST", self._settings.url, {}, kind, form)
+        except ExchangeFailed as failed:
+            raise _no_token(f"the token service: {failed}", failed.trouble, failed.mend) from failed
+        if answer.status != 200:  # the body may repeat what was sent: only words that are known are shown
+            raise _refused(answer)
+        return answer.content
+
+
+def _no_token(text: str, trouble: Trouble, mend: str = "") -> NoToken:
+    found = NoToken(text)
+    found.trouble = trouble
+    found.mend = mend or (MENDS_ITSELF if trouble in PASSING else found.mend)
+    return found
+
+
+def _refused(answer: Answer) -> NoToken:
+    text = f"the token service answered {answer.status}"
+    if answer.status >= 500:
+        return _no_token(text, Trouble.FAILING, "Look at the log of the token service.")
+    if answer.status == 429:
+        return _no_token(text, Trouble.BUSY)
+    try:
+        word = str(json.loads(answer.content)["error"])
+    except (ValueError, KeyError, TypeError, RecursionError):
+        word = ""
+    mend = MENDS.get(word, "")
+    return _no_token(f"{text}: {word}" if mend else text, Trouble.REFUSED, mend)

@@ -5,32 +5,19 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
-import ssl
 import time
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
-from urllib.parse import urlsplit
 
 import httpx
 from pydantic import SecretStr
 
-from backend_clients.ngsi.retry import RetryBudget, RetryPolicy
-from backend_clients.service.errors import (
-    BadRequest,
-    NoAnswer,
-    ServiceError,
-    ServiceRefused,
-    TooLong,
-    Unreachable,
-    Unreadable,
-    Untrusted,
-    is_passing,
-    refusal,
-)
-from backend_clients.trust import authorities, is_distrust
+from backend_clients.http.exchange import Answer, BadAddress, Exchange, ExchangeFailed, check_address, trust
+from backend_clients.http.retry import RetryBudget, RetryPolicy, asked_pause_s
+from backend_clients.http.trouble import is_passing
+from backend_clients.service.errors import BadRequest, NoAnswer, ServiceError, Unreadable, failure, refusal
 
-CONNECT_S = 3.0
 MAX_TEXT = 200
 NO_TOKEN = SecretStr("")
 
@@ -59,14 +46,9 @@ class Service:
 
     def __post_init__(self) -> None:
         try:
-            parts = urlsplit(self.url)
-            is_usable = parts.scheme in ("http", "https") and bool(parts.hostname) and parts.port != 0
-        except ValueError as error:
-            raise BadRequest("the address of the service is no http or https URL") from error
-        if not is_usable or parts.query or parts.fragment:
-            raise BadRequest("the address of the service is no http or https URL")
-        if parts.username is not None or parts.password is not None:
-            raise BadRequest("credentials do not belong in the address; set the token")
+            check_address(self.url, "the service", "set the token")
+        except BadAddress as error:
+            raise BadRequest(f"{error}") from error
         token = self.token.get_secret_value()
         if token and not (token.isascii() and token.isprintable() and " " not in token):
             raise BadRequest("a token has visible ASCII characters only")
@@ -90,13 +72,8 @@ class Call:
     is_repeatable: bool = True
 
 
-@dataclass(frozen=True, slots=True)
-class Reply:
-    """An answer that is not an error; 304 is one."""
-
-    status: int
-    headers: httpx.Headers
-    content: bytes
+Reply = Answer
+"""An answer that is not an error; 304 is one."""
 
 
 class ServiceConnection:
@@ -119,23 +96,24 @@ class ServiceConnection:
         self.service = service
         self._sleep, self._mono_s = sleep, mono_s
         self._budget = RetryBudget(reserve=5.0)
-        # identity, since a small compressed answer can be a large one
-        headers = {"Accept": "application/json", "Accept-Encoding": "identity"}
         token = service.token.get_secret_value()
-        self._client = httpx.AsyncClient(
-            base_url=service.url.rstrip("/") + "/",
-            headers=headers | ({"Authorization": f"Bearer {token}"} if token else {}),
-            timeout=httpx.Timeout(service.timeout_s, connect=min(CONNECT_S, service.timeout_s)),
-            verify=_trust(service),
-            follow_redirects=False,  # a redirect would carry the token elsewhere
-            trust_env=False,
+        try:
+            verify = trust(service.url, service.ca)
+        except BadAddress as error:
+            raise BadRequest(f"{error}") from error
+        self._exchange = Exchange(
+            service.url,
+            {"Authorization": f"Bearer {token}"} if token else {},
+            verify,
+            timeout_s=service.timeout_s,
+            max_response=service.max_response,
+            connections=(8, 2),
             transport=transport,
-            limits=httpx.Limits(max_connections=8, max_keepalive_connections=2),
         )
 
     async def close(self) -> None:
         """Close all connections."""
-        await self._client.aclose()
+        await self._exchange.close()
 
     async def send(self, call: Call) -> Reply:
         """Return the service's answer; what is repeatable is tried again after a passing failure.
@@ -163,69 +141,24 @@ class ServiceConnection:
         # whoever waited the whole time once is not made to wait again
         if not call.is_repeatable or not is_passing(error) or isinstance(error, NoAnswer) or attempt >= policy.attempts:
             return None
-        pause_s = policy.pause_s(attempt, getattr(error, "retry_after_s", None))
+        pause_s = policy.pause_s(attempt, error.retry_after_s)
         return pause_s if spent_s + pause_s <= policy.deadline_s and self._budget.take() else None
 
     async def _once(self, call: Call) -> Reply:
-        headers = dict(call.headers)
-        if call.body is not None:
-            headers["Content-Type"] = "application/json"
-        request = self._client.build_request(
-            call.method, call.path, params=dict(call.parameters) or None, content=call.body, headers=headers
-        )
-        reply = await self._exchange(call, request)
+        try:
+            reply = await self._exchange.send(call.method, call.path, call.parameters, call.headers, call.body)
+        except ExchangeFailed as failed:
+            raise failure(failed) from failed
         if reply.status == 304 or reply.status < 300:
             return reply
         raise _refused(reply)
-
-    async def _exchange(self, call: Call, request: httpx.Request) -> Reply:
-        what = f"{call.method} /{call.path}"
-        try:
-            async with asyncio.timeout(self.service.timeout_s):  # a byte now and then must not hold a call for ever
-                response = await self._client.send(request, stream=True)
-                try:
-                    return Reply(response.status_code, response.headers, await self._read(response, what))
-                finally:
-                    await response.aclose()
-        except (httpx.ConnectError, httpx.ConnectTimeout, httpx.PoolTimeout) as error:
-            if is_distrust(error):
-                raise Untrusted(f"{what}: {_reason(error)}") from error
-            raise Unreachable(f"{what}: no connection: {_reason(error)}") from error
-        except (httpx.TimeoutException, TimeoutError) as error:
-            raise NoAnswer(f"{what}: no answer in {self.service.timeout_s:g} s") from error
-        except httpx.DecodingError as error:
-            raise Unreadable(f"{what}: the answer cannot be decoded") from error
-        except httpx.HTTPError as error:
-            raise Unreachable(f"{what}: {_reason(error)}") from error
-
-    async def _read(self, response: httpx.Response, what: str) -> bytes:
-        if response.headers.get("content-encoding", "identity") != "identity":
-            raise Unreadable(f"{what}: the answer is compressed although nobody asked for it")
-        content = bytearray()
-        async for piece in response.aiter_bytes():
-            content += piece
-            if len(content) > self.service.max_response:
-                raise TooLong(f"{what}: more than {self.service.max_response} bytes")
-        return bytes(content)
-
-
-def _trust(service: Service) -> ssl.SSLContext | bool:
-    if not service.url.startswith("https:"):
-        return False  # loading the authorities takes 30 ms and more, for nothing without TLS
-    if not service.ca:
-        return authorities()
-    try:
-        return ssl.create_default_context(cafile=service.ca)
-    except OSError as error:  # an SSLError is one, too
-        raise BadRequest(f"no file of authorities: {service.ca}") from error
 
 
 def _refused(reply: Reply) -> ServiceError:
     if reply.status < 400:
         return Unreadable(f"a redirect ({reply.status}) is not followed")
-    found: ServiceRefused = refusal(reply.status, _said(reply.content))
-    asked = reply.headers.get("retry-after", "")
-    found.retry_after_s = float(asked) if asked.isascii() and asked.isdigit() and len(asked) < 8 else None
+    found = refusal(reply.status, _said(reply.content))
+    found.retry_after_s = asked_pause_s(reply.headers)
     return found
 
 
@@ -237,7 +170,3 @@ def _said(content: bytes) -> str:
     except (ValueError, KeyError, TypeError, RecursionError):
         return ""
     return "".join(c for c in text[:MAX_TEXT] if c.isprintable())
-
-
-def _reason(error: Exception) -> str:
-    return f"{type(error).__name__} {error}".strip()[:MAX_TEXT]

@@ -19,46 +19,46 @@
 
 from __future__ import annotations
 
-from backend_clients.errors import ClientError
+from backend_clients.http.exchange import ExchangeFailed
+from backend_clients.http.trouble import OutsideError, Trouble
 
 
-class ServiceError(ClientError):
-    """Root of all errors of this package.
-
-    Attributes:
-        mend: one sentence for whoever has to repair it.
-    """
-
-    mend = "Look at the log of the service."
+class ServiceError(OutsideError):
+    """Root of all errors of this package."""
 
 
 class BadRequest(ServiceError, ValueError):
     """What was asked for can never be sent; nothing was."""
 
+    trouble = Trouble.MISSET
     mend = "Correct the value; the service would refuse it."
 
 
 class Unreachable(ServiceError):
     """There is no connection, or it broke."""
 
+    trouble = Trouble.UNREACHABLE
     mend = "Check that the service runs, its address, the network and the certificate."
 
 
 class NoAnswer(Unreachable):
     """No answer in time."""
 
+    trouble = Trouble.SILENT
     mend = "Check the load of the service and the delay of the network."
 
 
 class Untrusted(Unreachable):
     """Its certificate is not to be trusted; nothing was sent."""
 
+    trouble = Trouble.UNTRUSTED
     mend = "Check the certificate's name and dates and this machine's clock, or name its authority in the settings."
 
 
 class Unreadable(ServiceError):
     """What came cannot be trusted to mean what it says."""
 
+    trouble = Trouble.NOT_UNDERSTOOD
     mend = "Check that the address is that of the service and not of a proxy's page, and that both speak one version."
 
 
@@ -72,12 +72,7 @@ class ServiceRefused(ServiceError):
     Args:
         status: HTTP status.
         text: the service's sentence, shortened.
-
-    Attributes:
-        retry_after_s: how long it asks to wait, seconds.
     """
-
-    retry_after_s: float | None = None
 
     def __init__(self, status: int, text: str) -> None:
         super().__init__(f"{status}: {text}" if text else f"{status}")
@@ -87,6 +82,7 @@ class ServiceRefused(ServiceError):
 class NotAllowed(ServiceRefused):
     """The token is missing, out of date or does not allow this."""
 
+    trouble = Trouble.REFUSED
     mend = "Check the token."
 
 
@@ -105,12 +101,14 @@ class TooLarge(ServiceRefused):
 class Busy(ServiceRefused):
     """It asks for fewer requests."""
 
+    trouble = Trouble.BUSY
     mend = "Wait; it is asked again by itself."
 
 
 class ServiceFailed(ServiceRefused):
     """The service or a proxy before it failed."""
 
+    trouble = Trouble.FAILING
     mend = "Look at the log of the service."
 
 
@@ -128,8 +126,13 @@ def refusal(status: int, text: str) -> ServiceRefused:
     return kind(status, text)
 
 
-def is_passing(error: ServiceError) -> bool:
-    """Say whether the same request may succeed a little later."""
-    if isinstance(error, Unreachable | Busy):
-        return not isinstance(error, Untrusted)
-    return isinstance(error, ServiceFailed) and error.status in (500, 502, 503, 504)
+def failure(failed: ExchangeFailed) -> ServiceError:
+    """Return the error for an exchange that brought nothing usable."""
+    kinds: dict[Trouble, type[ServiceError]] = {
+        Trouble.SILENT: NoAnswer,
+        Trouble.UNTRUSTED: Untrusted,
+        Trouble.NOT_UNDERSTOOD: TooLong if failed.is_too_long else Unreadable,
+    }
+    found = kinds.get(failed.trouble, Unreachable)(f"{failed}")
+    found.mend = failed.mend or found.mend
+    return found

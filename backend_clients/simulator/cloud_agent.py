@@ -19,12 +19,12 @@ from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.topics import Address, Down
 from backend_clients.errors import WireError
+from backend_clients.http.retry import RetryPolicy
 from backend_clients.ngsi.client import NgsiClient
 from backend_clients.ngsi.connection import Broker
 from backend_clients.ngsi.entity import Entity
 from backend_clients.ngsi.errors import NgsiError, Unreadable
 from backend_clients.ngsi.query import Query
-from backend_clients.ngsi.retry import RetryPolicy
 from backend_clients.ngsi.tenant import Tenant
 from backend_clients.simulator.config import CloudConfig
 from backend_clients.simulator.verdict import refused

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Protocol
 
-from fastapi import APIRouter, Path, Request, Response
-from starlette.requests import ClientDisconnect
+from fastapi import APIRouter, Path
 
 from hmi.api.access import Diagnostician, SignedIn, UserManager, Watcher
 from hmi.api.body import Body, Ref
@@ -14,7 +13,6 @@ from hmi.api.map_answers import step_json, tried
 from hmi.commands.map_proposals import MapProposals
 from hmi.security.session_info import SessionInfo
 
-MOST_BYTES = 1_048_576
 ProposalId = Annotated[str, Path(max_length=64)]
 
 
@@ -43,17 +41,9 @@ class CloudDesk(Protocol):
         """Return what the cloud wants changed on the map."""
         ...
 
-    def lets_in(self, secret: str, source: str) -> bool:
-        """Say whether a notification with this secret, from this address, is the broker's."""
-        ...
-
-    def hint(self, body: bytes, headers: dict[str, str]) -> bool:
-        """Take a notification that was let in; ``False`` if it cannot be read or is of another tenant."""
-        ...
-
 
 def proposal_routes(desk: CloudDesk, proposals: MapProposals) -> APIRouter:
-    """Return the routes of changes that the cloud asks for, and where the broker posts."""
+    """Return the routes of changes that the cloud asks for."""
     router = APIRouter(tags=["map"])
 
     @router.get("/map/proposals", summary="What the cloud wants changed on the map")
@@ -67,22 +57,6 @@ def proposal_routes(desk: CloudDesk, proposals: MapProposals) -> APIRouter:
     @router.post("/map/proposals/{proposal_id}/refuse", status_code=204, summary="Refuse a change from the cloud")
     async def refuse(proposal_id: ProposalId, session: SignedIn) -> None:
         await tried(lambda: proposals.refuse(session, proposal_id), lambda _: None)
-
-    @router.post("/cloud/notify/{secret}", status_code=204, include_in_schema=False)
-    async def notify(secret: str, request: Request) -> Response:
-        source = request.client.host if request.client is not None else ""
-        if not desk.lets_in(secret, source):
-            return Response(status_code=404)  # before anything is read
-        body = bytearray()
-        try:
-            async for part in request.stream():
-                body += part
-                if len(body) > MOST_BYTES:
-                    return Response(status_code=413)
-        except ClientDisconnect:
-            return Response(status_code=400)
-        headers = {key.decode("latin-1").lower(): value.decode("latin-1") for key, value in request.scope["headers"]}
-        return Response(status_code=204 if desk.hint(bytes(body), headers) else 400)
 
     return router
 

@@ -34,14 +34,19 @@ class CameraRule:
         )  # fmt: skip
 
     def _field(self, one: StoredSource) -> Source:
-        wide, high = (one.width_px, one.height_px) if one.width_px else UNKNOWN_PX
-        camera = CameraInfo(one.camera, one.label or one.camera, wide, high)
+        camera = field_camera(one)
         if one.kind is SourceKind.UPLOAD:
             return Source(FIELD, camera, one.kind, period_s=one.period_s)
         wanted = self._book.source_of(FIELD, one.camera)
         password = "" if wanted is None else wanted.password
         nets = nets_of(self._book.reach(FIELD), one.url)
         return Source(FIELD, camera, one.kind, one.url, user=one.user_name, password=password, nets=nets)
+
+
+def field_camera(one: StoredSource) -> CameraInfo:
+    """Return what is known of a camera that belongs to no robot."""
+    wide, high = (one.width_px, one.height_px) if one.width_px else UNKNOWN_PX
+    return CameraInfo(one.camera, one.label or one.camera, wide, high)
 
 
 def nets_of(reach: Reach, url: str) -> tuple[str, ...]:

@@ -8,15 +8,20 @@ from __future__ import annotations
 import asyncio
 import importlib
 import logging
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter
 
+from backend_clients.http.trouble import OutsideError
 from hmi.api.cloud import CloudRefused, cloud_routes, proposal_routes
 from hmi.app.records import Records
+from hmi.app.service_report import broker_findings, link_report
 from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
+from hmi.cloud.broker_link import broker_link
+from hmi.cloud.cameras import CameraStates, FieldCamera
+from hmi.cloud.newest import Newest
 from hmi.cloud.news import CloudNews
 from hmi.cloud.outbox import Outbox
 from hmi.cloud.proposals import ProposalBook
@@ -33,6 +38,7 @@ from hmi.mapping.feature import MapFeature, as_geojson
 from hmi.presenters.cloud import words_of
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
+from hmi.service_link import NOT_OURS, LinkState
 from hmi.settings import Settings
 from hmi.store.audit_chain import AuditEntry
 from hmi.store.errors import StoreError
@@ -41,10 +47,10 @@ from hmi.store.missions import Mission
 
 if TYPE_CHECKING:
     from hmi.app.cloud_work import CloudWork
-    from hmi.cloud.stations import StationStates
     from hmi.store.sensor_board import SensorBoard
 
 LATER_S = 5.0  # as the processes that nobody waits for
+SETTLE_S = 5.0
 MISSIONS_TOLD = 300  # newest missions told when a tenant knows nothing of us
 log = logging.getLogger(__name__)
 
@@ -68,10 +74,11 @@ class CloudRoom:
         self._features: tuple[int, dict[str, MapFeature]] | None = None
         self._task: asyncio.Task[None] | None = None
         self._work: CloudWork | None = None
-        self.stations: StationStates | None = None
+        self._others: list[Newest] = []
         folder = settings.data / "cloud"
         outbox = Outbox(folder / "outbox.db", settings.cloud_outbox_mb * 2**20, settings.cloud_outbox_days * 86_400)
         self._backlog = Backlog(outbox, clock)
+        self._link = broker_link(clock)
         self.services: list[Callable[[], dict[str, Any]]] = []  # rows of other services outside
         self.news = CloudNews(self._urns, clock, self._backlog.put, self._family_of)
 
@@ -113,6 +120,9 @@ class CloudRoom:
 
     async def upload_mission(self, robot_id: str, document: dict[str, Any]) -> Acknowledgement:
         """Send a mission through the cloud; see ``MissionWay``. What was read back stands in the mission's log."""
+        if self._link.state in NOT_OURS:
+            text = f"{words_of(self._link.state.value).head}: nothing was sent. Send the mission directly."
+            raise OrderFailed("cloud_not_ours", text, is_outcome_known=True)
         if self._work is None:
             text = "The link to the cloud is not up yet. Try again in a moment, or send the mission directly."
             raise OrderFailed("cloud_away", text, is_outcome_known=True)
@@ -136,7 +146,12 @@ class CloudRoom:
             return
         from hmi.cloud.stations import StationStates  # with the stations themselves, some seconds after the start
 
-        self.stations = StationStates(board, self._urns)
+        self._others.append(StationStates(board, self._urns))
+
+    def watch_cameras(self, field: Callable[[], Iterable[FieldCamera]]) -> None:
+        """Mirror which cameras there are, if a cloud is set."""
+        if self.is_on:
+            self._others.append(CameraStates(self._fleet, field, self._urns, self._clock))
 
     def tell_map(self) -> None:
         """Tell the map again."""
@@ -162,12 +177,12 @@ class CloudRoom:
         ]  # fmt: skip
 
     def lets_in(self, secret: str, source: str) -> bool:
-        """See ``CloudDesk``."""
+        """See ``Notified``."""
         hints = None if self._work is None else self._work.hints
         return hints is not None and hints.lets_in(secret, source)
 
     def hint(self, body: bytes, headers: dict[str, str]) -> bool:
-        """See ``CloudDesk``."""
+        """See ``Notified``."""
         hints = None if self._work is None else self._work.hints
         return hints is not None and hints.take(body, headers)
 
@@ -182,11 +197,17 @@ class CloudRoom:
 
     def findings(self) -> Findings:
         """Return what is wrong with the link for the alarms."""
-        return NOTHING if self._work is None else self._work.report.findings()
+        if self._work is not None:
+            return self._work.report.findings()
+        is_misset = self._link.state is LinkState.MISSET
+        return broker_findings(self._link, self._backlog.total) if is_misset else NOTHING
 
     def health(self) -> dict[str, dict[str, Any]]:
         """Return the part of the cloud for ``/api/v1/health``."""
-        return {} if self._work is None else self._work.report.health()
+        if self._work is not None:
+            return self._work.report.health()
+        is_misset = self._link.state is LinkState.MISSET
+        return {"cloud": {"state": "degraded", "url": self._settings.cloud_url}} if is_misset else {}
 
     def report(self) -> dict[str, Any]:
         """See ``CloudDesk``."""
@@ -195,16 +216,25 @@ class CloudRoom:
     def _own_report(self) -> dict[str, Any]:
         if self._work is not None:
             return self._work.report.whole()
-        words = words_of(state := "connecting" if self.is_on else "off")
-        return {"state": state, "head": words.head, "text": words.text, "level": words.level}
+        if self.is_on:
+            where = {"url": self._settings.cloud_url, "tenant": self._settings.cloud_tenant}
+            return {**link_report(self._link, words_of(self._link.state.value), self._clock), **where}
+        words = words_of("off")
+        return {"state": "off", "head": words.head, "text": words.text, "level": words.level}
 
     async def _run(self) -> None:
         await asyncio.sleep(LATER_S)
         await asyncio.to_thread(importlib.import_module, "hmi.app.cloud_work")
-        from hmi.app.cloud_work import CloudWork, WorkParts  # loaded above, beside the event loop
+        from hmi.app.cloud_work import CloudWork, WorkParts, make_client  # loaded above, beside the event loop
 
+        try:
+            client = await asyncio.to_thread(make_client, self._settings)
+        except OutsideError as error:  # nothing can ever be sent with these settings
+            self._link.failed(error)
+            await self._only_keep()
+            return
         parts = WorkParts(self._settings, self._clock, self._urns, self._fleet, self._backlog, self.book, self._heard,
-                          lambda: self.stations)  # fmt: skip
+                          client, self._link, lambda: self._others)  # fmt: skip
         self._work = CloudWork(parts, self._whole, self._published, self._proposals_changed)
         said = ""
         while True:
@@ -216,6 +246,12 @@ class CloudRoom:
                     log.exception("a round of the cloud failed")
                 said = repr(error)
             await asyncio.sleep(self._settings.cloud_period_s)
+
+    async def _only_keep(self) -> None:
+        """Bring to disk what happens; with other settings it goes up after a restart."""
+        while True:
+            await self._backlog.settle()
+            await asyncio.sleep(SETTLE_S)
 
     async def _whole(self) -> Sequence[KeyValues]:
         features = list((await self._published()).values())

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from datetime import datetime
 from typing import Any
 
+from hmi.app.service_report import broker_findings, link_report
 from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
 from hmi.cloud.delays import Delay, Delays
-from hmi.cloud.link_state import DELIVERS, NEEDS_ADMIN, LinkState
 from hmi.cloud.mirror import Mirror
 from hmi.cloud.proposals import ProposalBook
 from hmi.domain.alarm.finding import MAX_TEXT, Finding, Findings
 from hmi.presenters.cloud import words_of
+from hmi.service_link import NEEDS_PERSON, NOT_OURS
 from hmi.settings import Settings
 
 PUBLISHED_MEAN_S = 0.25  # robot to context broker in the published system, to compare with
@@ -45,44 +47,37 @@ class CloudReport:
 
     def findings(self) -> Findings:
         """Return what is wrong with the link for the alarms."""
-        link, waiting, found = self._mirror.link.link, self._backlog.waiting, []
-        words = words_of(link.state.value)
-        text = f"{words.head}: {link.why}" if link.why else words.head
-        if link.state in NEEDS_ADMIN:
-            found.append(Finding("cloud-refused", text[:MAX_TEXT], since_s=link.since_s))
-        elif link.state not in DELIVERS:
-            found.append(Finding("cloud-away", f"{text} {waiting.count} records wait."[:MAX_TEXT]))
+        return (*broker_findings(self._mirror.link.link, self._backlog.total), *self._dropped())
+
+    def _dropped(self) -> Findings:
+        waiting, counts = self._backlog.waiting, self._mirror.counts
         count, seen_s = self._lost_seen
-        if waiting.lost > count:
-            self._lost_seen = count, seen_s = waiting.lost, self._clock.mono_s()
-        if self._clock.mono_s() - seen_s < LOST_SHOWN_S or waiting.trouble:
-            found.append(Finding("cloud-dropped", waiting.trouble[:MAX_TEXT] or f"{waiting.lost} since the start."))
-        return tuple(found)
+        if waiting.lost + counts.refused > count:
+            self._lost_seen = count, seen_s = waiting.lost + counts.refused, self._clock.mono_s()
+        if not waiting.trouble and self._clock.mono_s() - seen_s >= LOST_SHOWN_S:
+            return ()
+        said = [waiting.trouble] if waiting.trouble else []
+        if waiting.lost:
+            said.append(f"{waiting.lost} dropped since the start.")
+        if counts.refused:
+            said.append(f"{counts.refused} refused by the cloud, the last: {counts.last_refusal}")
+        return (Finding("cloud-dropped", " ".join(said)[:MAX_TEXT]),)
 
     def health(self) -> dict[str, dict[str, Any]]:
         """Return the part of the cloud for ``/api/v1/health``; a cloud that is away makes nothing else worse."""
         state = self._mirror.link.link.state
-        return {"cloud": {"state": "degraded" if state in NEEDS_ADMIN else "ok", "url": self._settings.cloud_url}}
+        return {"cloud": {"state": "degraded" if state in NEEDS_PERSON else "ok", "url": self._settings.cloud_url}}
 
     def whole(self) -> dict[str, Any]:
         """Return everything the panel shows."""
         mirror = self._mirror
-        link, now_s = mirror.link.link, self._clock.mono_s()
-        words, heard = words_of(link.state.value), mirror.link.heard_at
+        link = mirror.link.link
         return {
-            "state": link.state.value,
-            "head": words.head,
-            "text": words.text,
-            "level": words.level,
-            "why": link.why,
-            "mend": link.mend,
-            "for_s": round(now_s - link.since_s, 1),
+            **link_report(link, words_of(link.state.value), self._clock),
             "url": self._settings.cloud_url,
             "tenant": self._settings.cloud_tenant,
             "path": self._settings.cloud_path,
-            "heard_utc": None if heard is None else heard.isoformat(timespec="milliseconds"),
-            "skew_s": mirror.link.skew_s,
-            "can_take_tenant": link.state in (LinkState.OTHER_TENANT, LinkState.OTHER_CONSOLE),
+            "can_take_tenant": link.state in NOT_OURS,
             "waiting": self._waiting(),
             "map": self._map_report(),
             "delays": {
@@ -93,6 +88,7 @@ class CloudReport:
             },
             "counts": {
                 "states": mirror.counts.states,
+                "others": mirror.counts.others,
                 "records": mirror.counts.pieces,
                 "sent_twice": mirror.counts.resent,
                 "refused": mirror.counts.refused,
@@ -109,7 +105,12 @@ class CloudReport:
         return {
             "proposals": len(self._book.all()),
             "left_out": self._book.left_out,
-            "subscribed": bool(changes and changes.subscribed),
+            "is_told": hints is not None,
+            "subscribed": bool(changes and changes.subscription.is_there),
+            "subscription_lost": 0 if changes is None else changes.subscription.lost,
+            "subscription_lost_utc": _moment(changes.subscription.lost_at if changes is not None else None),
+            "is_storm": hints is not None and hints.is_too_many,
+            "old_news": 0 if hints is None else hints.counts.old,
             "notifications": 0 if hints is None else hints.counts.taken,
             "notifications_refused": 0 if hints is None else hints.counts.refused,
         }
@@ -124,6 +125,10 @@ class CloudReport:
             "oldest_age_s": age_s,
             "trouble": waiting.trouble,
         }
+
+
+def _moment(at: datetime | None) -> str | None:
+    return None if at is None else at.isoformat(timespec="milliseconds")
 
 
 def _delay(found: Delay) -> dict[str, float | int | None]:

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 from pydantic import SecretStr
 
+from backend_clients.http.retry import RetryPolicy
 from backend_clients.ngsi.client import NgsiClient
 from backend_clients.ngsi.connection import Broker
 from backend_clients.ngsi.errors import NgsiError
 from backend_clients.ngsi.gate import Gate
 from backend_clients.ngsi.identifier import EntityRef
-from backend_clients.ngsi.retry import RetryPolicy
 from backend_clients.ngsi.subscription import Wanted
 from backend_clients.ngsi.subscriptions import Subscriptions
 from backend_clients.ngsi.tenant import Tenant
@@ -29,13 +30,14 @@ from hmi.cloud.map_changes import MapChanges
 from hmi.cloud.marker import Marker
 from hmi.cloud.mirror import Mirror
 from hmi.cloud.missions import CloudMissions
+from hmi.cloud.newest import Newest
 from hmi.cloud.proposals import ProposalBook
 from hmi.cloud.secret import kept_secret
 from hmi.cloud.states import RobotStates
-from hmi.cloud.stations import StationStates
 from hmi.fiware.map_change import KIND_OF
 from hmi.fiware.urn import KeyValues, Urns
 from hmi.mapping.feature import MapFeature
+from hmi.service_link import ServiceLink
 from hmi.settings import Settings
 from hmi.store.fleet import FleetStore
 
@@ -44,7 +46,7 @@ TIMEOUT_S = 8.0
 
 @dataclass(frozen=True, slots=True)
 class WorkParts:
-    """What the room has before there is a client."""
+    """What the room has."""
 
     settings: Settings
     clock: Clock
@@ -53,7 +55,9 @@ class WorkParts:
     backlog: Backlog
     book: ProposalBook
     heard: Heard
-    stations: Callable[[], StationStates | None]
+    client: NgsiClient
+    link: ServiceLink
+    others: Callable[[], Sequence[Newest]]
 
 
 class CloudWork:
@@ -74,13 +78,13 @@ class CloudWork:
     ) -> None:
         self._parts = parts
         settings, clock, urns = parts.settings, parts.clock, parts.urns
-        client = NgsiClient(_broker(settings), _tokens(settings))
+        client = parts.client
         ref = EntityRef(urns.of("Headland", "console"), "Headland")
         is_demo = settings.demo and settings.demo_cloud
         marker = Marker(settings.data / "cloud" / "console.json", ref, settings.farm_name, is_strict=not is_demo)
-        link, states = CloudLink(client, marker, clock), RobotStates(parts.fleet, urns, clock)
+        link, states = CloudLink(client, marker, clock, parts.link), RobotStates(parts.fleet, urns, clock)
         changes = self._make_changes(client, published, on_proposals)
-        self.mirror = Mirror(link, states, parts.backlog, clock, whole, changes, parts.stations)
+        self.mirror = Mirror(link, states, parts.backlog, clock, whole, changes, parts.others)
         read_back = Delays()
         self.missions = CloudMissions(client, urns.farm_name, clock, read_back)
         self.report = CloudReport(settings, clock, self.mirror, parts.backlog, parts.book, read_back, parts.heard)
@@ -114,12 +118,17 @@ class CloudWork:
         return MapChanges(client, self._parts.book, hints, clock, published, on_proposals, subscriptions, wanted)
 
 
+def make_client(settings: Settings) -> NgsiClient:
+    """Return the client; reads certificates, so not on the event loop. Raises ``BadInput`` for unusable settings."""
+    return NgsiClient(_broker(settings), _tokens(settings))
+
+
 def _broker(settings: Settings) -> Broker:
     assert settings.cloud_url is not None
     return Broker(
         settings.cloud_url,
         Tenant(settings.cloud_tenant, settings.cloud_path),
-        verify=str(settings.cloud_ca) if settings.cloud_ca else True,
+        ca=_file(settings.cloud_ca),
         timeout_s=TIMEOUT_S,
         retry=RetryPolicy(attempts=1),  # the mirror itself tries again, with what is newest then
     )
@@ -135,8 +144,13 @@ def _tokens(settings: Settings) -> TokenSource | None:
                 username=settings.cloud_oauth_user,
                 password=settings.cloud_oauth_password,
                 header=settings.cloud_token_header,
+                ca=_file(settings.cloud_ca),
             )
         )
     if settings.cloud_token.get_secret_value():
         return FixedHeader(settings.cloud_token, settings.cloud_token_header)
     return None
+
+
+def _file(path: Path | None) -> str:
+    return "" if path is None else str(path)

@@ -11,7 +11,7 @@ from hmi.api.metrics import ConsoleMetrics
 from hmi.app.alarms import AlarmRoom
 from hmi.app.base_maps import BaseMapDesk
 from hmi.app.camera_calls import camera_calls
-from hmi.app.camera_rule import CameraRule
+from hmi.app.camera_rule import CameraRule, field_camera
 from hmi.app.cameras import CameraDesk
 from hmi.app.chores import Chores
 from hmi.app.cloud import CloudRoom
@@ -28,6 +28,7 @@ from hmi.app.stops import StopDesk
 from hmi.app.twin import TwinDesk
 from hmi.app.witness import FleetWitness
 from hmi.clock import Clock
+from hmi.cloud.cameras import FieldCamera
 from hmi.commands.desk import CommandDesk, CommandPorts
 from hmi.commands.drive import DriveFrame, JogFrame
 from hmi.commands.lease_words import asked_of, owner_of
@@ -155,6 +156,10 @@ class Console:
         self.alarms.stations, self.alarms.condition_of = self.sensors.findings, self.sensors.condition_of
         self.queue.treatment = self.sensors.gate
         self.sensors.on_loaded.append(lambda work: self.cloud.watch_stations(work.board))
+        self.cloud.watch_cameras(
+            lambda: [FieldCamera(field_camera(one), self.sensors.place_of(one.camera))
+                     for one in self.pictures.sources.field_cameras()]
+        )  # fmt: skip
         self.queue.forecast = self.forecast.latest
         self.sensors.forecast = self.forecast.row
         for room in (self.missions.planner, self.forecast):

@@ -11,13 +11,13 @@ from zoneinfo import ZoneInfo
 from backend_clients.service.errors import ServiceError
 from hmi.app.queue import farm_zone
 from hmi.app.records import Records
-from hmi.app.service_report import service_off, service_report
+from hmi.app.service_report import away_finding, clock_finding, service_off, service_report
 from hmi.clock import Clock
-from hmi.domain.alarm.finding import MAX_TEXT, NOTHING, Finding, Findings
+from hmi.domain.alarm.finding import NOTHING, Findings
 from hmi.domain.forecast import Forecast
 from hmi.presenters.forecast import age_text, forecast_row
 from hmi.presenters.services import service_words
-from hmi.service_link import ServiceLink, ServiceState
+from hmi.service_link import ServiceLink
 from hmi.settings import Settings
 from hmi.store.errors import StoreError
 
@@ -37,7 +37,7 @@ class ForecastRoom:
     def __init__(self, settings: Settings, clock: Clock, records: Records) -> None:
         self._settings, self._clock, self._records = settings, clock, records
         self._zone: ZoneInfo = farm_zone(settings.time_zone)
-        self._link = ServiceLink(clock)
+        self._link = ServiceLink(clock, name="weather forecast")
         self._book: ForecastBook | None = None
         self._task: asyncio.Task[None] | None = None
 
@@ -70,10 +70,7 @@ class ForecastRoom:
 
     def findings(self) -> Findings:
         """Return what is wrong with the link for the alarms."""
-        link = self._link
-        if not self.is_on or link.is_well or link.state is ServiceState.CONNECTING:
-            return NOTHING
-        return (Finding("forecast-away", link.why[:MAX_TEXT]),)
+        return (*away_finding("forecast-away", self._link), *clock_finding(NAME, self._link)) if self.is_on else NOTHING
 
     def report(self) -> dict[str, Any]:
         """Return the row for Admin, Cloud."""

@@ -7,14 +7,14 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 from backend_clients.service.errors import ServiceError
-from hmi.app.service_report import service_off, service_report
+from hmi.app.service_report import away_finding, clock_finding, service_off, service_report
 from hmi.clock import Clock
-from hmi.domain.alarm.finding import MAX_TEXT, NOTHING, Finding, Findings
+from hmi.domain.alarm.finding import NOTHING, Findings
 from hmi.domain.mission_plan import Candidate, PlannedMission, Planner, PlanWish, Tell, nobody
 from hmi.domain.mission_rest import PlannedRest, RestWish
 from hmi.planning.worker import PlanningProcess
 from hmi.planning_service.place import made_here
-from hmi.service_link import ServiceLink, ServiceState
+from hmi.service_link import LinkState, ServiceLink
 from hmi.settings import Settings
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ class PlannerRoom:
         self._settings, self._clock = settings, clock
         self._local = PlanningProcess()
         self._asks: Planner | None = None
-        self._link = ServiceLink(clock)
+        self._link = ServiceLink(clock, name="planner service")
         self._client: PlannerClient | None = None
         self._task: asyncio.Task[None] | None = None
 
@@ -76,10 +76,7 @@ class PlannerRoom:
 
     def findings(self) -> Findings:
         """Return what is wrong with the link for the alarms."""
-        link = self._link
-        if not self.is_on or link.is_well or link.state is ServiceState.CONNECTING:
-            return NOTHING
-        return (Finding("planner-away", link.why[:MAX_TEXT]),)
+        return (*away_finding("planner-away", self._link), *clock_finding(NAME, self._link)) if self.is_on else NOTHING
 
     def report(self) -> dict[str, Any]:
         """Return the row for Admin, Cloud."""
@@ -91,7 +88,7 @@ class PlannerRoom:
 
     def _why_here(self) -> str:
         """Say why there is no planner that asks the service."""
-        if self._link.state is ServiceState.CONNECTING:
+        if self._link.state is LinkState.CONNECTING:
             return "the planner service was not reached yet since the start"
         return f"the planner service cannot be used, {self._link.why}"
 

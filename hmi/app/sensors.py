@@ -90,6 +90,12 @@ class SensorRoom:
         """Return how the station behind the source of an alarm does."""
         return None if self._work is None else self._work.condition_of(source)
 
+    def place_of(self, station_id: str) -> tuple[float, float] | None:
+        """Return latitude and longitude of an accepted station, ``None`` of any other id."""
+        known = None if self._work is None else self._work.board.get(station_id)
+        is_ours = known is not None and known.station.is_accepted
+        return (known.station.lat_deg, known.station.lon_deg) if known is not None and is_ours else None
+
     def diagnostics(self) -> dict[str, Any]:
         """Return counters for the diagnostics page."""
         return {"state": "not loaded"} if self._work is None else self._work.diagnostics()

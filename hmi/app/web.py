@@ -11,6 +11,7 @@ from starlette.staticfiles import StaticFiles
 
 from hmi import __version__
 from hmi.api.access import Access
+from hmi.api.cloud_notify import CloudNotify
 from hmi.api.demo import demo_routes
 from hmi.api.diagnostics import Sources
 from hmi.api.health import HealthRoutes
@@ -86,6 +87,7 @@ def build_web(console: Console) -> FastAPI:
     )
     web.add_middleware(CompressedPages)
     web.add_middleware(RequestGuard, origins=origins, session_of=sessions.of_headers)
+    web.add_middleware(CloudNotify, desk=console.cloud)
     return web
 
 

@@ -193,22 +193,6 @@ def sensors(
         raise StartError(f"Cannot listen on port {port}: {error}.") from error
 
 
-@app.command()
-def weather(
-    url: Annotated[str, typer.Option(help="Address of the console.")] = "http://127.0.0.1:8080",
-    name: Annotated[str, typer.Option(help="Who signs in; needs the operator or planner role.")] = "operator",
-    password: Annotated[str, typer.Option(help="Their password; as the name if empty, as in the demo.")] = "",
-    seed: Annotated[int, typer.Option(help="Makes the weather repeatable.")] = 1,
-) -> None:
-    """A simulated weather station that reports wind and rain to the console each minute."""
-    import httpx
-
-    from hmi.demo.weather import WeatherStation, run_station
-
-    with httpx.Client(base_url=url, timeout=10, trust_env=False) as client:
-        run_station(client, name, password or name, WeatherStation(seed), say=typer.echo)
-
-
 @app.command(name="context-broker")
 def context_broker(
     port: Annotated[int, typer.Option(min=0, max=65535, help="Port to listen on; 0 takes a free one.")] = 1026,

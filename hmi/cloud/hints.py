@@ -25,6 +25,11 @@ class Counts:
     refused: int = 0
     by_verdict: dict[str, int] = field(default_factory=dict)
 
+    @property
+    def old(self) -> int:
+        """Repeated, or older than what was known; outside of a storm, where nobody looks."""
+        return self.by_verdict.get(Verdict.REPEAT.value, 0) + self.by_verdict.get(Verdict.OLD.value, 0)
+
 
 class Hints:
     """Takes notifications.

@@ -2,26 +2,21 @@
 
 from __future__ import annotations
 
-import logging
-import random
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from datetime import datetime
-from email.utils import parsedate_to_datetime
 
+from backend_clients.http.trouble import Trouble
 from backend_clients.ngsi.client import NgsiClient
 from backend_clients.ngsi.connection import Call
 from backend_clients.ngsi.entity import Entity
 from backend_clients.ngsi.errors import NgsiError, Unreadable
 from backend_clients.ngsi.identifier import EntityRef
 from hmi.clock import Clock
-from hmi.cloud.link_state import DELIVERS, Link, LinkState, is_about_one, state_of
+from hmi.cloud.broker_link import broker_link
 from hmi.cloud.marker import Marker
+from hmi.service_link import LinkState, ServiceLink
 
-FIRST_PAUSE_S, LONGEST_PAUSE_S = 1.0, 30.0
 LOOK_EVERY_S = 60.0  # a proxy may send us to another tenant at any time
-SLOW_S = 1.0
-log = logging.getLogger(__name__)
 
 
 @dataclass(slots=True)
@@ -45,28 +40,24 @@ class CloudLink:
     """One broker. Calls belong to one task.
 
     Args:
-        client: to the broker; its own retries are off, since this backs off.
-        jitter: 0..1, spreads consoles that lost the same broker.
+        client: to the broker; its own retries are off, since the link backs off.
+        link: how the broker is.
     """
 
-    def __init__(self, client: NgsiClient, marker: Marker, clock: Clock, jitter: float | None = None) -> None:
-        self.client, self._marker, self._clock, self._jitter = client, marker, clock, jitter
-        self.link = Link(LinkState.CONNECTING, clock.mono_s())
-        self.skew_s: float | None = None
-        self.heard_at: datetime | None = None
+    def __init__(self, client: NgsiClient, marker: Marker, clock: Clock, link: ServiceLink | None = None) -> None:
+        self.client, self._marker, self._clock = client, marker, clock
+        self.link = link or broker_link(clock)
         self.placed = 0
         """How often the tenant turned out to know nothing of us: then everything has to be told again."""
-        self._failures = 0
-        self._next_s = self._look_s = float("-inf")
+        self._look_s = float("-inf")
 
     async def is_ready(self) -> bool:
         """Say whether something can be delivered now; tries a lost link again when it is time."""
-        now_s = self._clock.mono_s()
-        if now_s < self._next_s:
+        if not self.link.may_ask:
             return False
-        if self.link.state not in DELIVERS or now_s >= self._look_s:
+        if not self.link.is_well or self._clock.mono_s() >= self._look_s:
             await self._look()
-        return self.link.state in DELIVERS
+        return self.link.is_well
 
     async def deliver(self, entities: Sequence[Entity]) -> Delivery:
         """Write entities, each once; a failed link is known by ``is_cut`` and by ``link``."""
@@ -82,18 +73,20 @@ class CloudLink:
                 found.is_cut = True
                 self.failed(error)
         if not found.is_cut:
-            self._well(self._clock.mono_s() - begin_s)
+            self.link.well(self._clock.mono_s() - begin_s)
         return found
 
     async def take_tenant(self) -> None:
         """Write here from now on, whoever did before; a person decided it. Raises ``NgsiError``."""
         await self._marker.place(self.client)
         self.placed += 1
-        self._next_s = self._look_s = float("-inf")
+        self._look_s = float("-inf")
+        self.link.ask_now()
 
     def failed(self, error: NgsiError) -> None:
         """Take that a call failed."""
-        self._wait(state_of(error), f"{error}"[:300], error.mend)
+        self._look_s = float("-inf")
+        self.link.failed(error)
 
     async def _look(self) -> None:
         begin_s = self._clock.mono_s()
@@ -106,42 +99,19 @@ class CloudLink:
         if state is LinkState.OK:
             self.placed += is_new
             self._look_s = self._clock.mono_s() + LOOK_EVERY_S
-            self._well((self._clock.mono_s() - begin_s) / 2)  # two calls
+            self.link.well((self._clock.mono_s() - begin_s) / 2)  # two calls
         else:
-            self._wait(state, why, "Check tenant and service path, or take this tenant for this console.")
+            self._look_s = float("-inf")
+            self.link.leave(state, why, "Check tenant and service path, or take this tenant for this console.")
 
     async def _ask_version(self) -> None:
         reply = await self.client.connection.send(Call("GET", "version", is_repeatable=True))
         body = reply.json()
         if not isinstance(body, dict) or not body:
             raise Unreadable("the answer names no broker")
-        self.skew_s = self._skew(reply.headers.get("date", ""))
+        self.link.set_clock(reply.headers.get("date", ""))
 
-    def _skew(self, date: str) -> float | None:
-        """Return how far the broker's clock is ahead of ours; it tells whole seconds."""
-        try:
-            ahead_s = (parsedate_to_datetime(date) - self._clock.utc()).total_seconds()
-        except (ValueError, TypeError):
-            return None
-        return ahead_s if abs(ahead_s) > 1.5 else 0.0
 
-    def _well(self, took_s: float) -> None:
-        self._failures, self.heard_at = 0, self._clock.utc()
-        self._next_s = float("-inf")
-        state = LinkState.SLOW if took_s > SLOW_S else LinkState.OK
-        self._be(state, f"The last answer took {took_s:.1f} s." if state is LinkState.SLOW else "", "")
-
-    def _wait(self, state: LinkState, why: str, mend: str) -> None:
-        pause_s = min(LONGEST_PAUSE_S, FIRST_PAUSE_S * 2.0**self._failures)
-        self._failures = min(self._failures + 1, 10)
-        chance = random.random() if self._jitter is None else self._jitter  # noqa: S311 - spreads load
-        self._next_s = self._clock.mono_s() + pause_s * (0.5 + 0.5 * chance)
-        self._look_s = float("-inf")
-        self._be(state, why, mend)
-
-    def _be(self, state: LinkState, why: str, mend: str) -> None:
-        if state is self.link.state:
-            self.link = Link(state, self.link.since_s, why, mend)
-            return
-        log.info("cloud: %s %s", state.value, why)
-        self.link = Link(state, self._clock.mono_s(), why, mend)
+def is_about_one(error: NgsiError) -> bool:
+    """Say whether an error is about the entity alone: the link is well, and no other try would help."""
+    return error.trouble in (None, Trouble.MISSET)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Awaitable, Callable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
 
 from backend_clients.ngsi.client import NgsiClient
 from backend_clients.ngsi.entity import Entity
@@ -21,10 +23,27 @@ from hmi.fiware.urn import KeyValues
 from hmi.mapping.feature import MapFeature
 
 READ_ALL_S = 300.0  # what no notification told, for instance while the console was off
-SUBSCRIBE_S = 4 * 3600.0  # well before half of the 24 h a subscription lives
+SUBSCRIBE_S = 300.0  # whether it is still there: whoever manages the broker may delete it, and nobody tells us
+STORM_S = 10.0  # while more is told than can be looked at, everything is read so often and no oftener
 MOST_SINGLE = 20  # with more hints than this one question for all is cheaper
 Features = Callable[[], Awaitable[Mapping[str, MapFeature]]]
 log = logging.getLogger(__name__)
+
+
+@dataclass(slots=True)
+class SubscriptionNews:
+    """How the subscription at the broker is.
+
+    Args:
+        is_there: it was there when it was looked at last.
+        lost: how often it was deleted, or switched off, behind our back since the start; ``lost_at`` the last time.
+        how: what was done then, as in ``Kept``.
+    """
+
+    is_there: bool = False
+    lost: int = 0
+    lost_at: datetime | None = None
+    how: str = ""
 
 
 class MapChanges:
@@ -51,7 +70,8 @@ class MapChanges:
         self._features, self._on_changed = features, on_changed
         self._subscriptions, self._wanted = subscriptions, wanted
         self._read_s = self._subscribe_s = float("-inf")
-        self.subscribed = ""
+        self._read_at_s = float("-inf")
+        self.subscription = SubscriptionNews()
 
     def read_soon(self) -> None:
         """Read everything in the next round."""
@@ -61,10 +81,13 @@ class MapChanges:
         """Subscribe and read if it is time; raises ``NgsiError``."""
         now_s = self._clock.mono_s()
         if self._subscriptions is not None and self._wanted is not None and now_s >= self._subscribe_s:
-            kept = await self._subscriptions.ensure(self._wanted, self._clock.utc())
-            self.subscribed, self._subscribe_s = kept.how, now_s + SUBSCRIBE_S
+            await self._subscribe(self._subscriptions, self._wanted)
+            self._subscribe_s = now_s + SUBSCRIBE_S
+        is_storm = self.hints is not None and self.hints.is_too_many
+        if is_storm and now_s < self._read_at_s + STORM_S:
+            return
         hinted = self.hints.waiting() if self.hints is not None else {}
-        if now_s >= self._read_s or len(hinted) > MOST_SINGLE or (self.hints is not None and self.hints.is_too_many):
+        if now_s >= self._read_s or len(hinted) > MOST_SINGLE or is_storm:
             await self.read_all()
         elif hinted:
             await self._read(hinted)
@@ -76,7 +99,17 @@ class MapChanges:
         found = [key_values(one) async for one in self._client.entities(Query(types=tuple(KIND_OF)))]
         await self._look(found)
         await self._clear(found)
-        self._read_s = self._clock.mono_s() + READ_ALL_S
+        self._read_at_s = self._clock.mono_s()
+        self._read_s = self._read_at_s + READ_ALL_S
+
+    async def _subscribe(self, subscriptions: Subscriptions, wanted: Wanted) -> None:
+        kept, news = await subscriptions.ensure(wanted, self._clock.utc()), self.subscription
+        is_lost = news.is_there and kept.how in ("made", "mended")
+        if is_lost:
+            news.lost, news.lost_at, news.how = news.lost + 1, self._clock.utc(), kept.how
+            log.warning("the subscription at the broker was gone or off, and is %s again", kept.how)
+            self._read_s = float("-inf")  # who knows what it did not tell
+        news.is_there = True
 
     async def _clear(self, entities: Sequence[KeyValues]) -> None:
         """Delete what we told of features that are on our map no more, unless somebody else changed it since."""
@@ -102,13 +135,14 @@ class MapChanges:
         if not entities:
             return
         try:
-            crops = {str(one["hasAgriCrop"]) for one in entities if "hasAgriCrop" in one}
-            names = await self._crops() if crops else {}
+            is_named = any("hasAgriCrop" in one or "hasAgriSoil" in one for one in entities)
+            names = await self._names() if is_named else {}
         except NgsiError:
             names = {}
         if self.book.look(entities, await self._features(), self._clock.utc(), names):
             self._on_changed()
 
-    async def _crops(self) -> dict[str, str]:
-        found = [one async for one in self._client.entities(Query(types=("AgriCrop",)))]
+    async def _names(self) -> dict[str, str]:
+        """Return the names of crops and kinds of soil."""
+        found = [one async for one in self._client.entities(Query(types=("AgriCrop", "AgriSoil")))]
         return {one.ref.id: str(one.value("name")) for one in found if one.value("name")}

@@ -16,7 +16,7 @@ from backend_clients.ngsi.client import NgsiClient
 from backend_clients.ngsi.connection import Broker
 from backend_clients.ngsi.entity import Entity
 from backend_clients.ngsi.identifier import EntityRef
-from hmi.cloud.link_state import LinkState
+from hmi.service_link import LinkState
 
 
 class _Note(msgspec.Struct):

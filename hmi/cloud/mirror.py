@@ -15,14 +15,14 @@ from hmi.cloud.backlog import Backlog
 from hmi.cloud.delays import Delays
 from hmi.cloud.link import CloudLink, Delivery
 from hmi.cloud.map_changes import MapChanges
+from hmi.cloud.newest import Newest
 from hmi.cloud.outbox import Piece
 from hmi.cloud.states import Report, RobotStates
-from hmi.cloud.stations import StationStates
 from hmi.fiware.normalized import normalized
 from hmi.fiware.urn import KeyValues
 
 MOST_ROBOTS = 200  # in one round: one request
-MOST_OF_STATIONS = 200  # entities in one round
+MOST_OF_OTHERS = 200  # entities of each kind in one round
 PART = 100  # pieces in one request
 PARTS = 5  # requests of a backlog in one round, so that the newest state never waits for all of it
 SETTLE_S = 5.0  # how often age and room are looked at when nothing is new
@@ -35,14 +35,14 @@ class Counts:
 
     Args:
         states: reports of robots that arrived.
-        stations: entities of field stations that arrived.
+        others: entities of field stations and cameras that arrived.
         pieces: pieces that arrived.
         resent: sent again although they may have arrived: the cloud may have seen them twice.
         refused: the broker would never take them, so they are gone.
     """
 
     states: int = 0
-    stations: int = 0
+    others: int = 0
     pieces: int = 0
     resent: int = 0
     refused: int = 0
@@ -55,7 +55,7 @@ class Mirror:
     Args:
         whole: returns the farm's map and missions, told at first and after ``tell_whole``.
         changes: what the cloud wants changed, ``None`` if nobody asks.
-        stations: the field stations, ``None`` while they are not known.
+        others: what else there is of which the newest goes up: field stations, cameras.
     """
 
     def __init__(
@@ -66,9 +66,9 @@ class Mirror:
         clock: Clock,
         whole: Callable[[], Awaitable[Sequence[KeyValues]]],
         changes: MapChanges | None = None,
-        stations: Callable[[], StationStates | None] = lambda: None,
+        others: Callable[[], Sequence[Newest]] = tuple,
     ) -> None:
-        self._stations = stations
+        self._others = others
         self.link, self._states, self._backlog, self._clock, self._whole = link, states, backlog, clock, whole
         self.changes = changes
         self.counts = Counts()
@@ -93,12 +93,11 @@ class Mirror:
             self._placed = self.link.placed
             self._is_whole_told = False
             self._states.forget()
-            stations = self._stations()
-            if stations is not None:
-                stations.forget()
+            for other in self._others():
+                other.forget()
         if (
             await self._send_robots()
-            and await self._send_stations()
+            and await self._send_others()
             and await self._look_around()
             and await self._send_whole()
         ):
@@ -116,16 +115,18 @@ class Mirror:
         self._time(arrived, now_s)
         return not found.is_cut
 
-    async def _send_stations(self) -> bool:
-        stations = self._stations()
-        entities = [] if stations is None else stations.reports(MOST_OF_STATIONS)
-        if stations is None or not entities:
-            return True
-        found = await self._deliver(entities)
-        settled = found.done | set(found.refused)
-        stations.told(one for one in entities if _ref(one) in settled)
-        self.counts.stations += len(found.done)
-        return not found.is_cut
+    async def _send_others(self) -> bool:
+        for other in self._others():
+            entities = other.reports(MOST_OF_OTHERS)
+            if not entities:
+                continue
+            found = await self._deliver(entities)
+            settled = found.done | set(found.refused)
+            other.told(one for one in entities if _ref(one) in settled)
+            self.counts.others += len(found.done)
+            if found.is_cut:
+                return False
+        return True
 
     def _time(self, reports: Sequence[Report], now_s: float) -> None:
         for report in reports:

@@ -65,7 +65,7 @@ class ProposalBook:
         entities: Iterable[KeyValues],
         features: Mapping[str, MapFeature],
         now: datetime,
-        crops: dict[str, str] | None = None,
+        names: dict[str, str] | None = None,
     ) -> bool:
         """Take what the cloud has now of some map entities; return whether a proposal came, went or changed."""
         before = dict(self._open)
@@ -73,7 +73,7 @@ class ProposalBook:
             if entity["type"] not in KIND_OF:
                 continue
             feature_id = feature_id_of(entity, self._urns) or str(entity["id"])[-64:]
-            found = None if is_as_told(entity) else self._proposal(entity, feature_id, features, now, crops or {})
+            found = None if is_as_told(entity) else self._proposal(entity, feature_id, features, now, names or {})
             self._put(feature_id, found)
         return before != self._open
 
@@ -131,13 +131,13 @@ class ProposalBook:
 
     def _proposal(
         self, entity: KeyValues, feature_id: str, features: Mapping[str, MapFeature], now: datetime,
-        crops: dict[str, str],
+        names: dict[str, str],
     ) -> Proposal | None:  # fmt: skip
         kind, ours = KIND_OF[entity["type"]], features.get(feature_id)
         name = ours.title if ours is not None else str(entity.get("name") or feature_id)[:80]
         what = "added" if ours is None else "changed"
         try:
-            theirs = proposed(entity, ours, self._urns, crops)
+            theirs = proposed(entity, ours, self._urns, names)
         except BadFeature as error:
             return Proposal(feature_id, entity["id"], kind, name, what, "", ours, None, now, problem=error.text)
         if theirs is None:

@@ -50,7 +50,8 @@ def _placed(name: str) -> tuple[DemoFeature, ...]:
 
 def _parcel() -> DemoFeature:
     [(properties, geometry)] = _read("nl-parcel.geojson")
-    kept = {"site": POLDER, "crop": "Sugar beet", "seeded": "2026-04-08", "source": properties["source"]}
+    source = properties["source"]
+    kept = {"site": POLDER, "crop": "Sugar beet", "soil_type": "Clay", "seeded": "2026-04-08", "source": source}
     return DemoFeature("polder-17", "parcel", "Polder 17", kept, geometry)
 
 
@@ -63,6 +64,7 @@ def _sections() -> tuple[DemoFeature, ...]:
             "site": SITE,
             "crop": CROPS[properties["crop"]],
             "species": properties["crop"],
+            "soil_type": "Loam",
             "seeded": SEEDED[properties["crop"]],
             "row_spacing_m": properties["row_spacing_m"],
             "row_bearing_deg": properties["row_bearing_deg"],

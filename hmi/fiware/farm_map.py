@@ -1,4 +1,4 @@
-"""The farm's map as entities: the farm first, then crops, then the rest in the order of the map."""
+"""The farm's map as entities: the farm first, then crops and soils, then the rest in the order of the map."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from hmi.fiware.crop import crop_entities
 from hmi.fiware.farm import farm_entity
 from hmi.fiware.parcel import parcel_entity
 from hmi.fiware.road import road_entities
+from hmi.fiware.soil import soil_entities
 from hmi.fiware.urn import KeyValues, Urns
 from hmi.mapping.feature import MapFeature
 
@@ -24,6 +25,7 @@ def map_entities(
     entities = [
         farm_entity(urns, farm_name, land, of["parcel"], of["building"]),
         *crop_entities(urns, of["parcel"]),
+        *soil_entities(urns, of["parcel"]),
         *(parcel_entity(urns, one) for one in of["parcel"]),
         *(building_entity(urns, one) for one in of["building"]),
         *(entity for road in roads for entity in road_entities(urns, road)),

@@ -45,14 +45,14 @@ def feature_id_of(entity: KeyValues, urns: Urns) -> str | None:
 
 
 def proposed(
-    entity: KeyValues, feature: MapFeature | None, urns: Urns, crops: dict[str, str] | None = None
+    entity: KeyValues, feature: MapFeature | None, urns: Urns, names: dict[str, str] | None = None
 ) -> MapFeature | None:
     """Return the feature as the cloud wants it, ``None`` if it wants what we have.
 
     Args:
         entity: of a model of ``KIND_OF``.
         feature: what our map has under that id.
-        crops: names of crops by the ids of their entities.
+        names: of crops and kinds of soil, by the ids of their entities.
 
     Raises:
         BadFeature: what the cloud says cannot be on a map.
@@ -69,7 +69,7 @@ def proposed(
     if "name" in changed and isinstance(changed["name"], str):
         name = changed["name"][:80]
     geometry = changed.get("location", feature.geometry if feature is not None else None)
-    properties = {**(feature.properties if feature is not None else {}), **_properties(kind, changed, crops or {})}
+    properties = {**(feature.properties if feature is not None else {}), **_properties(kind, changed, names or {})}
     raw = {"type": "Feature", "id": feature_id, "geometry": geometry,
            "properties": {**properties, "id": feature_id, "kind": kind, "name": name}}  # fmt: skip
     wanted = parse_feature(raw)
@@ -82,11 +82,12 @@ def _entity(feature: MapFeature, urns: Urns) -> KeyValues:
     return building_entity(urns, feature) if feature.kind == "building" else road_entities(urns, feature)[1]
 
 
-def _properties(kind: str, changed: KeyValues, crops: dict[str, str]) -> dict[str, Any]:
+def _properties(kind: str, changed: KeyValues, names: dict[str, str]) -> dict[str, Any]:
     """Return the properties of our map that the changed attributes mean."""
     found: dict[str, Any] = {}
     if kind == "parcel":
-        found["crop"] = crops.get(str(changed.get("hasAgriCrop")))
+        found["crop"] = names.get(str(changed.get("hasAgriCrop")))
+        found["soil_type"] = names.get(str(changed.get("hasAgriSoil")))
         found["status"] = changed.get("cropStatus")
         found["category"] = changed.get("category")
         planted = changed.get("lastPlantedAt")

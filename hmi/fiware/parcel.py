@@ -5,6 +5,7 @@ from __future__ import annotations
 from hmi.fiware.crop import crop_of
 from hmi.fiware.farm import own_part
 from hmi.fiware.size import area_m2
+from hmi.fiware.soil import soil_of
 from hmi.fiware.urn import OWN, KeyValues, Urns
 from hmi.mapping.feature import MapFeature
 
@@ -23,7 +24,9 @@ def parcel_entity(urns: Urns, feature: MapFeature) -> KeyValues:
         "hasAgriCrop": urns.crop(crop_of(feature)),
         OWN: own_part(feature),
     }
-    told = feature.properties
+    told, soil = feature.properties, soil_of(feature)
+    if soil is not None:
+        entity["hasAgriSoil"] = urns.soil(soil)
     if isinstance(told.get("category"), str):
         entity["category"] = told["category"]
     if told.get("status") in _STATES:

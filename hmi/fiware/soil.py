@@ -2,13 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from hmi.domain.sensors.observation import SoilReading, Station
 from hmi.fiware.urn import KeyValues, Urns, moment, point, told
+from hmi.mapping.feature import MapFeature
 
 
-def soil_entity(urns: Urns, soil_id: str, name: str) -> KeyValues:
-    """Return a kind of soil."""
-    return {"id": urns.of("AgriSoil", soil_id), "type": "AgriSoil", "name": name}
+def soil_of(parcel: MapFeature) -> str | None:
+    """Return the kind of soil of a parcel, ``None`` where nobody said it."""
+    return str(parcel.properties.get("soil_type") or "") or None
+
+
+def soil_entities(urns: Urns, parcels: Iterable[MapFeature]) -> list[KeyValues]:
+    """Return the kinds of soil of parcels, each once, by id."""
+    soils = {urns.soil(name): name for name in map(soil_of, parcels) if name is not None}
+    return [{"id": key, "type": "AgriSoil", "name": soils[key]} for key in sorted(soils)]
 
 
 def record_entity(urns: Urns, station: Station, reading: SoilReading) -> KeyValues:

@@ -28,8 +28,15 @@ class Urns:
 
     def crop(self, name: str) -> str:
         """Return the id of a crop; crops are few and shared by parcels."""
+        return self._shared("AgriCrop", name)
+
+    def soil(self, name: str) -> str:
+        """Return the id of a kind of soil, shared as crops are."""
+        return self._shared("AgriSoil", name)
+
+    def _shared(self, model: str, name: str) -> str:
         plain = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")[:_CUT]
-        return self.of("AgriCrop", plain or name.encode().hex()[:_CUT])
+        return self.of(model, plain or name.encode().hex()[:_CUT])
 
     def name_of(self, model: str, entity_id: str) -> str | None:
         """Return our id in an entity's id, ``None`` if it is not one of this farm's."""

@@ -108,9 +108,11 @@ def _free(host: str, port: int, name: str) -> str:
 
 def _services(settings: Settings) -> Iterator[Finding]:
     """Ask the services outside that are set; farms without any load nothing for it."""
-    if settings.planner_url or settings.forecast_url:
-        from hmi.keeper.service_checkup import forecast_answers, planner_answers
+    if settings.cloud_url or settings.planner_url or settings.forecast_url:
+        from hmi.keeper.service_checkup import cloud_answers, forecast_answers, planner_answers
 
+        if settings.cloud_url:
+            yield Finding("cloud", *cloud_answers(settings))
         if settings.planner_url:
             yield Finding("planner service", *planner_answers(settings))
         if settings.forecast_url:

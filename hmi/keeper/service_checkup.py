@@ -7,12 +7,29 @@ from collections.abc import Awaitable, Callable
 from datetime import UTC, datetime, timedelta
 from email.utils import parsedate_to_datetime
 
+from backend_clients.http.trouble import OutsideError
 from backend_clients.service.errors import ServiceError
 from hmi.domain.forecast import ForecastAge
 from hmi.settings import Settings
 
 CLOCK_S = 30.0
 ANYWHERE = (5.18, 52.1)  # longitude and latitude; a check must not need the farm's database
+
+
+def cloud_answers(settings: Settings) -> tuple[bool, str]:
+    """Return whether the context broker lets us read our tenant; nothing is written."""
+    from backend_clients.ngsi.connection import Call
+    from backend_clients.ngsi.query import Query
+    from hmi.app.cloud_work import make_client
+
+    async def ask() -> tuple[str, str]:
+        async with make_client(settings) as client:
+            name = await client.version()
+            await client.count(Query(types=("AgriFarm",)))
+            date = (await client.connection.send(Call("GET", "version", is_repeatable=True))).headers.get("date", "")
+        return f"{settings.cloud_url} answers: {name}", date
+
+    return _tried(ask, settings.cloud_url or "")
 
 
 def planner_answers(settings: Settings) -> tuple[bool, str]:
@@ -57,7 +74,7 @@ def _tried(ask: Callable[[], Awaitable[tuple[str, str]]], url: str) -> tuple[boo
 
     try:
         text, date = asyncio.run(asked())
-    except ServiceError as error:
+    except OutsideError as error:
         return False, f"{url}: {str(error).rstrip('.')}. {error.mend}"
     return True, text + _clock(date)
 

@@ -31,6 +31,7 @@ _ALIASES = {
     "speed_mps": "speed_mps",
     "heading_deg": "heading_deg",
     "category": "category",
+    "soil_type": "soil_type soiltype soil_name bodenart bodemtype grondsoort tipo_suelo type_sol",
 }
 _OWN = {alias: own for own, aliases in _ALIASES.items() for alias in aliases.split()}
 _CENTIMETRES = {f"{alias}_cm": own for alias, own in _OWN.items() if own.endswith("_m")}

@@ -27,8 +27,8 @@ def read(root: Any) -> Source:
     """Return the parcels, farms, buildings and roads of a list of entities; others are passed over."""
     raw = root if isinstance(root, list) else [root]
     entities = [_key_values(e) for e in raw if isinstance(e, dict) and isinstance(e.get("type"), str)]
-    crops = {str(e.get("id")): e.get("name") for e in entities if e["type"] == "AgriCrop"}
-    features = [_feature(e, crops) for e in entities if e["type"] in KIND_OF]
+    names = {str(e.get("id")): e.get("name") for e in entities if e["type"] in ("AgriCrop", "AgriSoil")}
+    features = [_feature(e, names) for e in entities if e["type"] in KIND_OF]
     return Source("fiware", [SourceLayer("", WGS84, [f for f in features if f is not None])])
 
 
@@ -42,7 +42,7 @@ def _value(attribute: Any) -> Any:
     return attribute
 
 
-def _feature(entity: dict[str, Any], crops: dict[str, Any]) -> SourceFeature | None:
+def _feature(entity: dict[str, Any], names: dict[str, Any]) -> SourceFeature | None:
     kind, entity_id = KIND_OF[entity["type"]], str(entity.get("id"))
     geometry = entity.get("landLocation") if kind == "farm" else entity.get("location")
     if geometry is None and kind == "farm":
@@ -54,7 +54,8 @@ def _feature(entity: dict[str, Any], crops: dict[str, Any]) -> SourceFeature | N
         return SourceFeature(which, geometry, dict(own["properties"]), str(own.get("name", "")), own["kind"],
                              usable_id(own.get("id")), is_exact=True)  # fmt: skip
     given = {
-        "crop": crops.get(str(entity.get("hasAgriCrop"))),
+        "crop": names.get(str(entity.get("hasAgriCrop"))),
+        "soil_type": names.get(str(entity.get("hasAgriSoil"))),
         "status": entity.get("cropStatus"),
         "seeded": entity.get("lastPlantedAt"),
         "width_m": entity.get("width"),

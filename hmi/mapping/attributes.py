@@ -37,7 +37,8 @@ RANGES = {
     "dose": Range("Dose", 0, 2, "times the usual one", True),
 }
 TYPES = {"home": ("home", "garage", "charging"), "rows": ("a-b", "curve", "recorded")}
-TEXTS = {"crop": "Crop", "species": "Species", "status": "Growth stage", "category": "Category", "type": "Type"}
+TEXTS = {"crop": "Crop", "species": "Species", "status": "Growth stage", "category": "Category", "type": "Type",
+         "soil_type": "Soil"}  # fmt: skip
 VALID_FROM = "valid_from"
 """Own attribute of parcels: the day, by attribute, from which its value holds."""
 DATED = ("crop", "species", "status", "seeded", "row_spacing_m", "row_bearing_deg", "headland_m")

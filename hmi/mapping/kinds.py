@@ -24,7 +24,7 @@ class Kind(NamedTuple):
 
 _PARCEL = (
     "crop", "species", "status", "seeded", "row_spacing_m", "row_bearing_deg", "headland_m", "category", "type",
-    "valid_from",
+    "soil_type", "valid_from",
 )  # fmt: skip
 
 KINDS: MappingProxyType[str, Kind] = MappingProxyType(

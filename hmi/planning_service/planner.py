@@ -16,7 +16,7 @@ from hmi.planning import jobs
 from hmi.planning.worker import PlanningProcess
 from hmi.planning_service.form import form_of
 from hmi.planning_service.place import P, made_here, made_there
-from hmi.service_link import ServiceLink, ServiceState, state_of
+from hmi.service_link import LinkState, ServiceLink, state_of
 
 Given = Callable[[PlanWish, list[dict[str, Any]], list[str]], P]
 MAX_WHY = 200
@@ -93,7 +93,7 @@ class ServicePlanner:
         if isinstance(error, TooSlow):
             self._link.late(error)
             return f"the planner service {str(error).removeprefix('it ')}"
-        if state_of(error) is ServiceState.NOT_UNDERSTOOD:
+        if state_of(error) is LinkState.NOT_UNDERSTOOD:
             self._link.bad_work(error)
             is_unfit = isinstance(error, UnfitPlan)
             what = "the plan of the planner service was refused." if is_unfit else "the planner service failed:"
@@ -111,14 +111,14 @@ class UnfitPlan(Unreadable):
 
 
 _REASONS = {
-    ServiceState.SLOW: "the planner service had no plan in time",
-    ServiceState.UNREACHABLE: "the planner service cannot be reached",
-    ServiceState.SILENT: "the planner service did not answer",
-    ServiceState.UNTRUSTED: "the certificate of the planner service is not trusted",
-    ServiceState.REFUSED: "the planner service does not let us in",
-    ServiceState.FAILING: "the planner service failed",
-    ServiceState.BUSY: "the planner service is busy",
-    ServiceState.NOT_UNDERSTOOD: "the planner service gave answers that cannot be used",
+    LinkState.SLOW: "the planner service had no plan in time",
+    LinkState.UNREACHABLE: "the planner service cannot be reached",
+    LinkState.SILENT: "the planner service did not answer",
+    LinkState.UNTRUSTED: "the certificate of the planner service is not trusted",
+    LinkState.REFUSED: "the planner service does not let us in",
+    LinkState.FAILING: "the planner service failed",
+    LinkState.BUSY: "the planner service is busy",
+    LinkState.NOT_UNDERSTOOD: "the planner service gave answers that cannot be used",
 }
 
 

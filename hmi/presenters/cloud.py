@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+CLOCK_OFF_S = 10.0  # Orion and its proxies keep time within a second; from here on records do not fit together
+
 KEPT = "Everything is kept here and goes up when it is back. Robots and STOP do not need it."
 MEND = "Nothing goes up until this is mended. It is kept here."
 
@@ -27,13 +29,32 @@ WORDS = {
     "busy": Words("Asks for fewer requests", KEPT, "watch"),
     "untrusted": Words("Its certificate is not trusted", MEND, "bad"),
     "refused": Words("Does not let us in", MEND, "bad"),
-    "not_a_broker": Words("No context broker answers there", MEND, "bad"),
+    "not_understood": Words("No context broker answers there", MEND, "bad"),
+    "misset": Words("Its settings cannot be used", MEND, "bad"),
     "other_tenant": Words("The tenant is not ours, or was emptied", MEND, "bad"),
     "other_console": Words("Another console keeps this farm there", MEND, "bad"),
 }
-"""By the values of ``hmi.cloud.link_state.LinkState``; a test holds the two together."""
+"""By the values of ``hmi.service_link.LinkState``; a test holds the two together."""
 
 
 def words_of(state: str) -> Words:
     """Return the words of a state."""
     return WORDS[state]
+
+
+def clock_words(skew_s: float | None) -> str:
+    """Return a sentence about a service's clock that is off, empty while it agrees or is not known.
+
+    Args:
+        skew_s: how far it is ahead of ours, seconds.
+    """
+    if skew_s is None or abs(skew_s) < CLOCK_OFF_S:
+        return ""
+    way = "ahead of" if skew_s > 0 else "behind"
+    return f"Its clock is {_span(abs(skew_s))} {way} this server's."
+
+
+def _span(seconds: float) -> str:
+    if seconds < 120:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.0f} h"

@@ -27,8 +27,9 @@ HEADS = {
     "failing": ("It fails", "bad"),
     "busy": ("Asks for fewer requests", "watch"),
     "not_understood": ("Its answers cannot be used", "bad"),
+    "misset": ("Its settings cannot be used", "bad"),
 }
-"""By the values of ``hmi.service_link.ServiceState``; a test holds the two together."""
+"""By the values of ``hmi.service_link.LinkState``; a test holds the two together."""
 
 
 def service_words(key: str, state: str) -> Words:

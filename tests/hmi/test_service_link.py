@@ -7,12 +7,12 @@ import pytest
 from backend_clients.service import errors
 from hmi.clock import FakeClock
 from hmi.presenters.services import HEADS, service_words
-from hmi.service_link import BAD_ANSWERS, LATE_PAUSE_S, ServiceLink, ServiceState
+from hmi.service_link import BAD_ANSWERS, LATE_PAUSE_S, LinkState, ServiceLink
 
 
 def test_every_state_has_words_for_both_services() -> None:
-    assert set(HEADS) == {state.value for state in ServiceState} - {"off"}
-    for state in ServiceState:
+    assert set(HEADS) == {state.value for state in LinkState} - {"off", "other_tenant", "other_console"}
+    for state in {LinkState(key) for key in HEADS} | {LinkState.OFF}:
         for key in ("planner", "forecast"):
             words = service_words(key, state.value)
             assert words.level in ("ok", "watch", "bad")
@@ -22,16 +22,16 @@ def test_every_state_has_words_for_both_services() -> None:
 @pytest.mark.parametrize(
     ("error", "state"),
     [
-        (errors.Untrusted("x"), ServiceState.UNTRUSTED),
-        (errors.NoAnswer("x"), ServiceState.SILENT),
-        (errors.Unreachable("x"), ServiceState.UNREACHABLE),
-        (errors.NotAllowed(403, ""), ServiceState.REFUSED),
-        (errors.Busy(429, ""), ServiceState.BUSY),
-        (errors.ServiceFailed(500, ""), ServiceState.FAILING),
-        (errors.Unreadable("x"), ServiceState.NOT_UNDERSTOOD),
+        (errors.Untrusted("x"), LinkState.UNTRUSTED),
+        (errors.NoAnswer("x"), LinkState.SILENT),
+        (errors.Unreachable("x"), LinkState.UNREACHABLE),
+        (errors.NotAllowed(403, ""), LinkState.REFUSED),
+        (errors.Busy(429, ""), LinkState.BUSY),
+        (errors.ServiceFailed(500, ""), LinkState.FAILING),
+        (errors.Unreadable("x"), LinkState.NOT_UNDERSTOOD),
     ],
 )
-def test_a_failure_is_a_state_with_what_mends_it_and_a_pause(error: errors.ServiceError, state: ServiceState) -> None:
+def test_a_failure_is_a_state_with_what_mends_it_and_a_pause(error: errors.ServiceError, state: LinkState) -> None:
     clock = FakeClock()
     link = ServiceLink(clock, jitter=1.0)
     link.failed(error)
@@ -49,9 +49,9 @@ def test_answers_that_cannot_be_used_count_when_they_come_again_and_again() -> N
         link.bad_work(errors.Unreadable("nonsense"))
         assert (link.may_ask, link.is_well) == (True, True)
     link.bad_work(errors.Unreadable("nonsense"))
-    assert (link.may_ask, link.state) == (False, ServiceState.NOT_UNDERSTOOD)
+    assert (link.may_ask, link.state) == (False, LinkState.NOT_UNDERSTOOD)
     link.well(0.1)  # that it is there
-    assert (link.may_ask, link.state) == (True, ServiceState.NOT_UNDERSTOOD)
+    assert (link.may_ask, link.state) == (True, LinkState.NOT_UNDERSTOOD)
     link.worked(2.0)
     assert link.is_well
 

@@ -25,6 +25,7 @@ BOUNDARY = "frame"
 MOST_FPS = 30.0
 LOOK_AGAIN_S = 0.1  # while nothing may be sent
 RETRY_S = 0.5
+TRIGGER_S = 5.0  # as cameras of the published system take pictures
 
 
 class Control(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -125,12 +126,16 @@ class CameraWeb:
         if refusal:
             return _error(409, "not_possible", refusal)
         setting = self._observer.setting(robot.config.id, camera.id)
+        now_s = self._observer.clock.mono_s()
+        if wanted.trigger and now_s - setting.shot_s < TRIGGER_S:
+            text = f"It takes a picture each {TRIGGER_S:g} s. The last one is {now_s - setting.shot_s:.1f} s old."
+            return _error(409, "too_soon", text)
         if wanted.lamp is not None:
             setting.lamp = wanted.lamp
         if wanted.zoom is not None:
             setting.zoom = wanted.zoom
         if wanted.trigger:
-            setting.shot_s, setting.shots = self._observer.clock.mono_s(), setting.shots + 1
+            setting.shot_s, setting.shots = now_s, setting.shots + 1
         return Response(status_code=204)
 
     async def _parts(

@@ -20,22 +20,30 @@
   const size = (bytes) => (bytes < 1e6 ? `${Math.ceil(bytes / 1000)} kB` : `${(bytes / 1e6).toFixed(1)} MB`);
   const clock = (skew) => (skew === null || skew === undefined ? "not known" : skew === 0 ? "agrees with ours within 2 s" : `${Math.abs(skew).toFixed(0)} s ${skew > 0 ? "ahead of" : "behind"} ours`);
 
+  // what holds of every link: its answers, its clock, what went wrong last
+  function link(told) {
+    const last = told.last_error;
+    const rows = [
+      ["Answers after", told.delay_s === null ? "–" : `${told.delay_s < 1 ? ms(told.delay_s) : span(told.delay_s)} (median)`],
+      ["Last answer", told.heard_utc ? HL.records.when(told.heard_utc) : "none yet"], ["Its clock", clock(told.skew_s)],
+      ["Last error", last ? `${HL.records.when(last.utc)}: ${last.text}` : "none"],
+    ];
+    if (told.again_in_s > 0) rows.push(["Asked again", `in ${span(told.again_in_s)}`]);
+    return rows;
+  }
+
+  const offClock = (told) => (told.clock ? [el("p", { class: "h-row", "data-testid": "clock-off" }, icon("schedule", "m"), el("span", {}, el("b", {}, told.clock), " Times there and here do not fit together. No order depends on it."))] : []);
+
   // a service beside the broker: how its link is, how long it takes, what went wrong last
   function service(one) {
     const head = el("div", { class: "h-card h-sec", "data-testid": `service-${one.key}`, "data-state": one.state },
       el("div", { class: "h-row" }, icon(SIGNS[one.level], "l"), el("b", { class: "h-t18 h-b" }, one.head), el("span", { class: "h-2" }, one.state === "off" ? "" : `for ${span(one.for_s)}`)),
       el("p", {}, one.text),
       ...(one.why ? [el("p", { class: "h-2" }, one.why)] : []),
-      ...(one.mend ? [el("p", {}, el("b", {}, "To do: "), one.mend)] : []));
+      ...(one.mend ? [el("p", {}, el("b", {}, "To do: "), one.mend)] : []), ...offClock(one));
     const title = el("h2", {}, one.name);
     if (one.state === "off") return [title, head];
-    const last = one.last_error;
-    const rows = [
-      ["Address", one.url], ["Answers after", one.delay_s === null ? "–" : `${one.delay_s < 1 ? ms(one.delay_s) : span(one.delay_s)} (median)`],
-      ["Last answer", one.heard_utc ? HL.records.when(one.heard_utc) : "none yet"], ["Its clock", clock(one.skew_s)],
-      ["Last error", last ? `${HL.records.when(last.utc)}: ${last.text}` : "none"], ...one.facts,
-    ];
-    if (one.again_in_s > 0) rows.push(["Asked again", `in ${span(one.again_in_s)}`]);
+    const rows = [["Address", one.url], ...link(one), ...one.facts];
     return [title, head, table(["What", "Value"], rows.map((cells) => ({ cells })))];
   }
 
@@ -64,20 +72,21 @@
       this.state(told);
       this.services.replaceChildren(...(told.services ?? []).flatMap((one) => service(one)));
       if (told.state === "off") return this.body.replaceChildren(empty("Nothing goes to a cloud", "Robots, STOP and everything on these screens work without one."));
+      if (!told.waiting) return this.body.replaceChildren(); // not loaded yet, or settings nothing can be done with
       this.body.replaceChildren(
         el("h2", {}, "Waiting here"), this.waiting(told.waiting, told.counts),
         el("h2", {}, "Delays"), this.delays(told.delays),
         el("h2", {}, "Since the start"), this.counts(told.counts),
+        el("h2", {}, "Changes made there"), this.changes(told.map),
         el("h2", {}, "Where"), table(["What", "Value"], [
-          ["Broker", told.url], ["Tenant", told.tenant || "the default one"], ["Service path", told.path],
-          ["Last answer", told.heard_utc ? HL.records.when(told.heard_utc) : "none yet"], ["Its clock", clock(told.skew_s)],
+          ["Broker", told.url], ["Tenant", told.tenant || "the default one"], ["Service path", told.path], ...link(told),
         ].map((cells) => ({ cells }))),
       );
     }
 
     state(told) {
       this.head.dataset.state = told.state;
-      const key = JSON.stringify([told.state, told.why, told.mend, told.can_take_tenant]);
+      const key = JSON.stringify([told.state, told.why, told.mend, told.can_take_tenant, told.clock]);
       if (this.head.dataset.key !== key) {
         this.head.dataset.key = key;
         this.age = el("span", { class: "h-2" });
@@ -86,6 +95,7 @@
           el("p", {}, told.text),
           told.why && el("p", { class: "h-2" }, told.why),
           told.mend && el("p", {}, el("b", {}, "To do: "), told.mend),
+          ...offClock(told),
           told.can_take_tenant && el("div", {}, button("Use this tenant", () => this.take(), "cloud-take-tenant")),
         ].filter(Boolean));
       }
@@ -115,11 +125,21 @@
 
     counts(counts) {
       return table(["What", "Value"], [
-        ["Reports of robots", counts.states], ["Events, alarms and missions", counts.records],
+        ["Reports of robots", counts.states], ["Of field stations and cameras", counts.others], ["Events, alarms and missions", counts.records],
         ["Sent twice, since an answer was lost", counts.sent_twice],
         ["Heard twice from robots", counts.heard_twice], ["Lost on the way from robots", counts.lost_from_robots],
         ["Refused by the cloud", counts.refused ? `${counts.refused}, the last: ${counts.last_refusal}` : 0],
       ].map((cells) => ({ cells })));
+    }
+
+    changes(map) {
+      const lost = map.subscription_lost ? `${map.subscription_lost}, the last ${HL.records.when(map.subscription_lost_utc)}: made again, everything read` : "never";
+      const rows = [
+        ["Learned", map.is_storm ? "more is told than can be looked at: everything is read every 10 s" : map.is_told ? (map.subscribed ? "at once: the broker tells this console" : "not subscribed yet; read every five minutes") : "read every five minutes: cloud_notify_url is not set"],
+        ["Proposed, see Maps", map.left_out ? `${map.proposals}; ${map.left_out} more did not fit` : map.proposals],
+      ];
+      if (map.is_told) rows.push(["Told by the broker", el("span", { "data-testid": "cloud-notified", "data-value": map.notifications }, String(map.notifications))], ["Of them repeated or out of order", map.old_news], ["Not let in, or not readable", map.notifications_refused], ["Subscription deleted there", el("span", { "data-testid": "cloud-subscription-lost", "data-value": map.subscription_lost }, lost)]);
+      return table(["What", "Value"], rows.map((cells) => ({ cells })));
     }
 
     take() {

@@ -43,7 +43,8 @@
     hedge: { LineString: [WIDTH] },
     water: { LineString: [WIDTH] },
   };
-  const MORE = { parcel: [text("species", "Variety"), text("category", "Category"), text("type", "Type")] };
+  const SOILS = ["Clay", "Clay loam", "Loam", "Sandy loam", "Sand", "Silt", "Peat"];
+  const MORE = { parcel: [text("species", "Variety"), text("soil_type", "Soil", SOILS), text("category", "Category"), text("type", "Type")] };
 
   const kindOf = (feature) => feature.properties?.kind ?? "";
   const label = (kind) => KINDS[kind] ?? kind;

@@ -21,7 +21,7 @@
       this.pick.node.addEventListener("change", () => this.fill());
       this.form.open({
         title: `Calibrate ${station.name}`,
-        body: [el("p", { class: "h-t14 h-2" }, "Shown is measured × gain + offset, from the next value on. What was recorded stays as it was."), this.pick.label, this.now, el("div", { class: "h-restgrid" }, this.offset.label, this.gain.label), this.note.label, this.history],
+        body: [el("p", { class: "h-t14 h-2" }, "Shown is measured × gain + offset, from the next value on. What was recorded stays as it was."), this.pick.label, this.now, el("div", { class: "sn-pairs" }, this.offset.label, this.gain.label), this.note.label, this.history],
         label: "Save calibration",
         save: () => this.order(),
       });

@@ -43,7 +43,7 @@
     const remove = el("button", { type: "button", class: "h-btn", "data-testid": "sensor-remove", onclick: () => forget(station) }, "Remove this station");
     form.open({
       title: station.name,
-      body: [about(station), el("div", { class: "h-restgrid" }, name.label, parcel.label, lat.label, lon.label), el("div", {}, remove)],
+      body: [about(station), el("div", { class: "sn-pairs" }, name.label, parcel.label, lat.label, lon.label), el("div", {}, remove)],
       label: "Save",
       save: () => {
         if (!name.node.value.trim()) return form.tell("Give it a name that people know.", "name");

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import httpx
 
 from backend_clients.simulator.context_broker.faults import Faults
-from hmi.app.cloud_report import CloudReport
+from hmi.app.cloud_report import LOST_SHOWN_S, CloudReport
 from hmi.cloud.delays import Delays
 from hmi.cloud.outbox import Piece, Rank
 from hmi.cloud.proposals import ProposalBook
@@ -50,6 +51,23 @@ async def test_a_cloud_that_is_away_is_no_degraded_console_and_one_that_refuses_
     assert codes(report) == ["cloud-refused"]
     assert report.health()["cloud"]["state"] == "degraded"
     assert "401" in report.whole()["why"]
+    await rig.close()
+
+
+async def test_a_record_the_cloud_never_takes_is_an_alarm_that_names_it_for_a_while(tmp_path: Path) -> None:
+    rig = Rig(tmp_path)
+    report = report_of(rig)
+    await rig.run(1)
+    rig.switch.set(Faults(max_body=2000))
+    body = {"id": "urn:ngsi-ld:Alert:hof:a", "type": "Alert", "description": "x" * 3000}
+    rig.backlog.put(Piece("weeder-01", Rank.ALARM, rig.clock.utc().timestamp(), json.dumps(body)))
+    await rig.run(3)
+    (found,) = report.findings()
+    assert found.code == "cloud-dropped"
+    assert "1 refused by the cloud, the last: Alert: 413" in found.text
+    assert report.whole()["counts"]["refused"] == 1
+    rig.clock.advance(LOST_SHOWN_S)
+    assert codes(report) == []
     await rig.close()
 
 

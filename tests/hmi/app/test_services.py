@@ -21,7 +21,7 @@ from hmi.clock import FakeClock, SystemClock
 from hmi.keeper.service_checkup import forecast_answers, planner_answers
 from hmi.planning_service.application import make_application
 from hmi.planning_service.desk import PlanDesk
-from hmi.service_link import ServiceState
+from hmi.service_link import LinkState
 from hmi.settings import Settings
 from tests.hmi.missions.rig import farm_map
 from tests.hmi.missions.test_document import wish
@@ -212,4 +212,4 @@ def test_an_address_with_credentials_in_it_is_refused() -> None:
 
 def test_a_link_that_is_away_is_an_alarm_and_one_that_connects_is_none() -> None:
     room = PlannerRoom(settings(planner_url="http://planner.test"), FakeClock())
-    assert (room.report()["state"], room.findings()) == (ServiceState.CONNECTING.value, ())
+    assert (room.report()["state"], room.findings()) == (LinkState.CONNECTING.value, ())

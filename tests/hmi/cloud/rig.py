@@ -8,18 +8,19 @@ from typing import Any
 
 import httpx
 
+from backend_clients.http.retry import RetryPolicy
 from backend_clients.ngsi.client import NgsiClient
 from backend_clients.ngsi.connection import Broker
 from backend_clients.ngsi.entity import Entity
 from backend_clients.ngsi.identifier import EntityRef
 from backend_clients.ngsi.query import Query
-from backend_clients.ngsi.retry import RetryPolicy
 from backend_clients.ngsi.tenant import Tenant
 from backend_clients.simulator.context_broker.application import make_application
 from backend_clients.simulator.context_broker.broker import ContextBroker
 from backend_clients.simulator.context_broker.faults import FaultSwitch
 from hmi.clock import FakeClock
 from hmi.cloud.backlog import Backlog
+from hmi.cloud.broker_link import broker_link
 from hmi.cloud.link import CloudLink
 from hmi.cloud.marker import Marker
 from hmi.cloud.mirror import Mirror
@@ -99,7 +100,8 @@ class Rig:
         broker = Broker("http://broker.test", tenant, timeout_s=5, retry=RetryPolicy(attempts=1))
         ref = EntityRef(self.urns.of("Headland", "console"), "Headland")
         marker = Marker(self.folder / "console.json", ref, "Hof", is_strict=is_strict)
-        return CloudLink(NgsiClient(broker, transport=self.road), marker, self.clock, jitter=1.0)
+        client = NgsiClient(broker, transport=self.road)
+        return CloudLink(client, marker, self.clock, broker_link(self.clock, jitter=1.0))
 
     async def _whole(self) -> Sequence[KeyValues]:
         return self.whole

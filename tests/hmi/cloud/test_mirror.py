@@ -14,13 +14,13 @@ import httpx
 import pytest
 
 from backend_clients.simulator.context_broker.faults import Faults
-from hmi.cloud.link_state import DELIVERS, LinkState
 from hmi.cloud.outbox import Rank
 from hmi.domain.event import RobotEvent
 from hmi.domain.mission import MissionStatus
 from hmi.fiware.farm_map import map_entities
 from hmi.mapping.feature import MapFeature
 from hmi.presenters.cloud import WORDS
+from hmi.service_link import ANSWERS, LinkState
 from hmi.store.missions import Mission
 from tests.hmi.cloud.rig import Rig
 from tests.hmi.fiware.robots import a_robot
@@ -175,7 +175,7 @@ def timed_out(request: httpx.Request) -> Exception:
         (Faults(status=500, takes_effect=True), None, LinkState.FAILING),
         (Faults(status=429), None, LinkState.BUSY),
         (Faults(token="other"), None, LinkState.REFUSED),
-        (None, lambda _request: httpx.Response(200, html="<p>Log in</p>"), LinkState.NOT_A_BROKER),
+        (None, lambda _request: httpx.Response(200, html="<p>Log in</p>"), LinkState.NOT_UNDERSTOOD),
         (None, lambda request: httpx.RemoteProtocolError("cut", request=request), LinkState.UNREACHABLE),
         (None, untrusted, LinkState.UNTRUSTED),
         (None, timed_out, LinkState.SILENT),
@@ -209,7 +209,7 @@ def test_every_fault_has_a_state_keeps_what_waits_and_ends_by_itself(
 
 def test_every_state_of_the_link_has_words() -> None:
     assert set(WORDS) == {state.value for state in LinkState}
-    assert all(WORDS[state.value].level != "bad" for state in DELIVERS)
+    assert all(WORDS[state.value].level != "bad" for state in ANSWERS)
 
 
 def test_an_answer_that_was_lost_is_counted_as_perhaps_twice_and_is_once_in_the_cloud(tmp_path: Path) -> None:

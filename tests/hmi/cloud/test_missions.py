@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from datetime import datetime, timedelta
 from typing import Any
 
 import httpx
@@ -17,12 +18,12 @@ from backend_clients.cloud_robot.names import ANSWER, ORDER, PRESENCE, presence_
 from backend_clients.cloud_robot.packing import packed, unpacked
 from backend_clients.cloud_robot.presence import Presence
 from backend_clients.edge import messages_up as up
+from backend_clients.http.retry import RetryPolicy
 from backend_clients.ngsi.client import NgsiClient
 from backend_clients.ngsi.connection import Broker
 from backend_clients.ngsi.entity import entity_from_wire
 from backend_clients.ngsi.errors import BadInput, Unreadable
 from backend_clients.ngsi.query import Query
-from backend_clients.ngsi.retry import RetryPolicy
 from backend_clients.ngsi.tenant import Tenant
 from backend_clients.simulator.cloud_agent import CloudAgents
 from backend_clients.simulator.config import RobotConfig
@@ -43,15 +44,31 @@ from tests.hmi.fiware.models import check
 AT = FakeClock().utc()
 
 
+class Elsewhere:
+    """A clock whose date somebody set wrong; it ticks as the other does."""
+
+    def __init__(self, clock: FakeClock, ahead: timedelta) -> None:
+        self._clock, self._ahead = clock, ahead
+
+    def utc(self) -> datetime:
+        """See ``Clock``."""
+        return self._clock.utc() + self._ahead
+
+    def mono_s(self) -> float:
+        """See ``Clock``."""
+        return self._clock.mono_s() + 5_000.0
+
+
 class Farm:
     """A console, a broker and real simulated robots with agents; time passes while the console waits."""
 
-    def __init__(self, *robots: str) -> None:
+    def __init__(self, *robots: str, robots_ahead: timedelta | None = None) -> None:
         self.clock, self.switch = FakeClock(), FaultSwitch()
         self.world = World(tuple(RobotConfig(one, one, "t" * 8) for one in robots), self.clock, seed=1, speed=1.0)
         self.transport = httpx.ASGITransport(make_application(ContextBroker(self.clock, None), self.switch))
         self.acks: list[tuple[str, up.Ack]] = []
-        self.agents = CloudAgents(self.client(), "hof", dict(self.world.robots), self.clock, self._acked)
+        theirs = self.clock if robots_ahead is None else Elsewhere(self.clock, robots_ahead)
+        self.agents = CloudAgents(self.client(), "hof", dict(self.world.robots), theirs, self._acked)
         self.delays = Delays()
         self.console = CloudMissions(self.client(), "hof", self.clock, self.delays, self.passes)
         self.agents_are_slow_s = 0.0
@@ -146,6 +163,17 @@ async def test_an_order_that_is_picked_up_late_is_refused_by_the_robot() -> None
     assert {one["result"] for one in ignored} == {"ignore"}
     for entity in ignored:
         check(entity)
+
+
+@pytest.mark.parametrize("ahead", [timedelta(days=400), timedelta(hours=-3), timedelta(seconds=40)])
+async def test_a_robot_whose_date_is_wrong_takes_what_is_fresh_and_nothing_that_is_late(ahead: timedelta) -> None:
+    farm = Farm("weeder-01", robots_ahead=ahead)
+    await farm.agents.round()
+    farm.agents_are_slow_s = 21.0
+    late = await farm.console.upload_mission("weeder-01", document())
+    assert (late.is_accepted, late.code, farm.held("weeder-01")) == (False, "expired", "")
+    farm.agents_are_slow_s = 0.0
+    assert (await farm.console.upload_mission("weeder-01", document())).is_accepted
 
 
 async def test_an_order_left_behind_is_never_carried_out_however_late_it_is_found() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from datetime import timedelta
 from pathlib import Path
 from typing import Any
 
@@ -16,9 +17,11 @@ from backend_clients.ngsi.client import NgsiClient
 from backend_clients.ngsi.entity import entity_from_wire
 from backend_clients.ngsi.gate import Gate
 from backend_clients.ngsi.identifier import EntityRef
+from backend_clients.ngsi.subscription import Wanted
+from backend_clients.ngsi.subscriptions import Subscriptions
 from backend_clients.ngsi.tenant import Tenant
 from hmi.cloud.hints import Hints
-from hmi.cloud.map_changes import MapChanges
+from hmi.cloud.map_changes import STORM_S, SUBSCRIBE_S, MapChanges
 from hmi.cloud.proposals import ProposalBook
 from hmi.fiware.farm_map import map_entities
 from hmi.fiware.map_change import KIND_OF, is_as_told, proposed, signed
@@ -141,6 +144,19 @@ async def test_a_notification_is_a_hint_and_what_it_says_is_read_from_the_broker
     await farm.rig.close()
 
 
+async def test_notifications_that_repeat_or_overtake_each_other_are_counted_and_change_nothing(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH)
+    await farm.rig.run(1)
+    now = farm.rig.clock.utc()
+    for ago_s in (3, 1, 2, 1, 0):
+        at = (now - timedelta(seconds=ago_s)).isoformat()
+        assert farm.notified({"id": REF.id, "type": REF.type, "dateModified": {"type": "DateTime", "value": at}})
+    assert (farm.hints.counts.taken, farm.hints.counts.old) == (5, 2)
+    await farm.rig.run(1)
+    assert farm.book.all() == []
+    await farm.rig.close()
+
+
 async def test_notifications_of_others_are_refused_and_a_storm_of_ours_is_one_question(tmp_path: Path) -> None:
     farm = Farm(tmp_path, NORTH)
     await farm.rig.run(1)
@@ -158,20 +174,60 @@ async def test_notifications_of_others_are_refused_and_a_storm_of_ours_is_one_qu
     await farm.rig.close()
 
 
+async def test_a_storm_is_read_now_and_then_and_its_newest_state_is_what_is_proposed(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH)
+    await farm.rig.run(1)
+    before = len(farm.rig.road.requests)
+    for second in range(30):
+        await farm.others.patch(REF, {"name": make.text(f"Name {second}")})
+        for number in range(1000):
+            assert farm.notified({"id": f"{REF.id}-{number}", "type": REF.type})
+        await farm.rig.run(1)
+    reads = [one for one in farm.rig.road.requests[before:] if one.url.path == "/v2/entities"]
+    assert len(reads) <= 2 * (30 / STORM_S + 2)
+    await farm.rig.run(STORM_S + 1)
+    (one,) = farm.book.all()
+    assert one.after is not None
+    assert one.after.name == "Name 29"
+    assert not farm.hints.is_too_many
+    await farm.rig.close()
+
+
+async def test_a_subscription_that_somebody_deleted_or_switched_off_is_made_again_and_counted(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH)
+    changes = farm.rig.mirror.changes
+    assert changes is not None
+    changes._subscriptions = ours = Subscriptions(farm.others.connection, "console-hof")
+    changes._wanted = Wanted(key="map", url="http://farm.test/notify", types=tuple(KIND_OF))
+    await farm.rig.run(2)
+    assert (changes.subscription.is_there, changes.subscription.lost) == (True, 0)
+    await farm.rig.run(SUBSCRIBE_S + 2, step_s=20)
+    assert changes.subscription.lost == 0
+    await ours.clean_up(keep=())
+    await farm.others.patch(REF, {"name": make.text("While nobody told")})
+    await farm.rig.run(SUBSCRIBE_S + 2, step_s=20)
+    assert (changes.subscription.lost, changes.subscription.how) == (1, "made")
+    assert changes.subscription.lost_at is not None
+    assert [one.id for one in farm.book.all()] == ["north"]
+    assert len([one async for one in ours.mine()]) == 1
+    await farm.rig.close()
+
+
 async def test_a_field_that_is_new_in_the_cloud_is_proposed_and_nonsense_says_what_is_wrong(tmp_path: Path) -> None:
     farm = Farm(tmp_path, NORTH)
     shape = {"type": "Polygon", "coordinates": [WIDER]}
     crop = {"id": "urn:ngsi-ld:AgriCrop:wheat", "type": "AgriCrop", "name": "Wheat"}
+    soil = {"id": "urn:ngsi-ld:AgriSoil:loam", "type": "AgriSoil", "name": "Loam"}
     south = {"id": "urn:ngsi-ld:AgriParcel:South-7", "type": "AgriParcel", "name": "South", "location": shape,
-             "area": 3, "hasAgriCrop": crop["id"]}  # fmt: skip
+             "area": 3, "hasAgriCrop": crop["id"], "hasAgriSoil": soil["id"]}  # fmt: skip
     point = {**south, "id": "urn:ngsi-ld:AgriParcel:p", "location": {"type": "Point", "coordinates": [10, 50]}}
-    for entity in (crop, south, point):
+    for entity in (crop, soil, south, point):
         await farm.others.upsert(normalized(entity))
     await farm.rig.run(1)
     fresh, wrong = sorted(farm.book.all(), key=lambda one: one.problem)
     assert fresh.after is not None
     assert (fresh.id, fresh.what, fresh.after.name) == ("south-7", "added", "South")
-    assert fresh.after.properties == {"crop": "Wheat"}
+    assert fresh.after.properties == {"crop": "Wheat", "soil_type": "Loam"}
     assert "Point" in wrong.problem
     await farm.rig.close()
 

@@ -30,7 +30,7 @@ class Farm(Rig):
         self.board, self.seq = SensorBoard(self.clock, lambda *_: None), 0
         self.board.load([], [], [], [])
         self.states = StationStates(self.board, self.urns)
-        self.mirror._stations = lambda: self.states
+        self.mirror._others = lambda: [self.states]
 
     def station(self, station_id: str, kind: SensorKind, channels: tuple[Channel, ...], **parts: object) -> None:
         """Take a station in."""
@@ -83,9 +83,9 @@ async def test_nothing_is_told_twice_and_what_is_old_keeps_its_time(farm: Farm) 
     farm.measure("soil-1", (SOIL[0], 0.25))
     at = farm.clock.utc()
     await farm.run(2)
-    told = farm.mirror.counts.stations
+    told = farm.mirror.counts.others
     await farm.run(60)
-    assert (told, farm.mirror.counts.stations) == (2, 2)
+    assert (told, farm.mirror.counts.others) == (2, 2)
     [record] = (await farm.in_cloud("AgriParcelRecord")).values()
     assert record["dateObserved"] == at.isoformat(timespec="milliseconds").replace("+00:00", "Z")
     farm.measure("soil-1", (SOIL[0], 0.26))

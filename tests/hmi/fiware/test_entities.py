@@ -20,6 +20,7 @@ from backend_clients.simulator.context_broker.application import make_applicatio
 from backend_clients.simulator.context_broker.broker import ContextBroker
 from backend_clients.simulator.context_broker.faults import FaultSwitch
 from hmi.domain.alarm.priority import Priority
+from hmi.domain.camera import CameraInfo, CameraPtz
 from hmi.domain.event import RobotEvent
 from hmi.domain.mission import MissionStatus
 from hmi.domain.robot import Mode, Robot
@@ -31,7 +32,7 @@ from hmi.fiware.farm_map import map_entities
 from hmi.fiware.normalized import key_values, normalized
 from hmi.fiware.operation import Operation, operation_entity, read_operation
 from hmi.fiware.robot import state_message
-from hmi.fiware.soil import record_entity, soil_entity
+from hmi.fiware.soil import record_entity
 from hmi.fiware.uav import uav_entity
 from hmi.fiware.urn import Urns
 from hmi.fiware.weather import weather_entity
@@ -43,6 +44,7 @@ from tests.hmi.map_files.features import maps
 
 AT = datetime(2026, 5, 4, 12, 0, 1, 250_000, tzinfo=UTC)
 URNS = Urns("hof")
+TURNS = CameraInfo("front", "Front", 2048, 1536, ptz=CameraPtz("pan", "tilt"), fov_deg=80.0)
 STATION = Station("soil-3", "Soil 3", SensorKind.SOIL, LAT, LON, battery=0.09, parcel_id="north", heard_at=AT)
 shares = st.one_of(st.none(), st.floats(0, 1))
 texts = st.text(st.characters(codec="utf-8", exclude_categories=("Cs",)), max_size=40)
@@ -133,9 +135,8 @@ def test_stations_and_what_they_measure_fit_their_models(
         measurement_entity(URNS, station, Measurement("resp-1", AT, "gasConcentration", 412.0, "59")),
         weather_entity(URNS, station, WeatherReading("w", AT, 21.5, humidity, 0.0, wind, 270.0, 640.0)),
         record_entity(URNS, station, SoilReading("soil-3", AT, depth, moisture, 14.2)),
-        soil_entity(URNS, "loam", name),
-        camera_entity(URNS, "weeder-01", "front", name, place=(LAT, LON), is_on=True),
-        camera_entity(URNS, "weeder-01", "front", name),
+        camera_entity(URNS, "field", CameraInfo("mast", name, 640, 480), name, place=(LAT, LON)),
+        camera_entity(URNS, "weeder-01", TURNS, name, is_on=True),
     ]
     for entity in entities:
         check(entity)
@@ -181,7 +182,9 @@ def _one_of_each() -> list[dict[str, Any]]:
     shape = {"type": "Polygon", "coordinates": [square]}
     drawn = [
         MapFeature("f", "farm", "Hof", shape, {}),
-        MapFeature("n", "parcel", "North's (2)", shape, {"crop": "Maize", "seeded": "2026-04-01"}),
+        MapFeature(
+            "n", "parcel", "North's (2)", shape, {"crop": "Maize", "soil_type": "Sandy loam", "seeded": "2026-04-01"}
+        ),
         MapFeature("b", "building", "Barn", shape, {"category": "barn"}),
         MapFeature("r", "road", "Lane", {"type": "LineString", "coordinates": square[:2]}, {"width_m": 4.5}),
     ]
@@ -193,6 +196,6 @@ def _one_of_each() -> list[dict[str, Any]]:
         device_entity(URNS, STATION),
         weather_entity(URNS, STATION, WeatherReading("w", AT, wind_mps=3.2)),
         record_entity(URNS, STATION, SoilReading("soil-3", AT, 0.3, 0.21, 14.0)),
-        camera_entity(URNS, "weeder-01", "front", "Front"),
+        camera_entity(URNS, "weeder-01", TURNS, "Front", is_on=False),
         alert_entity(URNS, "a.b", "b", "x", priority=Priority.LOW, raised_at=AT, state="returned"),
     ]

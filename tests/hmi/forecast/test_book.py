@@ -18,7 +18,7 @@ from hmi.forecast.book import ASK_EVERY_S, ForecastBook
 from hmi.forecast.http import HttpForecast
 from hmi.forecast.port import Told
 from hmi.presenters.forecast import forecast_row
-from hmi.service_link import ServiceLink, ServiceState
+from hmi.service_link import LinkState, ServiceLink
 from tests.served import served
 
 NOW = datetime(2026, 6, 15, 12, 20, tzinfo=UTC)
@@ -77,7 +77,7 @@ async def test_it_is_asked_each_half_hour_and_not_where_there_is_no_farm_yet() -
     rig.place = PLACE
     for _ in range(3):
         await rig.book.look()
-    assert (rig.source.asked, rig.link.state) == (1, ServiceState.OK)
+    assert (rig.source.asked, rig.link.state) == (1, LinkState.OK)
     assert rig.book.latest is rig.source.told
     rig.clock.advance(ASK_EVERY_S)
     rig.source.told = None
@@ -95,7 +95,7 @@ async def test_too_old_a_forecast_and_one_from_the_future_are_refused(age: timed
     rig.source.told = made(age)
     await rig.book.look()
     assert rig.book.latest is None
-    assert rig.link.state is ServiceState.NOT_UNDERSTOOD
+    assert rig.link.state is LinkState.NOT_UNDERSTOOD
     assert words in rig.link.why
     assert rig.source.forgot == 1
 

@@ -32,13 +32,13 @@ keys = st.one_of(
     st.sampled_from(["soil_moisture_north", "soil_moisture_south", "note", "desc", "description", "x:y", "3d"]),
 ).filter(lambda key: key not in {"id", "kind", "name"} and key not in OWN)
 
-OWN = {"crop", "species", "status", "seeded", "row_spacing_m", "row_bearing_deg", "headland_m", "category", "type",
-       "radius_m", "width_m", "speed_mps", "heading_deg", "robot", "parcel_id"}  # fmt: skip
+OWN = {"crop", "species", "soil_type", "status", "seeded", "row_spacing_m", "row_bearing_deg", "headland_m", "category",
+       "type", "radius_m", "width_m", "speed_mps", "heading_deg", "robot", "parcel_id"}  # fmt: skip
 days = st.dates(date(1900, 1, 1), date(2199, 12, 31)).map(str)
 widths = st.floats(0.5, 20).map(lambda w: round(w, 3))
 words = st.text(printable, max_size=60)
 OPTIONAL = {
-    "parcel": {"crop": words, "species": words, "status": words, "seeded": days,
+    "parcel": {"crop": words, "species": words, "soil_type": words, "status": words, "seeded": days,
                "row_spacing_m": widths.map(lambda w: w / 2), "row_bearing_deg": st.integers(0, 360)},
     "road": {"width_m": widths},
     "building": {"category": st.sampled_from(["barn", "greenhouse", "Scheune"])},

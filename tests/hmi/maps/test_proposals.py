@@ -12,6 +12,7 @@ from fastapi import FastAPI
 from hmi.api import errors
 from hmi.api.access import Access
 from hmi.api.cloud import proposal_routes
+from hmi.api.cloud_notify import CloudNotify
 from hmi.api.maps import map_routes
 from hmi.cloud.proposals import Proposal, ProposalBook
 from hmi.commands.map_book import parsed
@@ -128,10 +129,21 @@ async def test_what_cannot_be_on_a_map_is_not_taken(rig: MapRig, cloud: Cloud) -
     assert (answer.status_code, answer.json()["text"]) == (422, "A parcel cannot be a Point.")
 
 
-async def test_the_broker_posts_without_signing_in_and_nobody_else_gets_an_answer(rig: MapRig, cloud: Cloud) -> None:
-    async with browser(rig, cloud, Role.VIEWER) as client:
+async def test_the_broker_posts_without_signing_in_and_nobody_else_gets_an_answer(cloud: Cloud) -> None:
+    behind: list[str] = []
+
+    async def console(scope: Any, _receive: Any, send: Any) -> None:
+        behind.append(scope["path"])
+        await send({"type": "http.response.start", "status": 418, "headers": []})
+        await send({"type": "http.response.body", "body": b""})
+
+    door = httpx.ASGITransport(CloudNotify(console, cloud))
+    async with httpx.AsyncClient(transport=door, base_url="http://console.local/api/v1") as client:
         assert (await client.post("/cloud/notify/right", content=b"{}")).status_code == 204
         assert (await client.post("/cloud/notify/wrong", content=b"{}")).status_code == 404
         assert (await client.post("/cloud/notify/right", content=b"x" * (2**20 + 1))).status_code == 413
         assert (await client.post("/cloud/notify/right", content=b"nonsense")).status_code == 400
+        assert (await client.get("/cloud/notify/right")).status_code == 418
+        assert (await client.post("/cloud/tenant")).status_code == 418
     assert cloud.hints == [b"{}", b"nonsense"]
+    assert behind == ["/api/v1/cloud/notify/right", "/api/v1/cloud/tenant"]

@@ -20,7 +20,7 @@ from hmi.planning_service.application import make_application
 from hmi.planning_service.desk import PlanDesk
 from hmi.planning_service.form import form_of, wish_of
 from hmi.planning_service.planner import ServicePlanner
-from hmi.service_link import ServiceState
+from hmi.service_link import LinkState
 from tests.hmi.missions.rig import farm_map, lon_lat
 from tests.hmi.missions.test_document import wish
 from tests.hmi.planning_service.rig import HereProcess, ServiceRig, service_rig, until
@@ -76,25 +76,25 @@ async def test_a_wish_for_what_the_format_has_no_word_for_is_not_sent() -> None:
         assert (await rig.planner.plan(WiderWish(**usual))).statistics["planned_at"]["where"] == "service"
 
 
-FAULTS: list[tuple[dict[str, Any], str, ServiceState]] = [
-    ({"fault": Fault.FAIL}, "the planner service failed", ServiceState.FAILING),
-    ({"fault": Fault.TOO_LARGE}, "the planner service failed: 413", ServiceState.OK),
-    ({"fault": Fault.REFUSE}, "does not let us in", ServiceState.REFUSED),
-    ({"fault": Fault.NOT_JSON}, "not what the format promises", ServiceState.OK),
-    ({"fault": Fault.HUGE}, "more than", ServiceState.OK),
-    ({"fault": Fault.CUT}, "cannot be reached", ServiceState.UNREACHABLE),
-    ({"fault": Fault.HALF_OPEN}, "did not answer in 0.3 s", ServiceState.SILENT),
-    ({"delay_s": 5.0}, "did not answer in 0.3 s", ServiceState.SILENT),
-    ({"alter": of_another}, "answered for another wish", ServiceState.OK),
-    ({"alter": moved}, "The robot's outline would leave the field", ServiceState.OK),
+FAULTS: list[tuple[dict[str, Any], str, LinkState]] = [
+    ({"fault": Fault.FAIL}, "the planner service failed", LinkState.FAILING),
+    ({"fault": Fault.TOO_LARGE}, "the planner service failed: 413", LinkState.OK),
+    ({"fault": Fault.REFUSE}, "does not let us in", LinkState.REFUSED),
+    ({"fault": Fault.NOT_JSON}, "not what the format promises", LinkState.OK),
+    ({"fault": Fault.HUGE}, "more than", LinkState.OK),
+    ({"fault": Fault.CUT}, "cannot be reached", LinkState.UNREACHABLE),
+    ({"fault": Fault.HALF_OPEN}, "did not answer in 0.3 s", LinkState.SILENT),
+    ({"delay_s": 5.0}, "did not answer in 0.3 s", LinkState.SILENT),
+    ({"alter": of_another}, "answered for another wish", LinkState.OK),
+    ({"alter": moved}, "The robot's outline would leave the field", LinkState.OK),
 ]
 
 
 @pytest.mark.parametrize(("faults", "words", "state"), FAULTS, ids=[str(n) for n in range(len(FAULTS))])
 async def test_whatever_goes_wrong_the_plan_is_made_here_and_says_why(
-    faults: dict[str, Any], words: str, state: ServiceState
+    faults: dict[str, Any], words: str, state: LinkState
 ) -> None:
-    async with service_rig(timeout_s=0.3 if state is ServiceState.SILENT else 30.0) as rig:
+    async with service_rig(timeout_s=0.3 if state is LinkState.SILENT else 30.0) as rig:
         rig.link.well(0.1)
         rig.faulty.set(**faults)
         made = await rig.planner.plan(wish())
@@ -145,7 +145,7 @@ async def test_answers_that_cannot_be_used_again_and_again_stop_the_asking() -> 
         rig.faulty.set(alter=moved)
         for _ in range(3):
             await rig.planner.plan(wish())
-        assert rig.link.state is ServiceState.NOT_UNDERSTOOD
+        assert rig.link.state is LinkState.NOT_UNDERSTOOD
         asked = rig.faulty.requests
         await rig.planner.plan(wish())
         assert rig.faulty.requests == asked

@@ -126,6 +126,18 @@ async def test_lamp_zoom_and_trigger_are_set_and_what_a_camera_has_not_is_refuse
     assert (await site.ask("cameras/front/control", method="POST", body=b'{"laser":true}')).status == 400
 
 
+async def test_a_camera_takes_one_picture_in_five_seconds_however_often_it_is_triggered() -> None:
+    site, asked = Site(), b'{"trigger":true}'
+    answers = []
+    for after_s in (0.0, 1.0, 3.9, 0.2):
+        site.rig.clock.advance(after_s)
+        answers.append(await site.ask("cameras/rear/control", method="POST", body=asked))
+    assert [one.status for one in answers] == [204, 409, 409, 204]
+    assert json.loads(answers[2].body)["text"] == "It takes a picture each 5 s. The last one is 4.9 s old."
+    other = await site.ask("cameras/front/control", method="POST", body=asked)
+    assert other.status == 204, "each camera for itself"
+
+
 async def test_what_was_found_is_told_while_somebody_pulls() -> None:
     site = Site()
     site.rig.robot.set_fault(faults.PersonAhead(distance_m=3.0))

@@ -13,6 +13,7 @@ import httpx
 import pytest
 from pydantic import SecretStr
 
+from backend_clients.http.retry import RetryPolicy
 from backend_clients.ngsi import entity as make
 from backend_clients.ngsi import errors
 from backend_clients.ngsi.client import NgsiClient
@@ -20,7 +21,6 @@ from backend_clients.ngsi.connection import Broker, Call
 from backend_clients.ngsi.entity import Entity
 from backend_clients.ngsi.identifier import EntityRef
 from backend_clients.ngsi.query import Query
-from backend_clients.ngsi.retry import RetryPolicy
 from backend_clients.ngsi.subscription import Wanted
 from backend_clients.ngsi.subscriptions import Subscriptions
 from backend_clients.ngsi.tenant import Tenant

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Mapping
 from dataclasses import dataclass
-
-from backend_clients.ngsi.errors import BrokerFailed, NgsiError, Overloaded, Unreachable, Untrusted
-
-PASSING = (500, 502, 503, 504)
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,7 +14,7 @@ class RetryPolicy:
     Args:
         attempts: at most so many, the first one included.
         first_s: the longest first pause; each further one may be twice as long.
-        longest_s: no pause is longer, whatever the broker asks for.
+        longest_s: no pause is longer, whatever the service asks for.
         deadline_s: no attempt begins after so long.
     """
 
@@ -27,14 +24,14 @@ class RetryPolicy:
     deadline_s: float = 15.0
 
     def pause_s(self, attempt: int, asked_s: float | None, chance: float | None = None) -> float:
-        """Return how long to wait after ``attempt`` (from 1); ``asked_s`` is the broker's wish."""
+        """Return how long to wait after ``attempt`` (from 1); ``asked_s`` is the service's wish."""
         jitter = random.random() if chance is None else chance  # noqa: S311 (spreads load, keeps no secret)
         own = min(self.first_s * 2.0 ** (attempt - 1), self.longest_s) * jitter
         return min(max(own, asked_s or 0.0), self.longest_s)
 
 
 class RetryBudget:
-    """Lets retries be a fifth of all calls over time, with a reserve: a broker in trouble is not buried.
+    """Lets retries be a fifth of all calls over time, with a reserve: a service in trouble is not buried.
 
     Args:
         reserve: retries that may come at once.
@@ -57,8 +54,7 @@ class RetryBudget:
         return True
 
 
-def is_passing(error: NgsiError) -> bool:
-    """Say whether the same request may succeed a little later."""
-    if isinstance(error, Unreachable | Overloaded):
-        return not isinstance(error, Untrusted)
-    return isinstance(error, BrokerFailed) and error.status in PASSING
+def asked_pause_s(headers: Mapping[str, str]) -> float | None:
+    """Return how long a service asks to be left alone, seconds; a date instead of them is not read."""
+    text = headers.get("retry-after", "")
+    return float(text) if text.isascii() and text.isdigit() and len(text) < 8 else None
