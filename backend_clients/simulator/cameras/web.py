@@ -137,7 +137,7 @@ class CameraWeb:
         self, robot: SimRobot, boot: Boot, camera: up.Camera, fps: float, width: float
     ) -> AsyncIterator[bytes]:
         loop = asyncio.get_running_loop()
-        due_s = loop.time()
+        due_s, is_first = loop.time(), True
         self.pulled += 1
         try:
             while not self._closing.is_set():
@@ -147,10 +147,11 @@ class CameraWeb:
                     await self._pause(LOOK_AGAIN_S)
                     continue
                 try:
-                    shot = await self._shoot(robot, camera, width)
+                    shot = await self._shoot(robot, camera, width, is_hasty=is_first)
                 except NoPicture:
                     await self._pause(RETRY_S)
                     continue
+                is_first = False
                 is_garbage = robot.faults.of(CameraGarbage) is not None
                 yield part(shot, _broken(shot.picture.jpeg, shot.wall_ms) if is_garbage else shot.picture.jpeg)
                 slow = robot.faults.of(NodeSlow)
@@ -161,12 +162,12 @@ class CameraWeb:
         finally:
             self.pulled -= 1
 
-    async def _shoot(self, robot: SimRobot, camera: up.Camera, width: float) -> Shot:
+    async def _shoot(self, robot: SimRobot, camera: up.Camera, width: float, *, is_hasty: bool = False) -> Shot:
         taken_s, wall_ms = 0.0, 0
 
         def take() -> tuple[Look, Callable[[], Scene]]:
             nonlocal taken_s, wall_ms
-            look, make_scene = self._observer.take(robot, camera, int(width))
+            look, make_scene = self._observer.take(robot, camera, int(width), is_hasty=is_hasty)
             taken_s, wall_ms = self._observer.clock.mono_s(), look.wall_ms
             return look, make_scene
 
