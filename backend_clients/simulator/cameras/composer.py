@@ -75,7 +75,7 @@ def compose(look: Look, stage: Stage, owed: list[Rows] | None = None) -> tuple[P
     pixels = canvas.pixels
     if half:
         pixels = _doubled(pixels)
-    pixels = write_caption(pixels, look)
+    pixels = write_caption(pixels, look, is_lit=canvas.is_lit)
     time_code.burn(pixels, look.wall_ms)
     return pixels, canvas.boxes
 
