@@ -16,7 +16,7 @@ from hmi.api.errors import ApiError
 from hmi.api.orders import RobotId
 from hmi.commands.audit_line import audit_line
 from hmi.commands.ports import AuditSink
-from hmi.domain.camera import ControlFailed
+from hmi.domain.camera import CameraSetting, ControlFailed
 from hmi.domain.ids import ID_PATTERN
 from hmi.domain.role import Permission
 from hmi.security.authorization import Authorize, is_allowed
@@ -72,6 +72,10 @@ class CameraAsk(Protocol):
 
     async def control(self, robot_id: str, camera: str, order: dict[str, Any]) -> None:
         """Tell a robot's camera; raises ``ControlFailed``."""
+        ...
+
+    async def setting(self, robot_id: str, camera: str) -> CameraSetting:
+        """Return how a robot says its camera is set; raises ``ControlFailed``."""
         ...
 
 
@@ -137,6 +141,15 @@ def _add_watching(router: APIRouter, parts: CameraRoutes) -> None:
         query = "" if fresh_s is None else f"?fresh_s={fresh_s}"
         return await _passed_on(parts, session, "GET", f"/cameras/{robot_id}/{camera}/still{query}")
 
+    @router.get("/{robot_id}/{camera}/control", summary="How its robot says a camera is set; null is not known")
+    async def setting(robot_id: RobotId, camera: CameraId, session: SignedIn) -> dict[str, Any]:
+        parts.authorize(session, Permission.WATCH, robot_id)
+        try:
+            found = await parts.cameras.setting(robot_id, camera)
+        except ControlFailed as failed:
+            raise _not_done(failed) from failed
+        return {"lamp": found.lamp, "zoom": found.zoom}
+
 
 def _add_acting(router: APIRouter, parts: CameraRoutes) -> None:
     @router.post("/{robot_id}/{camera}/restart", status_code=202, summary="Open the source of a camera anew")
@@ -156,10 +169,14 @@ def _add_acting(router: APIRouter, parts: CameraRoutes) -> None:
         try:
             await parts.cameras.control(robot_id, camera, order)
         except ControlFailed as failed:
-            raise ApiError(CONTROL_STATUS.get(failed.code, 409), failed.code, failed.text) from failed
+            raise _not_done(failed) from failed
         what = ", ".join(f"{key} {value}" for key, value in order.items())
         _note(parts, session, robot_id, "done", f"camera {camera}: {what}")
         return Response(status_code=204)
+
+
+def _not_done(failed: ControlFailed) -> ApiError:
+    return ApiError(CONTROL_STATUS.get(failed.code, 409), failed.code, failed.text)
 
 
 async def _passed_on(

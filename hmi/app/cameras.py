@@ -20,7 +20,7 @@ from hmi.app.camera_sources import FleetView, SourceRule, robot_sources
 from hmi.app.records import Records
 from hmi.cameras.door import CAPTURED_HEADER, SEQ_HEADER, VIEWER_HEADER, WATCHER_HEADER
 from hmi.commands.lease_service import LeaseService
-from hmi.domain.camera import Source
+from hmi.domain.camera import CameraSetting, Source
 from hmi.ingest.sender import EdgeSender
 from hmi.live.lane import SessionGate
 from hmi.security.authorization import Authorize
@@ -140,6 +140,10 @@ class CameraDesk:
     async def control(self, robot_id: str, camera: str, order: dict[str, Any]) -> None:
         """See ``CameraAsk``."""
         await self._sender.control_camera(robot_id, camera, order)
+
+    async def setting(self, robot_id: str, camera: str) -> CameraSetting:
+        """See ``CameraAsk``."""
+        return await self._sender.camera_setting(robot_id, camera)
 
     async def call(self, method: str, path: str, content: bytes | None, limit_s: float) -> httpx.Response:
         """Return what the camera process answers, which knows all sources by then; raises ``CamerasDown``."""

@@ -133,6 +133,14 @@ class CameraWeb:
             setting.shot_s, setting.shots = self._observer.clock.mono_s(), setting.shots + 1
         return Response(status_code=204)
 
+    async def told(self, request: Request, robot: SimRobot, _boot: Boot) -> Response:
+        """``GET cameras/{id}/control``."""
+        camera = _camera(request, robot)
+        if camera is None:
+            return _error(404, "unknown_camera", "The robot has no such camera.")
+        setting = self._observer.setting(robot.config.id, camera.id)
+        return _json({"lamp": setting.lamp, "zoom": setting.zoom})
+
     async def _parts(
         self, robot: SimRobot, boot: Boot, camera: up.Camera, fps: float, width: float
     ) -> AsyncIterator[bytes]:
