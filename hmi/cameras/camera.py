@@ -61,6 +61,7 @@ class Camera:
         self.source, self._clock, self._video_width = source, clock, video_width
         self._refusal = refusal
         self.watches: set[Watch] = set()
+        self._ways: dict[Watch, Way] = {}  # asked once: pictures are many
         self.hearers: set[Hearer] = set()
         self.newest: Piece | None = None
         self.newest_jpeg: Piece | None = None
@@ -105,6 +106,7 @@ class Camera:
     def join(self, watch: Watch) -> None:
         """Somebody looks."""
         self.watches.add(watch)
+        self._ways[watch] = watch.wish.way
         self.replan()
         if self._task is None and self.source.kind is not SourceKind.UPLOAD:
             self.reason, self._arrived_s = "", None
@@ -114,6 +116,7 @@ class Camera:
     def leave(self, watch: Watch) -> None:
         """Somebody looks away."""
         self.watches.discard(watch)
+        self._ways.pop(watch, None)
         self.replan()
         self._tell()
 
@@ -149,6 +152,7 @@ class Camera:
     async def end(self) -> None:
         """Let go of everything."""
         self.watches.clear()
+        self._ways.clear()
         task, self._task = self._task, None
         if task is not None:
             task.cancel()
@@ -273,16 +277,14 @@ class Camera:
         if self.reason:
             self.reason = ""
         for watch in tuple(self.watches):
-            if self._is_for(piece, watch.wish):
+            if self._ways[watch] is WAYS[piece.kind] and self._is_for(piece, watch):
                 watch.take(piece)
         self._tell()
 
-    def _is_for(self, piece: Piece, wish: Wish) -> bool:
-        if WAYS[piece.kind] is not wish.way:
-            return False
+    def _is_for(self, piece: Piece, watch: Watch) -> bool:
         if piece.kind is not Kind.JPEG or self.source.kind is SourceKind.UPLOAD:
             return True
-        return step_of(wish.width, self.source.camera) == piece.wanted_width
+        return step_of(watch.wish.width, self.source.camera) == piece.wanted_width
 
     def _count(self, news: News) -> None:
         now_s = self._clock.mono_s()

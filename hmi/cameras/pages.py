@@ -175,6 +175,11 @@ class Page:
                 self._times.setdefault(stream.n, deque(maxlen=MOST_TIMES)).append(row)
                 self.wake()
 
+    def width_of(self, camera: Camera) -> int:
+        """See ``TimesSink``."""
+        widths = [stream.wish.width for stream in self.streams.values() if stream.camera is camera]
+        return 0 if 0 in widths else max(widths, default=0)
+
     def forget(self, camera: Camera) -> None:
         """A camera is no more."""
         for n in [n for n, stream in self.streams.items() if stream.camera is camera]:
@@ -220,6 +225,7 @@ class Page:
         stream.begin()  # before the old one ends: the camera runs on
         self._drop(frame.n)
         self.streams[frame.n] = stream
+        camera.replan()  # how wide it is wanted counts for its direct pictures too
         stream.tell(camera)
 
     def _drop(self, n: int) -> None:
