@@ -260,7 +260,9 @@ class Settings(BaseSettings):
         2, ge=0, description="With less room than this left on the disk, GB, no picture or clip is kept."
     )
     picture_watermark: bool = Field(
-        False, description="Burn the person's name and the time into pictures that are sent out. Clips are not changed."
+        False,
+        description="Burn the person's name and the time into single pictures that are sent out, and show them over "
+        "live ones. Clips are not changed.",
     )
 
     @field_validator("camera_udp_ports")

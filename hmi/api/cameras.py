@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Protocol
 
@@ -25,6 +25,8 @@ from hmi.security.session_info import SessionInfo
 CameraId = Annotated[str, Path(pattern=ID_PATTERN.removesuffix("$") + r"\z")]
 SessionId = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{8,64}\z")]
 WatcherToken = Annotated[str, Header(alias="X-Headland-Watcher", max_length=64)]
+Stamp = Callable[[SessionInfo, bytes], Awaitable[bytes]]
+PICTURE_HEADERS = ("x-headland-captured", "x-headland-seq")
 CONTROL_STATUS = {"no_address": 409, "no_answer": 504, "unknown_camera": 404}
 
 
@@ -89,12 +91,14 @@ class CameraRoutes:
 
     Args:
         holds: whether this session controls this robot.
+        stamp: burns who looks into a picture that leaves; ``None`` where nobody wants that.
     """
 
     cameras: CameraAsk
     authorize: Authorize
     holds: Callable[[str, str], bool]
     audit: AuditSink
+    stamp: Stamp | None = None
 
 
 def camera_routes(parts: CameraRoutes) -> APIRouter:
@@ -139,7 +143,11 @@ def _add_watching(router: APIRouter, parts: CameraRoutes) -> None:
     ) -> Response:
         parts.authorize(session, Permission.WATCH, robot_id)
         query = "" if fresh_s is None else f"?fresh_s={fresh_s}"
-        return await _passed_on(parts, session, "GET", f"/cameras/{robot_id}/{camera}/still{query}")
+        answer = await _passed_on(parts, session, "GET", f"/cameras/{robot_id}/{camera}/still{query}")
+        if parts.stamp is None or answer.status_code != 200:
+            return answer
+        kept = {name: answer.headers[name] for name in (*PICTURE_HEADERS, "cache-control") if name in answer.headers}
+        return Response(await parts.stamp(session, bytes(answer.body)), 200, kept, "image/jpeg")
 
     @router.get("/{robot_id}/{camera}/control", summary="How its robot says a camera is set; null is not known")
     async def setting(robot_id: RobotId, camera: CameraId, session: SignedIn) -> dict[str, Any]:

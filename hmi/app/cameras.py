@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import io
 import logging
 from collections.abc import AsyncIterator, Callable
+from datetime import UTC, datetime
 from typing import Any
 
 import httpx
@@ -20,6 +22,7 @@ from hmi.app.camera_sources import FleetView, SourceRule, robot_sources
 from hmi.app.records import Records
 from hmi.cameras.door import CAPTURED_HEADER, SEQ_HEADER, VIEWER_HEADER, WATCHER_HEADER
 from hmi.commands.lease_service import LeaseService
+from hmi.commands.watermark import mark_of, watermarked
 from hmi.domain.camera import CameraSetting, Source
 from hmi.ingest.sender import EdgeSender
 from hmi.live.lane import SessionGate
@@ -36,7 +39,8 @@ PASSED_BACK = (CAPTURED_HEADER, SEQ_HEADER)
 class CameraDesk:
     """Everything about cameras in the console; costs nothing while nobody looks.
 
-    ``rule`` may be replaced: it turns the robots' own sources into what is really opened.
+    ``rule`` may be replaced: it turns the robots' own sources into what is really opened. ``has_watermark``: whether
+    who looks is burnt into single pictures that are sent out.
     """
 
     def __init__(
@@ -50,6 +54,7 @@ class CameraDesk:
         self.link, self._gate, self._authorize, self._sender = link, gate, authorize, sender
         self._own_sources = own_sources
         self.rule: SourceRule = list
+        self.has_watermark = False
         self._told: tuple[int | None, bytes] | None = None
         self._telling = asyncio.Lock()
         self._pages = 0
@@ -60,13 +65,15 @@ class CameraDesk:
         cls, settings: Settings, records: Records, fleet: FleetView, authorize: Authorize, sender: EdgeSender
     ) -> CameraDesk:
         """Make it from what the console has."""
-        return cls(
+        desk = cls(
             CameraLink(settings.data),
             lambda: robot_sources(records.robots.all(), fleet),
             records.sessions,
             authorize,
             sender,
         )
+        desk.has_watermark = settings.picture_watermark
+        return desk
 
     def routes(self, origins: OriginRule) -> list[BaseRoute]:
         """Return the route of ``/cameras/live``."""
@@ -79,6 +86,7 @@ class CameraDesk:
             authorize=self._authorize,
             holds=lambda session_id, robot_id: leases.holds(session_id, robot_id) is not None,
             audit=records.audit,
+            stamp=_stamped if self.has_watermark else None,
         )
         return camera_routes(parts)
 
@@ -173,6 +181,12 @@ class CameraDesk:
                 await asyncio.sleep(SYNC_S)
         finally:
             self._task = None
+
+
+async def _stamped(session: SessionInfo, jpeg: bytes) -> bytes:
+    """Burn who looks and when into a picture that is sent out; one that cannot be drawn on is not sent."""
+    told = mark_of(session.user_name, datetime.now(UTC))
+    return await asyncio.to_thread(watermarked, io.BytesIO(jpeg), told)
 
 
 def _whole(answer: httpx.Response) -> httpx.Response:
