@@ -42,6 +42,16 @@ READ_CODE = """() => {
   return { trueMs: ((Date.now() % 2 ** 24) - code + 2 ** 24) % 2 ** 24, shownMs: shown };
 }"""
 
+# the light of the picture in 16 x 12 fields, without the time code above and the caption below
+READ_LIGHT = """() => {
+  const view = document.querySelector('.c-pip .c-view');
+  const source = view.classList.contains('direct') ? view.querySelector('video') : view.querySelector('canvas');
+  const copy = new OffscreenCanvas(16, 16).getContext('2d', { willReadFrequently: true });
+  copy.drawImage(source, 0, 0, 16, 16);
+  const { data } = copy.getImageData(0, 2, 16, 12);
+  return Array.from({ length: 192 }, (_, i) => (data[4 * i] + data[4 * i + 1] + data[4 * i + 2]) / 3);
+}"""
+
 
 def watch(someone: Person) -> Page:
     """Open the picture on Operate and wait until it shows something."""
@@ -120,3 +130,53 @@ def test_two_hundred_openings_leave_no_connection_behind(person: Come, viewers: 
     martha.hook("pip-toggle").click()
     page.wait_for_function("HL.camera.directs.size === 0")
     wait_for(lambda: viewers() == 0, within_s=10, what="the server lets go of all of them")
+
+
+def light(page: Page) -> list[float]:
+    """Return the light of the picture that is shown, field by field."""
+    found: list[float] = page.evaluate(READ_LIGHT)
+    return found
+
+
+def apart(one: list[float], other: list[float]) -> float:
+    """Return by how much two pictures differ, of 255."""
+    return sum(abs(a - b) for a, b in zip(one, other, strict=True)) / len(one)
+
+
+def test_what_is_done_to_a_camera_is_seen_in_its_picture(person: Come) -> None:
+    """Zoom, lamp, trigger, pan and tilt, each by its button; each ends as it began."""
+    martha = person("operator")
+    page = watch(martha)
+    martha.hook("control").click()
+    martha.hook("view-camera").click()
+    expect(martha.hook("camera-zoom-in")).not_to_have_attribute("aria-disabled", "true", timeout=10_000)
+    expect(martha.hook("pip")).to_have_attribute("data-way", "direct", timeout=FIRST_S * 1000)
+
+    def settled() -> list[float]:
+        page.wait_for_timeout(1200)  # two pictures a second at the least, and the encoder's last refinement
+        return light(page)
+
+    usual = settled()
+    assert apart(usual, settled()) < 3, "a robot that stands still sees the same"
+    martha.hook("camera-zoom-in").click()
+    wait_for(lambda: apart(usual, light(page)) > 5, within_s=6, what="the zoom in the picture")
+    martha.hook("camera-zoom-out").click()
+    wait_for(lambda: apart(usual, light(page)) < 3, within_s=6, what="the zoom back")
+    martha.hook("camera-lamp").click()
+    low = slice(112, 192)
+    wait_for(lambda: sum(light(page)[low]) > 1.05 * sum(usual[low]), within_s=6, what="the lamp on the ground")
+    expect(martha.hook("camera-lamp")).to_have_attribute("aria-pressed", "true")
+    page.reload()
+    martha.sees("pip", "live|stills", within_s=FIRST_S)
+    expect(martha.hook("camera-lamp")).to_have_attribute("aria-pressed", "true", timeout=10_000)
+    martha.hook("camera-lamp").click()
+    wait_for(lambda: apart(usual, light(page)) < 3, within_s=6, what="the lamp off")
+    martha.hook("camera-move").click()
+    expect(martha.hook("camera-move-left")).to_be_visible(timeout=10_000)
+    martha.hold("camera-move-left")
+    wait_for(lambda: apart(usual, light(page)) > 4, within_s=8, what="the camera turns while it is held")
+    martha.let_go()
+    held = settled()
+    assert apart(held, settled()) < 3, "it stands once it is let go"
+    assert martha.covers_of_stop() == []
+    martha.hook("camera-move-end").click()

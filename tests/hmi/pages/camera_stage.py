@@ -31,7 +31,7 @@ USUAL = {
 
 
 class CameraStage:
-    """``wish``: ``cameras`` (changes by name), ``none``, ``down``, ``frozen`` (names), ``lag_ms``, ``status``."""
+    """``wish``: ``cameras`` (changes by name), ``none``, ``down``, ``frozen`` (names), ``lag_ms``, ``status``, ``setting``."""
 
     def __init__(self, now_s: Callable[[], float]) -> None:
         self._now_s = now_s
@@ -164,6 +164,10 @@ def router(stage: CameraStage) -> APIRouter:
         if stage.wish.get("down"):
             return JSONResponse({"code": "cameras_down", "text": "The camera process is not running."}, 503)
         return JSONResponse({"cameras": stage.cameras(robot)})
+
+    @api.get("/api/v1/cameras/{robot}/{camera}/control")
+    async def setting(robot: str, camera: str) -> dict[str, Any]:
+        return {"lamp": None, "zoom": None, **stage.wish.get("setting", {})}
 
     @api.post("/api/v1/cameras/{robot}/{camera}/{what}")
     async def act(robot: str, camera: str, what: str) -> Response:

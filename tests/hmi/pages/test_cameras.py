@@ -244,6 +244,21 @@ def test_a_slow_picture_lets_only_creep(look: Look, theatre: Theatre, cameras: C
     assert set(moved) == {0.2}
 
 
+@pytest.mark.long
+def test_lamp_and_zoom_begin_at_what_the_robot_says(look: Look, theatre: Theatre, cameras: Callable[..., None]) -> None:
+    zoom = {"ptz": {"pan": None, "tilt": None, "zoom": [1.0, 4.0]}}
+    cameras(setting={"lamp": True, "zoom": 2.0}, cameras={"weeder-07/front": zoom})
+    theatre.play("manual")
+    page = look("/operate/weeder-07")
+    page.get_by_test_id("view-camera").click()
+    expect(page.get_by_test_id("pip")).to_have_attribute("data-state", SHOWN)
+    expect(page.get_by_test_id("camera-lamp")).to_have_attribute("aria-pressed", "true")
+    page.get_by_test_id("camera-zoom-in").click()
+    expect(page.get_by_test_id("toast")).to_contain_text("Zoom 3.0 ×")
+    page.get_by_test_id("camera-lamp").click()
+    expect(page.get_by_test_id("camera-lamp")).to_have_attribute("aria-pressed", "false")
+
+
 def test_the_whole_rail_of_an_admin_is_seen_on_a_tablet(look: Look, cameras: Callable[..., None]) -> None:
     page = look("/cameras", role="admin")
     expect(page.get_by_test_id("nav-admin")).to_be_visible()

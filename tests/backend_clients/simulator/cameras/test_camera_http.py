@@ -115,6 +115,9 @@ async def test_lamp_zoom_and_trigger_are_set_and_what_a_camera_has_not_is_refuse
     taken = site.desk.looks[-1]
     assert (taken.lamp, taken.zoom) == (True, 2.0)
     assert taken.age_of_shot_s == 0.0
+    assert json.loads((await site.ask("cameras/front/control")).body) == {"lamp": True, "zoom": 2.0}
+    assert json.loads((await site.ask("cameras/rear/control")).body) == {"lamp": None, "zoom": 1.0}
+    assert (await site.ask("cameras/none/control")).status == 404
     for camera, body, text in (
         ("tof", b'{"lamp":true}', "This camera has no lamp."),
         ("rear", b'{"zoom":2.0}', "This camera cannot zoom."),
