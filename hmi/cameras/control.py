@@ -186,9 +186,10 @@ def _end_session(parts: CameraParts) -> Handler:
     async def end(request: Request) -> Response:
         session = parts.whep.sessions.get(request.path_params["id"])
         page = parts.pages.of(request.headers.get(WATCHER_HEADER, ""), request.headers.get(VIEWER_HEADER, ""))
-        if session is None or page is None or session.page is not page:
+        if page is None or (session is not None and session.page is not page):
             return refused(404, "not_found", "There is no such session.")
-        await session.end()
+        if session is not None:  # else the goodbye of its own connection was quicker
+            await session.end()
         return Response(status_code=204)
 
     return end

@@ -31,7 +31,10 @@ USUAL = {
 
 
 class CameraStage:
-    """``wish``: ``cameras`` (changes by name), ``none``, ``down``, ``frozen`` (names), ``lag_ms``, ``status``, ``setting``."""
+    """``wish``: ``cameras`` (changes by name), ``none``, ``down``, ``frozen`` (names), ``lag_ms``, ``status``.
+
+    ``setting``: lamp and zoom as the robot says.
+    """
 
     def __init__(self, now_s: Callable[[], float]) -> None:
         self._now_s = now_s
