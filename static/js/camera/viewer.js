@@ -185,9 +185,9 @@
 
     #show(shown, width, height) {
       Object.assign(this, { width, height });
-      if (this.shown === shown) return;
+      if (this.shown !== shown) toggle(this.node, "direct", shown === "direct");
       this.shown = shown;
-      toggle(this.node, "direct", shown === "direct");
+      if (this.judged?.state !== "live" && this.n !== null) this.look(); // somebody waits for it
     }
 
     // judges, and follows what was judged; called ten times a second while somebody sees it
