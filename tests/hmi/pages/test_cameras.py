@@ -44,6 +44,17 @@ def covers(page: Page, inner: str, outer: str) -> Any:
     )
 
 
+def apart(page: Page, one: str, other: str) -> Any:
+    """Say whether two boxes do not lie over each other."""
+    return page.evaluate(
+        """([one, other]) => {
+          const [a, b] = [one, other].map((name) => document.querySelector(name).getBoundingClientRect());
+          return a.right <= b.left + 1 || b.right <= a.left + 1 || a.bottom <= b.top + 1 || b.bottom <= a.top + 1;
+        }""",
+        [one, other],
+    )
+
+
 def test_each_picture_says_its_delay_and_a_frozen_one_how_old_it_is(look: Look, cameras: Callable[..., None]) -> None:
     page = look("/cameras")
     front = tile(page, "weeder-07/front")
@@ -197,7 +208,7 @@ def test_my_wall_is_kept_and_keys_walk_it(look: Look, cameras: Callable[..., Non
 @pytest.mark.long
 @pytest.mark.parametrize("size", TABLETS)
 def test_the_small_picture_moves_to_a_corner_swaps_with_the_map_and_covers_nothing_that_stops(
-    look: Look, cameras: Callable[..., None], size: str
+    look: Look, theatre: Theatre, cameras: Callable[..., None], size: str
 ) -> None:
     page = look("/operate/weeder-07", size=size)
     page.get_by_test_id("pip-toggle").click()
@@ -218,6 +229,11 @@ def test_the_small_picture_moves_to_a_corner_swaps_with_the_map_and_covers_nothi
     page.get_by_test_id("view-camera").click()
     expect(pip).to_have_class(re.compile("big"))
     assert covers(page, ".h-mapfill", ".h-map") == 0
+    theatre.alarms(put={"link-lost.weeder-07": {}})
+    expect(page.get_by_test_id("alarm-strip")).to_be_visible()
+    for part in (".c-tools", "hl-alarm-strip"):
+        assert apart(page, ".h-mapfill", part), f"the small map lies over {part}"
+    theatre.alarms(drop=["link-lost.weeder-07"])
     page.get_by_test_id("pip-swap").click()
     expect(pip).not_to_have_class(re.compile("big"))
     page.get_by_test_id("pip-close").click()
