@@ -6,7 +6,7 @@ import asyncio
 import contextlib
 import io
 import logging
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from datetime import UTC, datetime
 from typing import Any
 
@@ -39,7 +39,8 @@ PASSED_BACK = (CAPTURED_HEADER, SEQ_HEADER)
 class CameraDesk:
     """Everything about cameras in the console; costs nothing while nobody looks.
 
-    ``rule`` may be replaced: it turns the robots' own sources into what is really opened. ``has_watermark``: whether
+    ``rule`` may be replaced: it turns the robots' own sources into what is really opened. ``on_new`` is called when a
+    new camera process knows the sources. ``has_watermark``: whether
     who looks is burnt into single pictures that are sent out.
     """
 
@@ -55,6 +56,8 @@ class CameraDesk:
         self._own_sources = own_sources
         self.rule: SourceRule = list
         self.has_watermark = False
+        self.on_new: Callable[[], Awaitable[None]] | None = None
+        self._telling_anew: asyncio.Task[None] | None = None
         self._told: tuple[int | None, bytes] | None = None
         self._telling = asyncio.Lock()
         self._pages = 0
@@ -92,9 +95,10 @@ class CameraDesk:
 
     async def stop(self) -> None:
         """End what runs."""
-        if self._task is not None:
-            self._task.cancel()
-            await asyncio.gather(self._task, return_exceptions=True)
+        tasks = [task for task in (self._task, self._telling_anew) if task is not None]
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
         await self.link.close()
 
     @property
@@ -113,7 +117,10 @@ class CameraDesk:
             sources = msgspec.json.encode({"sources": self.sources()})
             if self._told != (pid, sources):
                 _whole(await self.link.ask("PUT", "/sources", sources))
+                is_new = self._told is None or self._told[0] != pid
                 self._told = (pid, sources)
+                if is_new and self.on_new is not None:
+                    self._telling_anew = asyncio.create_task(self._tell_anew(self.on_new), name="camera-frames")
 
     async def all(self) -> list[dict[str, Any]]:
         """See ``CameraAsk``."""
@@ -168,6 +175,12 @@ class CameraDesk:
             yield
         finally:
             self._pages -= 1
+
+    async def _tell_anew(self, tell: Callable[[], Awaitable[None]]) -> None:
+        try:
+            await tell()
+        except Exception:  # the end of a task: nobody above would say it
+            log.exception("the new camera process was not told everything")
 
     def _keep_telling(self) -> None:
         if self._task is None:

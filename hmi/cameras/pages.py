@@ -17,6 +17,7 @@ from hmi.cameras.hub import Hub
 from hmi.cameras.pace import Pace
 from hmi.cameras.picture_wire import Piece
 from hmi.clock import Clock
+from hmi.domain.camera import SourceKind
 
 SILENT_S = 1.5
 MOST_STREAMS = 64
@@ -79,6 +80,9 @@ class Stream:
         if self.way == "times":
             return
         self.camera.join(self)
+        shown = self.camera.newest_jpeg
+        if shown is not None and self.camera.source.kind is SourceKind.UPLOAD:  # the next may come in an hour
+            self.take(shown)
 
     def end(self) -> None:
         """Look away."""

@@ -9,7 +9,7 @@ import pytest
 from PIL import Image, UnidentifiedImageError
 
 from backend_clients.simulator import faults
-from backend_clients.simulator.cameras import time_code
+from backend_clients.simulator.cameras import time_code, web
 from tests.backend_clients.simulator.cameras.field import Pull, Site, opened
 
 
@@ -93,6 +93,14 @@ async def test_a_freeze_may_hit_one_camera_only() -> None:
     site.rig.robot.set_fault(faults.CameraFreeze(camera="front"))
     assert (await site.ask("cameras/front/still")).status == 503
     assert (await site.ask("cameras/rear/still?width=160")).status == 200
+
+
+async def test_the_drawing_can_be_made_ready_before_anybody_looks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(web, "READY_AFTER_S", 0.0)
+    site = Site()
+    await site.web.prepare([site.rig.robot])
+    (drawn,) = site.desk.looks
+    assert (drawn.width_px, drawn.is_hasty) == (64, True)
 
 
 async def test_garbage_is_not_a_picture() -> None:
