@@ -26,6 +26,7 @@ SLACK = 0.8  # a camera's clock is no metronome
 LEAST_S = 0.5
 MOST_AGE_S = 3600.0
 JPEG = "image/jpeg"
+NOWHERE = Moment()
 log = logging.getLogger(__name__)
 
 
@@ -101,11 +102,12 @@ class FieldFrames:
             raise FrameRefused("too_often", f"One frame each {one.period_s:g} s.", (1.0 - tokens) * every_s)
         state.tokens -= 1.0
 
-    async def take(self, one: StoredSource, data: bytes, age_s: float | None) -> Header:
+    async def take(self, one: StoredSource, data: bytes, age_s: float | None, place: Moment = NOWHERE) -> Header:
         """Take a frame: the newest, one to show, and now and then one to keep.
 
         Args:
             age_s: how old it was when it was sent, if the camera tells.
+            place: where the camera stands, if anybody knows.
 
         Raises:
             BadPicture: these bytes are no picture.
@@ -121,7 +123,8 @@ class FieldFrames:
         if one.keep_every_s > 0 and self._clock.mono_s() - state.kept_s >= one.keep_every_s:
             before_s, state.kept_s = state.kept_s, self._clock.mono_s()
             try:
-                await self._shelf.keep(self._draft(one, Still(data, captured_s), is_dated=age_s is not None), data)
+                made = self._draft(one, Still(data, captured_s), place, is_dated=age_s is not None)
+                await self._shelf.keep(made, data)
             except BaseException:
                 state.kept_s = before_s
                 raise
@@ -152,6 +155,6 @@ class FieldFrames:
         except (CamerasAway, NoPicture, OSError) as error:
             log.debug("a frame of %s is not shown: %s", one.camera, error)
 
-    def _draft(self, one: StoredSource, still: Still, *, is_dated: bool) -> Picture:
-        made = draft(still, PictureKind.FRAME, self._farm_id, FIELD, one.camera, self._clock, Moment())
+    def _draft(self, one: StoredSource, still: Still, place: Moment, *, is_dated: bool) -> Picture:
+        made = draft(still, PictureKind.FRAME, self._farm_id, FIELD, one.camera, self._clock, place)
         return made if is_dated else replace(made, age_s=None)
