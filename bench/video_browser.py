@@ -12,6 +12,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import signal
 import statistics
@@ -164,3 +165,8 @@ def _told(values: list[float]) -> str:
 
 def _figure(name: str, value: float, conditions: str) -> dict[str, Any]:
     return {"name": name, "value": round(value), "unit": "ms", "naive": None, "ratio": None, "conditions": conditions}
+
+
+if __name__ == "__main__":
+    for one in run():
+        print(json.dumps(one), flush=True)
