@@ -154,7 +154,12 @@ def router(stage: CameraStage) -> APIRouter:
 
     @api.get("/stage-cameras")
     async def heard() -> dict[str, Any]:
-        return {"watched": list(stage.watched.values()), "asked": stage.asked, "pages": len(stage.sockets)}
+        return {
+            "watched": list(stage.watched.values()),
+            "asked": stage.asked,
+            "pages": len(stage.sockets),
+            "pictures": len(stage.pictures),
+        }
 
     @api.websocket("/cameras/live")
     async def live(socket: WebSocket) -> None:
@@ -186,8 +191,19 @@ def router(stage: CameraStage) -> APIRouter:
         return JSONResponse({}, 202)
 
     @api.get("/api/v1/pictures")
-    async def pictures() -> dict[str, Any]:
-        return {"pictures": stage.pictures}
+    async def pictures(robot: str = "") -> dict[str, Any]:
+        return {"pictures": [one for one in stage.pictures if robot in ("", one["robot"])]}
+
+    @api.patch("/api/v1/pictures/{picture_id}")
+    async def change(picture_id: str, request: Request) -> dict[str, Any]:
+        one = next(one for one in stage.pictures if one["id"] == picture_id)
+        one.update(await request.json())
+        return one
+
+    @api.delete("/api/v1/pictures/{picture_id}")
+    async def remove(picture_id: str) -> Response:
+        stage.pictures = [one for one in stage.pictures if one["id"] != picture_id]
+        return Response(status_code=204)
 
     @api.get("/api/v1/pictures/{picture_id}/file")
     async def file(picture_id: str) -> Response:

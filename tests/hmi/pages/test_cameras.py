@@ -183,7 +183,32 @@ def test_a_snapshot_is_kept_and_found_under_pictures(
     expect(kept).to_contain_text("Weeder 07, front")
     expect(kept).to_contain_text("51.750000, 5.750000")
     expect(page.get_by_test_id("picture-download-p-0")).to_have_attribute("href", re.compile(r"download=true$"))
+    page.get_by_test_id("picture-mark-p-0").click()
+    expect(page.get_by_test_id("picture-mark-p-0")).to_have_attribute("aria-pressed", "true")
+    page.get_by_test_id("picture-note-p-0").click()
+    page.get_by_test_id("picture-note-text-p-0").fill("Stone in row 4")
+    page.get_by_test_id("picture-note-save-p-0").click()
+    expect(kept).to_contain_text("Stone in row 4")
+    page.get_by_test_id("pictures-robot").select_option("weeder-01")
+    expect(kept).to_have_count(0)
+    page.get_by_test_id("pictures-robot").select_option("weeder-07")
+    expect(kept).to_contain_text("Stone in row 4")
+    expect(page.get_by_test_id("picture-delete-p-0")).to_have_count(0)
     assert is_stop_on_top(page)
+
+
+@pytest.mark.long
+def test_an_admin_deletes_a_picture_by_a_second_tap(look: Look, theatre: Theatre, cameras: Callable[..., None]) -> None:
+    page = look("/cameras", role="admin")
+    tile(page, "weeder-07/front").click()
+    page.get_by_test_id("camera-snapshot").click()
+    expect(page.get_by_test_id("toast")).to_contain_text("It is under Cameras, Pictures.")
+    page.get_by_test_id("cameras-pictures").click()
+    page.get_by_test_id("picture-delete-p-0").click()
+    expect(page.get_by_test_id("picture-delete-p-0")).to_contain_text("Delete for good?")
+    page.get_by_test_id("picture-delete-p-0").click()
+    expect(page.get_by_test_id("picture-p-0")).to_have_count(0)
+    assert theatre.heard_cameras()["pictures"] == 0
 
 
 @pytest.mark.long
