@@ -156,6 +156,18 @@ def apart(one: list[float], other: list[float]) -> float:
     return sum(abs(a - b) for a, b in zip(one, other, strict=True)) / len(one)
 
 
+def is_turned(someone: Person, usual: list[float]) -> bool:
+    """Hold a pad until the picture is another; a late answer of a busy machine ends the hold, and she presses again."""
+    someone.hold("camera-move-left")
+    try:
+        wait_for(lambda: apart(usual, light(someone.page)) > 4, within_s=4, what="the camera turns")
+    except AssertionError:
+        return False
+    finally:
+        someone.let_go()
+    return True
+
+
 def test_what_is_done_to_a_camera_is_seen_in_its_picture(person: Come) -> None:
     """Zoom, lamp, trigger, pan and tilt, each by its button; each ends as it began."""
     martha = person("operator")
@@ -186,9 +198,7 @@ def test_what_is_done_to_a_camera_is_seen_in_its_picture(person: Come) -> None:
     wait_for(lambda: apart(usual, light(page)) < 3, within_s=6, what="the lamp off")
     martha.hook("camera-move").click()
     expect(martha.hook("camera-move-left")).to_be_visible(timeout=10_000)
-    martha.hold("camera-move-left")
-    wait_for(lambda: apart(usual, light(page)) > 4, within_s=8, what="the camera turns while it is held")
-    martha.let_go()
+    assert any(is_turned(martha, usual) for _ in range(6)), "the camera does not turn while its pad is held"
     held = settled()
     assert apart(held, settled()) < 3, "it stands once it is let go"
     assert martha.covers_of_stop() == []
