@@ -162,6 +162,8 @@ class Camera:
         """Take a picture that its camera sent by itself."""
         seq = 1 if self.newest is None else self.newest.seq + 1
         self._take(Piece(Kind.JPEG, data, captured_ms, seq, width, height))
+        self._arrived_s = captured_ms / 1000  # one that waited at its camera is not fresh because it came now
+        self._tell()
 
     def describe(self) -> dict[str, Any]:
         """Return it as ``Camera`` of the protocol."""

@@ -198,6 +198,7 @@ async def test_who_comes_between_two_uploads_sees_the_last_one_as_old_as_it_is()
     camera = rig.hub.get("field", "one")
     assert camera is not None
     rig.hub.upload(camera, PICTURE, age_ms=120_000.0)
+    assert camera.state == "frozen", "it came now, and is old"
     assert rig.page.hear('{"k":"watch","n":1,"robot":"field","camera":"one","way":"jpeg"}')
     sent = []
     while (item := rig.page.next()) is not None:
