@@ -105,9 +105,10 @@ test("a picture of a slow camera that was old when it came is late, and says its
   assert.equal(sight.judge(1100, 1100, slow, "jpeg").state, "late");
   assert.equal(says.corner(sight.judge(1100, 1100, slow, "jpeg"), { way: "jpeg" }), "late, 5:01 old");
   const hourly = { ...slow, period_s: 3600 };
-  sight.picture(2000, 2000 - 1500000, 2000, true);
-  assert.equal(sight.judge(62000, 62000, hourly, "jpeg").state, "live");
-  assert.equal(says.corner(sight.judge(62000, 62000, hourly, "jpeg"), { way: "jpeg" }).slice(0, 9), "26:00 old");
+  const station = new Sight(0);
+  station.picture(2000, 2000 - 1500000, 2000, true);
+  assert.equal(station.judge(62000, 62000, hourly, "jpeg").state, "live");
+  assert.equal(says.corner(station.judge(62000, 62000, hourly, "jpeg"), { way: "jpeg" }).slice(0, 9), "26:00 old");
 });
 
 test("a slow camera is frozen after three of its periods, not before", () => {
