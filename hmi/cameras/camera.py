@@ -159,7 +159,9 @@ class Camera:
             await asyncio.gather(task, return_exceptions=True)
 
     def upload(self, data: bytes, width: int, height: int, captured_ms: float) -> None:
-        """Take a picture that its camera sent by itself."""
+        """Take a picture that its camera sent by itself; one taken before the newest is not shown any more."""
+        if self.newest is not None and captured_ms < self.newest.captured_ms:
+            return
         seq = 1 if self.newest is None else self.newest.seq + 1
         self._take(Piece(Kind.JPEG, data, captured_ms, seq, width, height))
         self._arrived_s = captured_ms / 1000  # one that waited at its camera is not fresh because it came now
@@ -279,7 +281,7 @@ class Camera:
         if self.reason:
             self.reason = ""
         for watch in tuple(self.watches):
-            if self._ways[watch] is WAYS[piece.kind] and self._is_for(piece, watch):
+            if self._ways.get(watch) is WAYS[piece.kind] and self._is_for(piece, watch):
                 watch.take(piece)
         self._tell()
 

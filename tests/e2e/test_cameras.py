@@ -203,3 +203,15 @@ def test_what_is_done_to_a_camera_is_seen_in_its_picture(person: Come) -> None:
     assert apart(held, settled()) < 3, "it stands once it is let go"
     assert martha.covers_of_stop() == []
     martha.hook("camera-move-end").click()
+
+
+def test_somebody_in_the_way_is_marked_in_the_picture_that_is_chosen(person: Come, calm: Installation) -> None:
+    martha = person("operator")
+    martha.open("/cameras")
+    tile = martha.hook(f"camera-{ROBOT}-{CAMERA}")
+    expect(tile).to_have_attribute("data-state", re.compile("^(live|stills)$"), timeout=FIRST_S * 1000)
+    calm.fault(ROBOT, "person-ahead")
+    expect(tile).to_have_attribute("data-boxes", "0")
+    tile.click()
+    expect(tile.locator(".c-boxes .k-person rect")).to_have_count(1, timeout=10_000)
+    assert martha.covers_of_stop() == []

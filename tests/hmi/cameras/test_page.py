@@ -206,6 +206,8 @@ async def test_who_comes_between_two_uploads_sees_the_last_one_as_old_as_it_is()
     (shown,) = sent
     assert shown[24:] == PICTURE
     assert struct.unpack("<d", shown[8:16])[0] == pytest.approx(rig.clock.mono_s() * 1000 - 120_000.0)
+    rig.hub.upload(camera, PICTURE, age_ms=130_000.0)
+    assert rig.page.next() is None, "what was taken before it comes too late"
     for age_ms in (-1.0, float("nan"), float("inf")):
         with pytest.raises(BadPicture):
             rig.hub.upload(camera, PICTURE, age_ms=age_ms)
