@@ -11,7 +11,7 @@
     return isDated ? measured : `over ${measured}`;
   }
 
-  const fps = (value) => (value === null ? "" : value < 2 ? `1 per ${words.age(1000 / value).replace(".0 ", " ")}` : `${Math.round(value)} fps`);
+  const fps = (value) => (value === null ? "" : value < 1 ? `1 per ${words.age(1000 / value).replace(".0 ", " ")}` : `${value < 2 ? value.toFixed(1) : Math.round(value)} fps`);
   // between two pictures of a slow camera its delay says little: its age says what is shown
   const old = ({ isDated, ageMs }) => `${isDated ? "" : "over "}${words.since(ageMs)} old`;
   const rate = (judged) => [judged.isSlow && judged.ageMs !== null ? old(judged) : delay(judged), fps(judged.fps)].filter(Boolean).join(", ");
@@ -46,7 +46,7 @@
     if (!camera) return "The server has not said anything about it yet.";
     const said = camera.reason || { off: "The robot is not connected.", failed: "The camera gives no pictures.", starting: "It is starting.", idle: "It is being asked." }[camera.state] || "The camera gives no pictures.";
     const times = camera.restarts === 1 ? "once" : camera.restarts ? `${camera.restarts} times` : "";
-    return `${said.replace(/\.?$/, ".")}${times ? ` Restarted ${times}.` : ""}`;
+    return `${said[0].toUpperCase()}${said.slice(1).replace(/\.?$/, ".")}${times ? ` Restarted ${times}.` : ""}`;
   }
 
   // what the state is called outside: the names of the stable hooks
