@@ -62,6 +62,7 @@ def _gain_map(
         down = np.clip((y / high - horizon) / max(1.05 - horizon, 0.2), 0, 1) if pitch > -1.2 else np.full_like(x, 0.62)
         side = (x / wide - 0.5) / (0.30 + 0.42 * down)
         cone = np.exp(-(side**2) * 1.6) * np.exp(-(((down - 0.55) / 0.42) ** 2)) if pitch > -1.2 else _spot(x, y)
+        cone *= np.clip(down * 8, 0, 1)  # the sky gives nothing back
         warm = np.array((*(WARM if len(set(ambient)) > 1 else (1.0, 1.0, 1.0)), 0.0), dtype=np.float32)
         total += cone[:, :, None] * warm * min(0.8 + lamp_m / 30, 1.15) * (1 - (1 - BY_DAY) * day)
         most += 256 * BY_DAY * day
