@@ -139,7 +139,10 @@ class Camera:
         is_same_way = replace(source, is_on=self.source.is_on) == self.source
         self.source = source
         if not is_same_way:
-            self.replan()
+            if self.watches:
+                self.replan()
+            else:
+                self._looked_s = float("-inf")  # nobody looks: it does not linger at another source
             self.restart()
         self._tell()
 
