@@ -66,7 +66,9 @@ def _gain_map(
         warm = np.array((*(WARM if len(set(ambient)) > 1 else (1.0, 1.0, 1.0)), 0.0), dtype=np.float32)
         total += cone[:, :, None] * warm * min(0.8 + lamp_m / 30, 1.15) * (1 - (1 - BY_DAY) * day)
         most += 256 * BY_DAY * day
-    shares = np.clip(total * 256, 0, most).astype(np.uint16 if most <= 256 else np.uint32)
+    shares: NDArray[np.uint16] | NDArray[np.uint32] = np.clip(total * 256, 0, most).astype(np.uint16)
+    if most > 256:
+        shares = shares.astype(np.uint32)
     shares[:, :, 3] = 256
     return shares
 

@@ -80,7 +80,8 @@ def plain(kind: str) -> Tile:
 def field_of(rows: Rows) -> Field:
     """Return the tiles of a crop at this row spacing; the first time takes a quarter of a second."""
     key = (rows.crop, rows.spacing_m)
-    found = _FIELDS[key] = _FIELDS.pop(key, None) or _field(*key)
+    found = _FIELDS.pop(key) if key in _FIELDS else _field(*key)
+    _FIELDS[key] = found
     if len(_FIELDS) > MOST_FIELDS:
         del _FIELDS[next(iter(_FIELDS))]
     return found
