@@ -84,6 +84,7 @@ def _measure(browser: Browser, running: Installation) -> Iterator[dict[str, Any]
         someone.sees("pip", "live")
         yield _delay(page)
         yield _stall(page, running)
+        someone.hook("pip-toggle").click()  # from here on others look
         yield _fallback(browser, running)
         yield _freed(browser, running, count)
 
