@@ -38,6 +38,14 @@ MODULES: dict[str, tuple[str, ...]] = {
         "video_large_cpu_pct",
     ),
     "bench.notification_storm": ("notify_storm_cpu_points", "notify_storm_rest_p99_ms", "notify_storm_newest_s"),
+    "bench.video_browser": (
+        "video_seen_cold_ms",
+        "video_seen_ms",
+        "video_true_delay_ms",
+        "video_stall_ms",
+        "video_fallback_ms",
+        "video_freed_ms",
+    ),
     "bench.simulator": ("simulator_fleet_cpu_pct", "simulator_lean_cpu_pct"),
     "bench.camera_pictures": ("camera_picture_640_ms", "camera_picture_2048_ms"),
     "bench.demo": (

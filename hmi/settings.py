@@ -27,6 +27,16 @@ Port = Annotated[int, Field(ge=0, le=65535)]
 _HOST = re.compile(r"[A-Za-z0-9.-]+|\[[0-9A-Fa-f:.]+\]")
 
 
+def port_range(value: str) -> range | None:
+    """Return the ports of ``40000-40063``, ``None`` if nothing is said; raises ``ValueError``."""
+    if not value:
+        return None
+    first, dash, last = value.partition("-")
+    if not (dash and first.isdecimal() and last.isdecimal() and 1024 <= int(first) <= int(last) <= 65535):
+        raise ValueError("camera_udp_ports must be two ports from 1024 to 65535 such as 40000-40063")
+    return range(int(first), int(last) + 1)
+
+
 def checked_template(value: str) -> str:
     """Return the address of online tiles if it names one server and each tile; raises ``ValueError``."""
     parts = urlsplit(value)
@@ -78,6 +88,11 @@ class Settings(BaseSettings):
     )
     camera_workers: int = Field(
         32, ge=1, le=200, description="Most cameras pulled at once; each takes 30 to 70 MB while somebody looks."
+    )
+    camera_udp_ports: str = Field(
+        "",
+        description="UDP ports of WebRTC streams on this machine, e.g. 40000-40063, for a firewall between tablets and "
+        "console; each stream takes one. Empty takes any free port.",
     )
     camera_video_width: int = Field(
         1280,
@@ -245,8 +260,16 @@ class Settings(BaseSettings):
         2, ge=0, description="With less room than this left on the disk, GB, no picture or clip is kept."
     )
     picture_watermark: bool = Field(
-        False, description="Burn the person's name and the time into pictures that are sent out. Clips are not changed."
+        False,
+        description="Burn the person's name and the time into single pictures that are sent out, and show them over "
+        "live ones. Clips are not changed.",
     )
+
+    @field_validator("camera_udp_ports")
+    @classmethod
+    def _udp_ports(cls, value: str) -> str:
+        port_range(value)
+        return value
 
     @field_validator("camera_networks")
     @classmethod

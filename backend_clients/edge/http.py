@@ -12,12 +12,14 @@ Paths below ``base_url`` (from the registry, never from the wire)::
     GET  logs?lines=N                    -> text
     GET  map, model, cameras             -> what the robot declares, 404 with a reason if nothing
     POST cameras/{id}/control            {"lamp"|"zoom"|"trigger"} -> 204, 409 with a reason
+    GET  cameras/{id}/control            -> CameraSetting, 404 from a robot that does not tell
 """
 
 from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
+from typing import Annotated
 
 import httpx
 import msgspec
@@ -33,6 +35,14 @@ TIMEOUT_S = 1.0  # one STOP attempt; the sender repeats
 UPLOAD_TIMEOUT_S = 20.0
 LOG_TIMEOUT_S = 5.0
 MAX_LOG_BYTES = 1_000_000  # 2,000 lines of 500 characters
+MAX_SETTING_BYTES = 4096
+
+
+class CameraSetting(msgspec.Struct, frozen=True):
+    """How a camera is set: ``lamp`` ``None`` is by itself or unknown, ``zoom`` ``None`` unknown."""
+
+    lamp: bool | None = None
+    zoom: Annotated[float, msgspec.Meta(gt=0, le=1000)] | None = None
 
 
 class RobotHttp:
@@ -100,6 +110,14 @@ class RobotHttp:
     async def control_camera(self, camera: str, order: Mapping[str, bool | float]) -> None:
         """Switch the lamp, set the zoom or trigger a picture; see docs/protocols/cameras.md."""
         await self._send("POST", f"cameras/{check_id(camera)}/control", msgspec.json.encode(order))
+
+    async def camera_setting(self, camera: str) -> CameraSetting:
+        """Return how a camera is set now."""
+        path = f"cameras/{check_id(camera)}/control"
+        try:
+            return msgspec.json.decode(await self._read(path, MAX_SETTING_BYTES), type=CameraSetting)
+        except msgspec.MsgspecError as error:
+            raise MalformedPayload(f"{self.robot} GET {path}: {error}") from error
 
     def _ack(self, body: bytes) -> up.Ack:
         message = decode_body(Address(self.robot, Up.ACK), body)

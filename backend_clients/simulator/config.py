@@ -102,6 +102,7 @@ class SimulatorConfig:
         cloud: context broker of the robots' cloud agents, ``None`` if they have none.
         opening: situations that happen first, by robot; with it, more come and go on robots that have a job.
         stations: makes the field sensors beside the robots, called some seconds after the start; ``None`` has none.
+        are_cameras_ready: the drawing of pictures is started a little after the robots instead of with the first one.
         sensor_speed: their weather goes this many times faster than real time.
     """
 
@@ -118,6 +119,7 @@ class SimulatorConfig:
     is_always_day: bool = False
     cloud: CloudConfig | None = None
     stations: StationsMaker | None = None
+    are_cameras_ready: bool = False
     sensor_speed: float = 1.0
 
     def __post_init__(self) -> None:

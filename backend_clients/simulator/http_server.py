@@ -61,6 +61,7 @@ class RobotEndpoint:
             ("cameras/{camera_id}/still", "GET", self.cameras.still),
             ("cameras/{camera_id}/detections", "GET", self.cameras.detections),
             ("cameras/{camera_id}/control", "POST", self.cameras.control),
+            ("cameras/{camera_id}/control", "GET", self.cameras.told),
         ]
         return [
             Route("/{robot_id}/" + path, self._guarded(handler), methods=[method]) for path, method, handler in table

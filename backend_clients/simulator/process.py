@@ -90,6 +90,9 @@ class Simulator:
             self._live(world, (foreman, director), list(sessions.values())), name="simulator-world"
         )
         aside = [asyncio.create_task(sensors.run(), name="simulator-sensors")]
+        if config.are_cameras_ready:
+            preparing = endpoint.cameras.prepare(world.robots.values())
+            aside.append(asyncio.create_task(preparing, name="simulator-cameras"))
         if config.cloud is not None:
             running = _run_agents(config.cloud, world, self._clock, on_ack)
             aside.append(asyncio.create_task(running, name="simulator-cloud"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Protocol
 
@@ -16,7 +16,7 @@ from hmi.api.errors import ApiError
 from hmi.api.orders import RobotId
 from hmi.commands.audit_line import audit_line
 from hmi.commands.ports import AuditSink
-from hmi.domain.camera import ControlFailed
+from hmi.domain.camera import CameraSetting, ControlFailed
 from hmi.domain.ids import ID_PATTERN
 from hmi.domain.role import Permission
 from hmi.security.authorization import Authorize, is_allowed
@@ -25,6 +25,8 @@ from hmi.security.session_info import SessionInfo
 CameraId = Annotated[str, Path(pattern=ID_PATTERN.removesuffix("$") + r"\z")]
 SessionId = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{8,64}\z")]
 WatcherToken = Annotated[str, Header(alias="X-Headland-Watcher", max_length=64)]
+Stamp = Callable[[SessionInfo, bytes], Awaitable[bytes]]
+PICTURE_HEADERS = ("x-headland-captured", "x-headland-seq")
 CONTROL_STATUS = {"no_address": 409, "no_answer": 504, "unknown_camera": 404}
 
 
@@ -74,6 +76,10 @@ class CameraAsk(Protocol):
         """Tell a robot's camera; raises ``ControlFailed``."""
         ...
 
+    async def setting(self, robot_id: str, camera: str) -> CameraSetting:
+        """Return how a robot says its camera is set; raises ``ControlFailed``."""
+        ...
+
 
 class CamerasAway(Exception):
     """The camera process does not answer."""
@@ -85,12 +91,14 @@ class CameraRoutes:
 
     Args:
         holds: whether this session controls this robot.
+        stamp: burns who looks into a picture that leaves; ``None`` where nobody wants that.
     """
 
     cameras: CameraAsk
     authorize: Authorize
     holds: Callable[[str, str], bool]
     audit: AuditSink
+    stamp: Stamp | None = None
 
 
 def camera_routes(parts: CameraRoutes) -> APIRouter:
@@ -135,7 +143,20 @@ def _add_watching(router: APIRouter, parts: CameraRoutes) -> None:
     ) -> Response:
         parts.authorize(session, Permission.WATCH, robot_id)
         query = "" if fresh_s is None else f"?fresh_s={fresh_s}"
-        return await _passed_on(parts, session, "GET", f"/cameras/{robot_id}/{camera}/still{query}")
+        answer = await _passed_on(parts, session, "GET", f"/cameras/{robot_id}/{camera}/still{query}")
+        if parts.stamp is None or answer.status_code != 200:
+            return answer
+        kept = {name: answer.headers[name] for name in (*PICTURE_HEADERS, "cache-control") if name in answer.headers}
+        return Response(await parts.stamp(session, bytes(answer.body)), 200, kept, "image/jpeg")
+
+    @router.get("/{robot_id}/{camera}/control", summary="How its robot says a camera is set; null is not known")
+    async def setting(robot_id: RobotId, camera: CameraId, session: SignedIn) -> dict[str, Any]:
+        parts.authorize(session, Permission.WATCH, robot_id)
+        try:
+            found = await parts.cameras.setting(robot_id, camera)
+        except ControlFailed as failed:
+            raise _not_done(failed) from failed
+        return {"lamp": found.lamp, "zoom": found.zoom}
 
 
 def _add_acting(router: APIRouter, parts: CameraRoutes) -> None:
@@ -156,10 +177,14 @@ def _add_acting(router: APIRouter, parts: CameraRoutes) -> None:
         try:
             await parts.cameras.control(robot_id, camera, order)
         except ControlFailed as failed:
-            raise ApiError(CONTROL_STATUS.get(failed.code, 409), failed.code, failed.text) from failed
+            raise _not_done(failed) from failed
         what = ", ".join(f"{key} {value}" for key, value in order.items())
         _note(parts, session, robot_id, "done", f"camera {camera}: {what}")
         return Response(status_code=204)
+
+
+def _not_done(failed: ControlFailed) -> ApiError:
+    return ApiError(CONTROL_STATUS.get(failed.code, 409), failed.code, failed.text)
 
 
 async def _passed_on(

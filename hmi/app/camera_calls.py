@@ -93,9 +93,10 @@ class CameraCalls:
         except (KeyError, TypeError, ValueError) as error:
             raise CamerasAway("its answer is not understood") from error
 
-    async def frame(self, robot_id: str, camera: str, data: bytes) -> None:
+    async def frame(self, robot_id: str, camera: str, data: bytes, age_s: float) -> None:
         """Hand over a frame."""
-        _good(await self._ask("POST", f"/cameras/{robot_id}/{camera}/frame", data, SHORT_S))
+        path = f"/cameras/{robot_id}/{camera}/frame?age_ms={age_s * 1000:.0f}"
+        _good(await self._ask("POST", path, data, SHORT_S))
 
 
 def camera_calls(desk: CameraDesk) -> CameraCalls:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import io
 import logging
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
+from datetime import UTC, datetime
 from typing import Any
 
 import httpx
@@ -20,7 +22,8 @@ from hmi.app.camera_sources import FleetView, SourceRule, robot_sources
 from hmi.app.records import Records
 from hmi.cameras.door import CAPTURED_HEADER, SEQ_HEADER, VIEWER_HEADER, WATCHER_HEADER
 from hmi.commands.lease_service import LeaseService
-from hmi.domain.camera import Source
+from hmi.commands.watermark import mark_of, watermarked
+from hmi.domain.camera import CameraSetting, Source
 from hmi.ingest.sender import EdgeSender
 from hmi.live.lane import SessionGate
 from hmi.security.authorization import Authorize
@@ -36,7 +39,9 @@ PASSED_BACK = (CAPTURED_HEADER, SEQ_HEADER)
 class CameraDesk:
     """Everything about cameras in the console; costs nothing while nobody looks.
 
-    ``rule`` may be replaced: it turns the robots' own sources into what is really opened.
+    ``rule`` may be replaced: it turns the robots' own sources into what is really opened. ``on_new`` is called when a
+    new camera process knows the sources. ``has_watermark``: whether
+    who looks is burnt into single pictures that are sent out.
     """
 
     def __init__(
@@ -50,6 +55,9 @@ class CameraDesk:
         self.link, self._gate, self._authorize, self._sender = link, gate, authorize, sender
         self._own_sources = own_sources
         self.rule: SourceRule = list
+        self.has_watermark = False
+        self.on_new: Callable[[], Awaitable[None]] | None = None
+        self._telling_anew: asyncio.Task[None] | None = None
         self._told: tuple[int | None, bytes] | None = None
         self._telling = asyncio.Lock()
         self._pages = 0
@@ -60,13 +68,15 @@ class CameraDesk:
         cls, settings: Settings, records: Records, fleet: FleetView, authorize: Authorize, sender: EdgeSender
     ) -> CameraDesk:
         """Make it from what the console has."""
-        return cls(
+        desk = cls(
             CameraLink(settings.data),
             lambda: robot_sources(records.robots.all(), fleet),
             records.sessions,
             authorize,
             sender,
         )
+        desk.has_watermark = settings.picture_watermark
+        return desk
 
     def routes(self, origins: OriginRule) -> list[BaseRoute]:
         """Return the route of ``/cameras/live``."""
@@ -79,14 +89,16 @@ class CameraDesk:
             authorize=self._authorize,
             holds=lambda session_id, robot_id: leases.holds(session_id, robot_id) is not None,
             audit=records.audit,
+            stamp=_stamped if self.has_watermark else None,
         )
         return camera_routes(parts)
 
     async def stop(self) -> None:
         """End what runs."""
-        if self._task is not None:
-            self._task.cancel()
-            await asyncio.gather(self._task, return_exceptions=True)
+        tasks = [task for task in (self._task, self._telling_anew) if task is not None]
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
         await self.link.close()
 
     @property
@@ -105,7 +117,10 @@ class CameraDesk:
             sources = msgspec.json.encode({"sources": self.sources()})
             if self._told != (pid, sources):
                 _whole(await self.link.ask("PUT", "/sources", sources))
+                is_new = self._told is None or self._told[0] != pid
                 self._told = (pid, sources)
+                if is_new and self.on_new is not None:
+                    self._telling_anew = asyncio.create_task(self._tell_anew(self.on_new), name="camera-frames")
 
     async def all(self) -> list[dict[str, Any]]:
         """See ``CameraAsk``."""
@@ -141,6 +156,10 @@ class CameraDesk:
         """See ``CameraAsk``."""
         await self._sender.control_camera(robot_id, camera, order)
 
+    async def setting(self, robot_id: str, camera: str) -> CameraSetting:
+        """See ``CameraAsk``."""
+        return await self._sender.camera_setting(robot_id, camera)
+
     async def call(self, method: str, path: str, content: bytes | None, limit_s: float) -> httpx.Response:
         """Return what the camera process answers, which knows all sources by then; raises ``CamerasDown``."""
         await self.sync()
@@ -157,6 +176,12 @@ class CameraDesk:
         finally:
             self._pages -= 1
 
+    async def _tell_anew(self, tell: Callable[[], Awaitable[None]]) -> None:
+        try:
+            await tell()
+        except Exception:  # the end of a task: nobody above would say it
+            log.exception("the new camera process was not told everything")
+
     def _keep_telling(self) -> None:
         if self._task is None:
             self._task = asyncio.get_running_loop().create_task(self._tell_while_needed(), name="camera-sources")
@@ -169,6 +194,12 @@ class CameraDesk:
                 await asyncio.sleep(SYNC_S)
         finally:
             self._task = None
+
+
+async def _stamped(session: SessionInfo, jpeg: bytes) -> bytes:
+    """Burn who looks and when into a picture that is sent out; one that cannot be drawn on is not sent."""
+    told = mark_of(session.user_name, datetime.now(UTC))
+    return await asyncio.to_thread(watermarked, io.BytesIO(jpeg), told)
 
 
 def _whole(answer: httpx.Response) -> httpx.Response:

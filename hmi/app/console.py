@@ -140,6 +140,7 @@ class Console:
             camera_calls(self.cameras),
         )
         self.cameras.rule = CameraRule(self.pictures.sources)
+        self.cameras.on_new = self.pictures.frames.show_again
         self.sensors = SensorRoom(
             SensorWiring(
                 settings, clock, records, edge.fleet, self.authorize, self._lane_event, self.queue.weather,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from hmi.clock import Clock
 from hmi.commands.field_frames import FrameRefused
 from hmi.domain.camera_source import SourceRefused
+from hmi.domain.picture import Moment
 from hmi.domain.picture_header import BadPicture
 from hmi.domain.sensors.observation import SensorKind
 from hmi.domain.sensors.station import PICTURES_A_DAY, FieldStation
@@ -72,7 +73,9 @@ class SensorPictures:
     async def _take(self, station_id: str, jpeg: bytes) -> None:
         try:
             one = self._desk.frames.admit_station(station_id)
-            await self._desk.frames.take(one, jpeg, None)
+            known = self._board.get(station_id)
+            place = Moment() if known is None else Moment(known.station.lat_deg, known.station.lon_deg)
+            await self._desk.frames.take(one, jpeg, None, place)
         except FrameRefused as error:
             self.counts["too_often" if error.code == "too_often" else "not_accepted"] += 1
             return

@@ -61,6 +61,7 @@ class Camera:
         self.source, self._clock, self._video_width = source, clock, video_width
         self._refusal = refusal
         self.watches: set[Watch] = set()
+        self._ways: dict[Watch, Way] = {}  # asked once: pictures are many
         self.hearers: set[Hearer] = set()
         self.newest: Piece | None = None
         self.newest_jpeg: Piece | None = None
@@ -105,6 +106,7 @@ class Camera:
     def join(self, watch: Watch) -> None:
         """Somebody looks."""
         self.watches.add(watch)
+        self._ways[watch] = watch.wish.way
         self.replan()
         if self._task is None and self.source.kind is not SourceKind.UPLOAD:
             self.reason, self._arrived_s = "", None
@@ -114,6 +116,7 @@ class Camera:
     def leave(self, watch: Watch) -> None:
         """Somebody looks away."""
         self.watches.discard(watch)
+        self._ways.pop(watch, None)
         self.replan()
         self._tell()
 
@@ -136,7 +139,10 @@ class Camera:
         is_same_way = replace(source, is_on=self.source.is_on) == self.source
         self.source = source
         if not is_same_way:
-            self.replan()
+            if self.watches:
+                self.replan()
+            else:
+                self._looked_s = float("-inf")  # nobody looks: it does not linger at another source
             self.restart()
         self._tell()
 
@@ -149,15 +155,20 @@ class Camera:
     async def end(self) -> None:
         """Let go of everything."""
         self.watches.clear()
+        self._ways.clear()
         task, self._task = self._task, None
         if task is not None:
             task.cancel()
             await asyncio.gather(task, return_exceptions=True)
 
     def upload(self, data: bytes, width: int, height: int, captured_ms: float) -> None:
-        """Take a picture that its camera sent by itself."""
+        """Take a picture that its camera sent by itself; one taken before the newest is not shown any more."""
+        if self.newest is not None and captured_ms < self.newest.captured_ms:
+            return
         seq = 1 if self.newest is None else self.newest.seq + 1
         self._take(Piece(Kind.JPEG, data, captured_ms, seq, width, height))
+        self._arrived_s = captured_ms / 1000  # one that waited at its camera is not fresh because it came now
+        self._tell()
 
     def describe(self) -> dict[str, Any]:
         """Return it as ``Camera`` of the protocol."""
@@ -273,16 +284,14 @@ class Camera:
         if self.reason:
             self.reason = ""
         for watch in tuple(self.watches):
-            if self._is_for(piece, watch.wish):
+            if self._ways.get(watch) is WAYS[piece.kind] and self._is_for(piece, watch):
                 watch.take(piece)
         self._tell()
 
-    def _is_for(self, piece: Piece, wish: Wish) -> bool:
-        if WAYS[piece.kind] is not wish.way:
-            return False
+    def _is_for(self, piece: Piece, watch: Watch) -> bool:
         if piece.kind is not Kind.JPEG or self.source.kind is SourceKind.UPLOAD:
             return True
-        return step_of(wish.width, self.source.camera) == piece.wanted_width
+        return step_of(watch.wish.width, self.source.camera) == piece.wanted_width
 
     def _count(self, news: News) -> None:
         now_s = self._clock.mono_s()

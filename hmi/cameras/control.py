@@ -22,7 +22,6 @@ from hmi.cameras.hub import Hub
 from hmi.cameras.jpeg_header import MAX_BYTES, BadPicture
 from hmi.cameras.page_socket import PageSockets
 from hmi.cameras.picture_wire import Piece
-from hmi.cameras.pull_http import age_ms_of
 from hmi.cameras.ring import Rings
 from hmi.cameras.whep import MAX_OFFER_BYTES, WhepDesk, WhepRefused
 from hmi.clock import Clock
@@ -186,9 +185,10 @@ def _end_session(parts: CameraParts) -> Handler:
     async def end(request: Request) -> Response:
         session = parts.whep.sessions.get(request.path_params["id"])
         page = parts.pages.of(request.headers.get(WATCHER_HEADER, ""), request.headers.get(VIEWER_HEADER, ""))
-        if session is None or page is None or session.page is not page:
+        if page is None or (session is not None and session.page is not page):
             return refused(404, "not_found", "There is no such session.")
-        await session.end()
+        if session is not None:  # else the goodbye of its own connection was quicker
+            await session.end()
         return Response(status_code=204)
 
     return end
@@ -207,9 +207,11 @@ def _frame(parts: CameraParts) -> CameraHandler:
             if len(data) > MAX_BYTES:
                 return refused(413, "too_large", f"A picture has at most {MAX_BYTES // 1024 // 1024} MB.")
         try:
-            parts.hub.upload(camera, bytes(data), age_ms_of(request.headers.get("x-age-ms")) or 0.0)
+            parts.hub.upload(camera, bytes(data), float(request.query_params.get("age_ms", "0")))
         except BadPicture as error:
             return refused(422, "bad_picture", f"This cannot be shown: {error}.")
+        except ValueError:
+            return refused(422, "invalid", "age_ms must be a number.")
         return Response(status_code=204)
 
     return frame

@@ -39,22 +39,29 @@ def step_of(width: int, camera: CameraInfo) -> int:
 
 
 def plan_of(wishes: Iterable[Wish], camera: CameraInfo, video_width: int) -> Plan:
-    """Return the least that satisfies everybody."""
+    """Return the least that satisfies everybody.
+
+    Args:
+        video_width: the most that is encoded for WebRTC, whatever is wished.
+    """
     wishes = list(wishes)
     jpegs: dict[int, float] = {}
     widths: list[int] = []
+    videos: list[int] = []
     for wish in wishes:
         if wish.way is Way.JPEG:
             step = step_of(wish.width, camera)
             jpegs[step] = max(jpegs.get(step, 0.0), wish.fps)
             widths.append(step)
         else:
-            widths.append(step_of(min(wish.width or video_width, video_width), camera))
+            step = step_of(min(wish.width or video_width, video_width), camera)
+            widths.append(step)
+            videos.append(min(step or video_width, video_width))
     return Plan(
         fps=round(min(camera.fps, max((wish.fps for wish in wishes), default=1.0)), 2),
         width=0 if 0 in widths or not widths else max(widths),
         has_h264=any(wish.way is Way.H264 for wish in wishes),
         has_vp8=any(wish.way is Way.VP8 for wish in wishes),
-        video_width=video_width,
+        video_width=max(videos, default=video_width),
         jpegs=tuple(JpegWish(width, jpegs[width]) for width in sorted(jpegs)),
     )

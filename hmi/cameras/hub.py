@@ -8,7 +8,7 @@ from typing import Any
 
 from hmi.cameras.camera import Camera
 from hmi.cameras.demand import Way, Wish
-from hmi.cameras.jpeg_header import checked_size
+from hmi.cameras.jpeg_header import BadPicture, checked_size
 from hmi.cameras.picture_wire import Piece
 from hmi.clock import Clock
 from hmi.domain.camera import Source
@@ -56,6 +56,8 @@ class Hub:
 
     def upload(self, camera: Camera, data: bytes, age_ms: float = 0.0) -> None:
         """Take a picture its camera sent, so old when it came; raises ``BadPicture``."""
+        if not 0 <= age_ms < float("inf"):
+            raise BadPicture("its age is none")
         width, height = checked_size(data)
         camera.upload(data, width, height, self._clock.mono_s() * 1000 - age_ms)
 

@@ -17,6 +17,7 @@ from hmi.cameras.hub import Hub
 from hmi.cameras.pace import Pace
 from hmi.cameras.picture_wire import Piece
 from hmi.clock import Clock
+from hmi.domain.camera import SourceKind
 
 SILENT_S = 1.5
 MOST_STREAMS = 64
@@ -79,6 +80,9 @@ class Stream:
         if self.way == "times":
             return
         self.camera.join(self)
+        shown = self.camera.newest_jpeg
+        if shown is not None and self.camera.source.kind is SourceKind.UPLOAD:  # the next may come in an hour
+            self.take(shown)
 
     def end(self) -> None:
         """Look away."""
@@ -175,6 +179,11 @@ class Page:
                 self._times.setdefault(stream.n, deque(maxlen=MOST_TIMES)).append(row)
                 self.wake()
 
+    def width_of(self, camera: Camera) -> int:
+        """See ``TimesSink``."""
+        widths = [stream.wish.width for stream in self.streams.values() if stream.camera is camera]
+        return 0 if 0 in widths else max(widths, default=0)
+
     def forget(self, camera: Camera) -> None:
         """A camera is no more."""
         for n in [n for n, stream in self.streams.items() if stream.camera is camera]:
@@ -220,6 +229,7 @@ class Page:
         stream.begin()  # before the old one ends: the camera runs on
         self._drop(frame.n)
         self.streams[frame.n] = stream
+        camera.replan()  # how wide it is wanted counts for its direct pictures too
         stream.tell(camera)
 
     def _drop(self, n: int) -> None:

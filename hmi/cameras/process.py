@@ -6,8 +6,9 @@ import asyncio
 import contextlib
 import logging
 
+from hmi.cameras.udp_ports import loop_maker
 from hmi.cameras.worker_process import start_zygote
-from hmi.settings import Settings
+from hmi.settings import Settings, port_range
 
 
 def run_cameras(settings: Settings) -> None:
@@ -18,5 +19,6 @@ def run_cameras(settings: Settings) -> None:
     start_zygote()
     from hmi.cameras.service import serve
 
-    with contextlib.suppress(KeyboardInterrupt):
-        asyncio.run(serve(settings))
+    maker = loop_maker(port_range(settings.camera_udp_ports))
+    with contextlib.suppress(KeyboardInterrupt), asyncio.Runner(loop_factory=maker) as runner:
+        runner.run(serve(settings))

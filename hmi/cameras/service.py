@@ -15,7 +15,7 @@ from hmi.cameras.ring import Rings
 from hmi.cameras.whep import WhepDesk
 from hmi.cameras.worker_process import zygote_is_ready
 from hmi.clock import SystemClock
-from hmi.settings import Settings
+from hmi.settings import Settings, port_range
 from hmi.side_server import loopback_server
 
 SEND_BUFFER_BYTES = 256 * 1024  # a page that does not keep up shall not have seconds of pictures in the kernel
@@ -27,7 +27,8 @@ async def serve(settings: Settings) -> None:
     """Serve until a signal."""
     clock, secret = SystemClock(), shared_secret(settings.data)
     hub = Hub(clock, settings.camera_video_width, settings.camera_workers)
-    whep = WhepDesk(settings.camera_viewers)
+    ports = port_range(settings.camera_udp_ports)
+    whep = WhepDesk(settings.camera_viewers if ports is None else min(settings.camera_viewers, len(ports)))
     pages, rings = PageSockets(hub, whep, clock, MOST_PAGES), Rings(clock)
     parts = CameraParts(hub, pages, whep, rings, clock, settings.data)
     listener, server = loopback_server(control_app(parts, secret))

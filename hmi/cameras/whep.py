@@ -38,10 +38,14 @@ class WhepRefused(Exception):
 
 
 class TimesSink(Protocol):
-    """A page: whose sessions end with it, and who is told of each picture that was sent."""
+    """A page: whose sessions end with it, who is told of each picture that was sent, and how wide it shows them."""
 
     def sent(self, camera: Camera, rtp: int, piece: Piece) -> None:
         """A picture went out under this RTP timestamp."""
+        ...
+
+    def width_of(self, camera: Camera) -> int:
+        """Return how wide this page shows a camera, px; 0 if it does not say."""
         ...
 
 
@@ -53,7 +57,7 @@ class Session:
     def __init__(self, page: TimesSink, camera: Camera, way: Way, on_end: Callable[[Session], None]) -> None:
         self.id = secrets.token_urlsafe(18)
         self.page, self.camera = page, camera
-        self.wish = Wish(way)
+        self.way = way
         self._on_end = on_end
         self._origin: int | None = None
         self.track = PacketTrack(self._begin, self._sent, camera.ask_key)
@@ -62,10 +66,15 @@ class Session:
         self._ending: asyncio.Task[None] | None = None
         self._limit = asyncio.get_running_loop().call_later(CONNECT_S, self._too_late)
 
+    @property
+    def wish(self) -> Wish:
+        """See ``Watch``."""
+        return Wish(self.way, self.page.width_of(self.camera))
+
     async def answer(self, offer: str) -> str:
         """Return the answer to an offer; raises ``WhepRefused``."""
         transceiver = self.peer.addTransceiver(self.track, direction="sendonly")
-        transceiver.setCodecPreferences(_codecs(self.wish.way))  # before the offer is read, else H.264 goes as VP8
+        transceiver.setCodecPreferences(_codecs(self.way))  # before the offer is read, else H.264 goes as VP8
         sender = transceiver.sender
         sender._send_keyframe = self.camera.ask_key  # type: ignore[method-assign]
         try:
@@ -98,7 +107,7 @@ class Session:
     def _begin(self) -> None:
         """The way is open. An encoder makes a key picture now; a camera's own H.264 is begun where it began."""
         if self.camera.source.kind in (SourceKind.RTSP, SourceKind.WHEP):
-            for piece in self.camera.group if self.wish.way is Way.H264 else ():
+            for piece in self.camera.group if self.way is Way.H264 else ():
                 self.take(piece)
         self.camera.ask_key()
 

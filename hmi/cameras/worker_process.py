@@ -26,7 +26,10 @@ from hmi.cameras.picture_wire import (
 )
 from hmi.domain.camera import Source
 
-PRELOADED = ["hmi.cameras.worker", "hmi.cameras.pull_rtsp", "hmi.cameras.clip"]
+PRELOADED = [
+    "hmi.cameras.worker", "hmi.cameras.pull_rtsp", "hmi.cameras.clip",
+    "httpcore", "certifi",  # httpx loads them with its first request, which somebody would wait for
+]  # fmt: skip
 END_S = 1.0
 BUFFER_BYTES = 1024 * 1024
 context = multiprocessing.get_context("forkserver")

@@ -132,6 +132,7 @@ def fleet(
     cloud_tenant: Annotated[str, typer.Option(help="Tenant there (Fiware-Service).")] = "",
     farm: Annotated[str, typer.Option(help="Farm in the names of the cloud's entities.")] = "farm",
     sensors: Annotated[bool, typer.Option(help="With the demo farm's field sensors.")] = False,
+    cameras_ready: Annotated[bool, typer.Option(help="Be ready to draw pictures before somebody asks.")] = False,
 ) -> None:
     """Start many robots in one process: a farm at work, or a crowd for load."""
     from backend_clients.simulator.config import CloudConfig, SimulatorConfig
@@ -156,6 +157,7 @@ def fleet(
             is_always_day=always_day,
             cloud=CloudConfig(cloud, cloud_tenant, farm=farm) if cloud else None,
             stations=_stations if sensors else None,
+            are_cameras_ready=cameras_ready,
         )
         if out is not None:
             _write_private(out, rows)

@@ -69,8 +69,8 @@ class CameraProcess(Protocol):
         """
         ...
 
-    async def frame(self, robot_id: str, camera: str, data: bytes) -> None:
-        """Hand over a frame that was sent to the console."""
+    async def frame(self, robot_id: str, camera: str, data: bytes, age_s: float) -> None:
+        """Hand over a JPEG that was sent to the console, and how old it is."""
         ...
 
 
@@ -92,5 +92,5 @@ class NoCameras:
         """Raise ``CamerasAway``."""
         raise CamerasAway(f"no clip of {robot_id}/{camera}, {from_s} to {to_s}, at {path}")
 
-    async def frame(self, robot_id: str, camera: str, data: bytes) -> None:
+    async def frame(self, robot_id: str, camera: str, data: bytes, age_s: float) -> None:
         """Do nothing."""

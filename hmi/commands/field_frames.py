@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 import hmac
 import logging
 from dataclasses import dataclass, replace
@@ -10,10 +12,11 @@ from hmi.clock import Clock
 from hmi.commands.camera_ports import CameraProcess, CamerasAway, NoPicture, Still
 from hmi.commands.camera_source_book import CameraSourceBook, digest_of
 from hmi.commands.mission_pictures import draft
+from hmi.commands.watermark import as_jpeg
 from hmi.domain.camera import SourceKind
 from hmi.domain.camera_source import FIELD
 from hmi.domain.picture import Moment, Picture, PictureKind
-from hmi.domain.picture_header import Header, read_picture
+from hmi.domain.picture_header import BadPicture, Header, read_picture
 from hmi.store.camera_sources import StoredSource
 from hmi.store.database import Database
 from hmi.store.picture_shelf import PictureShelf
@@ -23,6 +26,7 @@ SLACK = 0.8  # a camera's clock is no metronome
 LEAST_S = 0.5
 MOST_AGE_S = 3600.0
 JPEG = "image/jpeg"
+NOWHERE = Moment()
 log = logging.getLogger(__name__)
 
 
@@ -98,26 +102,29 @@ class FieldFrames:
             raise FrameRefused("too_often", f"One frame each {one.period_s:g} s.", (1.0 - tokens) * every_s)
         state.tokens -= 1.0
 
-    async def take(self, one: StoredSource, data: bytes, age_s: float | None) -> Header:
+    async def take(self, one: StoredSource, data: bytes, age_s: float | None, place: Moment = NOWHERE) -> Header:
         """Take a frame: the newest, one to show, and now and then one to keep.
 
         Args:
             age_s: how old it was when it was sent, if the camera tells.
+            place: where the camera stands, if anybody knows.
 
         Raises:
             BadPicture: these bytes are no picture.
             PicturesFull, PicturesBusy: it was not kept.
         """
         header = read_picture(data)
-        captured_s = self._clock.mono_s() - min(max(age_s or 0.0, 0.0), MOST_AGE_S)
-        await self._show(one, header, data)
-        await self._shelf.set_newest_frame(one.camera, data)
+        known_s = min(max(age_s or 0.0, 0.0), MOST_AGE_S)
+        captured_s = self._clock.mono_s() - known_s
+        await self._show(one, header, data, known_s)
+        await self._shelf.set_newest_frame(one.camera, data, self._clock.utc().timestamp() - known_s)
         await self._sources.noted_size(one, header.width_px, header.height_px)
         state = self._cameras.setdefault(one.camera, _Camera(at_s=self._clock.mono_s()))
         if one.keep_every_s > 0 and self._clock.mono_s() - state.kept_s >= one.keep_every_s:
             before_s, state.kept_s = state.kept_s, self._clock.mono_s()
             try:
-                await self._shelf.keep(self._draft(one, Still(data, captured_s), is_dated=age_s is not None), data)
+                made = self._draft(one, Still(data, captured_s), place, is_dated=age_s is not None)
+                await self._shelf.keep(made, data)
             except BaseException:
                 state.kept_s = before_s
                 raise
@@ -128,18 +135,26 @@ class FieldFrames:
         found = await self._shelf.newest_frame(camera)
         if found is None or self._sources.stored(FIELD, camera) is None:
             raise NoPicture("no_picture", "This camera has sent nothing yet.")
-        data, came_unix_s = found
-        return Still(data, self._clock.mono_s() - max(0.0, self._clock.utc().timestamp() - came_unix_s))
+        data, taken_unix_s = found
+        return Still(data, self._clock.mono_s() - max(0.0, self._clock.utc().timestamp() - taken_unix_s))
 
-    async def _show(self, one: StoredSource, header: Header, data: bytes) -> None:
+    async def show_again(self) -> None:
+        """Tell a new camera process the newest frame of each camera, as old as it is: the next may come in an hour."""
+        for one in self._sources.field_cameras():
+            if one.kind is SourceKind.UPLOAD:
+                with contextlib.suppress(NoPicture, BadPicture):
+                    still = await self.newest(one.camera)
+                    header = read_picture(still.data)
+                    await self._show(one, header, still.data, self._clock.mono_s() - still.captured_s)
+
+    async def _show(self, one: StoredSource, header: Header, data: bytes, age_s: float) -> None:
         """Hand it to the camera process for those who look; keeping it does not wait for that to work."""
-        if header.media_type != JPEG:
-            return
         try:
-            await self._process.frame(FIELD, one.camera, data)
-        except (CamerasAway, NoPicture) as error:
+            shown = data if header.media_type == JPEG else await asyncio.to_thread(as_jpeg, data)
+            await self._process.frame(FIELD, one.camera, shown, age_s)
+        except (CamerasAway, NoPicture, OSError) as error:
             log.debug("a frame of %s is not shown: %s", one.camera, error)
 
-    def _draft(self, one: StoredSource, still: Still, *, is_dated: bool) -> Picture:
-        made = draft(still, PictureKind.FRAME, self._farm_id, FIELD, one.camera, self._clock, Moment())
+    def _draft(self, one: StoredSource, still: Still, place: Moment, *, is_dated: bool) -> Picture:
+        made = draft(still, PictureKind.FRAME, self._farm_id, FIELD, one.camera, self._clock, place)
         return made if is_dated else replace(made, age_s=None)

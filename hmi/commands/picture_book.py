@@ -12,7 +12,7 @@ from hmi.commands.audit_line import audit_line
 from hmi.commands.camera_ports import CameraProcess, CamerasAway, NoPicture, Still
 from hmi.commands.mission_pictures import draft
 from hmi.commands.ports import AuditSink, LaneEvent
-from hmi.commands.watermark import watermarked
+from hmi.commands.watermark import mark_of, watermarked
 from hmi.domain.camera_source import FIELD
 from hmi.domain.picture import Moment, Picture, PictureKind
 from hmi.domain.picture_header import BadPicture
@@ -120,7 +120,7 @@ class PictureBook:
         """Return the picture with person and time burnt in, ``None`` where nobody wants that; raises ``OSError``."""
         if not self._parts.has_watermark or not one.media_type.startswith("image/"):
             return None
-        told = f"{session.user_name}  {self._parts.clock.utc():%Y-%m-%d %H:%M} UTC"
+        told = mark_of(session.user_name, self._parts.clock.utc())
         async with self._few:
             return await asyncio.to_thread(watermarked, path, told)
 

@@ -105,6 +105,14 @@ def frozen_after_s(period_s: float) -> float:
     return FROZEN_S if period_s <= 0.5 else FROZEN_PERIODS * period_s
 
 
+@dataclass(frozen=True, slots=True)
+class CameraSetting:
+    """How a robot says its camera is set; ``None`` is by itself or not known."""
+
+    lamp: bool | None = None
+    zoom: float | None = None
+
+
 class ControlFailed(Exception):
     """A robot's camera did not do as told; ``text`` says why, for a person."""
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Mapping
-from typing import Any, Protocol
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any, Protocol, TypeVar
 
 import msgspec
 from msgspec import UNSET
@@ -15,7 +15,7 @@ from backend_clients.edge.codec import encode, mission_hash
 from backend_clients.edge.http import RobotHttp
 from backend_clients.edge.topics import Down, topic
 from backend_clients.errors import ClientError, Refused
-from hmi.domain.camera import ControlFailed
+from hmi.domain.camera import CameraSetting, ControlFailed
 from hmi.domain.command import (
     Acknowledgement,
     CommandOrder,
@@ -58,6 +58,7 @@ class Publisher(Protocol):
 
 
 AddressOf = Callable[[str], Address | None]
+T = TypeVar("T")
 MakeHttp = Callable[[str, str, str], RobotHttp]
 
 
@@ -134,16 +135,26 @@ class EdgeSender:
         Raises:
             ControlFailed: it has no address, does not answer, or refuses.
         """
+        await self._asked(
+            robot_id, lambda client: client.control_camera(camera, order), "Nothing is known to have changed."
+        )
+
+    async def camera_setting(self, robot_id: str, camera: str) -> CameraSetting:
+        """Ask a robot how its camera is set; raises ``ControlFailed`` as above."""
+        told = await self._asked(robot_id, lambda client: client.camera_setting(camera), "Lamp and zoom are not known.")
+        return CameraSetting(told.lamp, told.zoom)
+
+    async def _asked(self, robot_id: str, ask: Callable[[RobotHttp], Awaitable[T]], unknown: str) -> T:
         client = self._client(robot_id)
         if client is None:
             raise ControlFailed("no_address", "The robot has no address here. An admin can add it under Admin, Robots.")
         try:
-            await client.control_camera(camera, order)
+            return await ask(client)
         except Refused as refused:
             raise ControlFailed(refused.code, refused.text) from refused
         except ClientError as error:
             log.info("camera by http: %s", error)
-            raise ControlFailed("no_answer", "The robot did not answer. Nothing is known to have changed.") from error
+            raise ControlFailed("no_answer", f"The robot did not answer. {unknown}") from error
 
     def acknowledged(self, answer: Acknowledgement) -> None:
         """Hear every acknowledgement; give it to ``EdgeListeners.on_ack``."""

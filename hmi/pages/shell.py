@@ -132,4 +132,5 @@ def _config(services: PageServices, session: SessionInfo | None) -> dict[str, ob
         "apiPath": "/api/v1",
         "farm": settings.farm_name,
         "demo": settings.demo,
+        **({"watermark": True} if settings.picture_watermark else {}),
     }

@@ -98,16 +98,17 @@ class PictureFiles:
         folder = self._kept / _checked(farm_id, _FARM)
         return [path for path in folder.glob("*/*") if (named := _NAMED.fullmatch(path.name)) and named[1] not in known]
 
-    def set_newest(self, farm_id: str, camera: str, data: bytes) -> None:
+    def set_newest(self, farm_id: str, camera: str, data: bytes, taken_unix_s: float) -> None:
         """Replace the newest frame of a field camera; a power cut may lose it. Raises ``OSError``."""
         place = self._newest_place(farm_id, camera)
         place.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         beside = place.with_suffix(".new")
         beside.write_bytes(data)
+        os.utime(beside, (taken_unix_s, taken_unix_s))
         os.replace(beside, place)
 
     def newest(self, farm_id: str, camera: str) -> tuple[bytes, float] | None:
-        """Return the newest frame of a field camera and when it came, Unix seconds; ``None`` without one."""
+        """Return the newest frame of a field camera and when it was taken, Unix seconds; ``None`` without one."""
         place = self._newest_place(farm_id, camera)
         try:
             with open(place, "rb") as file:

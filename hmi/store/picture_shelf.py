@@ -88,12 +88,12 @@ class PictureShelf:
         """Keep a file that was written to ``files.incoming``; raises as ``keep``."""
         return await self._bounded(self._keep, one, None)
 
-    async def set_newest_frame(self, camera: str, data: bytes) -> None:
+    async def set_newest_frame(self, camera: str, data: bytes, taken_unix_s: float) -> None:
         """Replace the newest frame of a field camera; raises ``PicturesFull`` and ``PicturesBusy``."""
-        await self._bounded(self._newest, camera, data)
+        await self._bounded(self._newest, camera, data, taken_unix_s)
 
     async def newest_frame(self, camera: str) -> tuple[bytes, float] | None:
-        """Return the newest frame of a field camera and when it came, Unix seconds."""
+        """Return the newest frame of a field camera and when it was taken, Unix seconds."""
         return await asyncio.to_thread(self.files.newest, self._farm_id, camera)
 
     async def forget_frames(self, camera: str) -> None:
@@ -153,9 +153,9 @@ class PictureShelf:
             self._sweep()
         return kept
 
-    def _newest(self, camera: str, data: bytes) -> None:
+    def _newest(self, camera: str, data: bytes, taken_unix_s: float) -> None:
         self._check_room()
-        self.files.set_newest(self._farm_id, camera, data)
+        self.files.set_newest(self._farm_id, camera, data, taken_unix_s)
 
     def _check_room(self) -> None:
         self._free = self.files.free_bytes()

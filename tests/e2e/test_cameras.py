@@ -42,6 +42,30 @@ READ_CODE = """() => {
   return { trueMs: ((Date.now() % 2 ** 24) - code + 2 ** 24) % 2 ** 24, shownMs: shown };
 }"""
 
+# the light of the picture in 16 x 12 fields, without the time code above and the caption below
+READ_LIGHT = """() => {
+  const view = document.querySelector('.c-pip .c-view');
+  const source = view.classList.contains('direct') ? view.querySelector('video') : view.querySelector('canvas');
+  const copy = new OffscreenCanvas(16, 16).getContext('2d', { willReadFrequently: true });
+  copy.drawImage(source, 0, 0, 16, 16);
+  const { data } = copy.getImageData(0, 2, 16, 12);
+  return Array.from({ length: 192 }, (_, i) => (data[4 * i] + data[4 * i + 1] + data[4 * i + 2]) / 3);
+}"""
+
+# closed after 0 to 450 ms: before the offer, before the answer, while the way opens, while pictures come
+OPEN_AND_CLOSE = """async ([begun, count]) => {
+  const button = document.querySelector('[data-testid=pip-toggle]');
+  const isThere = () => document.querySelector('[data-testid=pip]') !== null;
+  const until = async (wanted) => { while (isThere() !== wanted) await new Promise(requestAnimationFrame); };
+  for (let i = begun; i < begun + count; i += 1) {
+    button.click();
+    await until(false);
+    button.click();
+    await until(true);
+    await new Promise((done) => setTimeout(done, 50 * (i % 10)));
+  }
+}"""
+
 
 def watch(someone: Person) -> Page:
     """Open the picture on Operate and wait until it shows something."""
@@ -112,11 +136,82 @@ def test_a_killed_camera_process_leaves_a_frozen_picture_that_comes_back(person:
 def test_two_hundred_openings_leave_no_connection_behind(person: Come, viewers: Callable[[], int]) -> None:
     martha = person("operator")
     page = watch(martha)
-    for _ in range(200):
-        martha.hook("pip-toggle").click()
-        expect(martha.hook("pip")).to_have_count(0)
-        martha.hook("pip-toggle").click()
-        expect(martha.hook("pip")).to_have_count(1)
+    for begun in range(0, 200, 20):
+        page.evaluate(OPEN_AND_CLOSE, [begun, 20])
+        martha.sees("pip", "live|stills", within_s=FIRST_S)  # none of them took its way from the next
+        expect(martha.hook("pip")).to_have_attribute("data-way", "direct", timeout=FIRST_S * 1000)
     martha.hook("pip-toggle").click()
     page.wait_for_function("HL.camera.directs.size === 0")
     wait_for(lambda: viewers() == 0, within_s=10, what="the server lets go of all of them")
+
+
+def light(page: Page) -> list[float]:
+    """Return the light of the picture that is shown, field by field."""
+    found: list[float] = page.evaluate(READ_LIGHT)
+    return found
+
+
+def apart(one: list[float], other: list[float]) -> float:
+    """Return by how much two pictures differ, of 255."""
+    return sum(abs(a - b) for a, b in zip(one, other, strict=True)) / len(one)
+
+
+def is_turned(someone: Person, usual: list[float]) -> bool:
+    """Hold a pad until the picture is another; a late answer of a busy machine ends the hold, and she presses again."""
+    someone.hold("camera-move-left")
+    try:
+        wait_for(lambda: apart(usual, light(someone.page)) > 4, within_s=4, what="the camera turns")
+    except AssertionError:
+        return False
+    finally:
+        someone.let_go()
+    return True
+
+
+def test_what_is_done_to_a_camera_is_seen_in_its_picture(person: Come) -> None:
+    """Zoom, lamp, trigger, pan and tilt, each by its button; each ends as it began."""
+    martha = person("operator")
+    page = watch(martha)
+    martha.hook("lease-request").click()
+    martha.hook("view-camera").click()
+    expect(martha.hook("camera-zoom-in")).not_to_have_attribute("aria-disabled", "true", timeout=10_000)
+    expect(martha.hook("pip")).to_have_attribute("data-way", "direct", timeout=FIRST_S * 1000)
+
+    def settled() -> list[float]:
+        page.wait_for_timeout(1200)  # two pictures a second at the least, and the encoder's last refinement
+        return light(page)
+
+    usual = settled()
+    assert apart(usual, settled()) < 3, "a robot that stands still sees the same"
+    martha.hook("camera-zoom-in").click()
+    wait_for(lambda: apart(usual, light(page)) > 5, within_s=6, what="the zoom in the picture")
+    martha.hook("camera-zoom-out").click()
+    wait_for(lambda: apart(usual, light(page)) < 3, within_s=6, what="the zoom back")
+    martha.hook("camera-lamp").click()
+    low = slice(112, 192)
+    wait_for(lambda: sum(light(page)[low]) > 1.05 * sum(usual[low]), within_s=6, what="the lamp on the ground")
+    expect(martha.hook("camera-lamp")).to_have_attribute("aria-pressed", "true")
+    page.reload()
+    martha.sees("pip", "live|stills", within_s=FIRST_S)
+    expect(martha.hook("camera-lamp")).to_have_attribute("aria-pressed", "true", timeout=10_000)
+    martha.hook("camera-lamp").click()
+    wait_for(lambda: apart(usual, light(page)) < 3, within_s=6, what="the lamp off")
+    martha.hook("camera-move").click()
+    expect(martha.hook("camera-move-left")).to_be_visible(timeout=10_000)
+    assert any(is_turned(martha, usual) for _ in range(6)), "the camera does not turn while its pad is held"
+    held = settled()
+    assert apart(held, settled()) < 3, "it stands once it is let go"
+    assert martha.covers_of_stop() == []
+    martha.hook("camera-move-end").click()
+
+
+def test_somebody_in_the_way_is_marked_in_the_picture_that_is_chosen(person: Come, calm: Installation) -> None:
+    martha = person("operator")
+    martha.open("/cameras")
+    tile = martha.hook(f"camera-{ROBOT}-{CAMERA}")
+    expect(tile).to_have_attribute("data-state", re.compile("^(live|stills)$"), timeout=FIRST_S * 1000)
+    calm.fault(ROBOT, "person-ahead")
+    expect(tile).to_have_attribute("data-boxes", "0")
+    tile.click()
+    expect(tile.locator(".c-boxes .k-person rect")).to_have_count(1, timeout=10_000)
+    assert martha.covers_of_stop() == []

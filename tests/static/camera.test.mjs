@@ -98,6 +98,19 @@ test("a picture is live with its delay and rate, and frozen one second after the
   assert.equal(sight.judge(last + 41000, last + 41000, INFO, "direct").state, "off", "so old a picture tells nothing about now");
 });
 
+test("a picture of a slow camera that was old when it came is late, and says its age", () => {
+  const slow = { ...INFO, fps: 0.2, period_s: 5 };
+  const sight = new Sight(0);
+  sight.picture(100, 100 - 300000, 100, true);
+  assert.equal(sight.judge(1100, 1100, slow, "jpeg").state, "late");
+  assert.equal(says.corner(sight.judge(1100, 1100, slow, "jpeg"), { way: "jpeg" }), "late, 5:01 old");
+  const hourly = { ...slow, period_s: 3600 };
+  const station = new Sight(0);
+  station.picture(2000, 2000 - 1500000, 2000, true);
+  assert.equal(station.judge(62000, 62000, hourly, "jpeg").state, "live");
+  assert.equal(says.corner(station.judge(62000, 62000, hourly, "jpeg"), { way: "jpeg" }).slice(0, 9), "26:00 old");
+});
+
 test("a slow camera is frozen after three of its periods, not before", () => {
   const sight = looked(20000, { period: 5000 });
   const slow = { ...INFO, fps: 0.2, period_s: 5 };

@@ -21,13 +21,13 @@ def font(size_px: int) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
     return ImageFont.load_default(size_px)
 
 
-def write_caption(pixels: NDArray[np.uint32], look: Look) -> NDArray[np.uint32]:
-    """Write who looks and when into the lower left corner; return the picture."""
+def write_caption(pixels: NDArray[np.uint32], look: Look, *, is_lit: bool = False) -> NDArray[np.uint32]:
+    """Write who looks, when, how near, and whether by the lamp, into the lower left corner; return the picture."""
     pixels = pixels if pixels.flags.writeable else pixels.copy()
     high, wide = pixels.shape
-    zoom = f"  {look.zoom:.1f}x" if look.zoom > SHOWN_ZOOM else ""
+    more = (f"  {look.zoom:.1f}x" if look.zoom > SHOWN_ZOOM else "") + ("  lamp" if is_lit else "")
     when = datetime.fromtimestamp(look.wall_ms // 1000, UTC)
-    ink = _label(f"{look.robot}  {look.camera}  {when:%Y-%m-%d %H:%M:%S} UTC{zoom}", wide)
+    ink = _label(f"{look.robot}  {look.camera}  {when:%Y-%m-%d %H:%M:%S} UTC{more}", wide)
     part = pixels[high - ink.shape[0] :, : ink.shape[1]]
     part[...] = (part >> np.uint32(1)) & np.uint32(0x7F7F7F7F)
     part[ink] = np.uint32(0xFFF4F6F4)

@@ -20,7 +20,7 @@ from backend_clients.simulator.cameras.mounts import MOUNTS, Mount
 from backend_clients.simulator.cameras.scene import Box, Look, Rows, Thing
 from backend_clients.simulator.cameras.sky import Light, light_at, paint_sky
 from backend_clients.simulator.cameras.stage import Stage
-from backend_clients.simulator.cameras.textures import far_field, field_of, plain
+from backend_clients.simulator.cameras.textures import far_field, field_of, is_made, plain
 from backend_clients.simulator.cameras.weeds import Spot, draw_litter, draw_weeds
 
 Pixels = NDArray[np.uint32]
@@ -43,6 +43,7 @@ class Canvas:
     stage: Stage
     pixels: Pixels
     boxes: list[Box] = field(default_factory=list)
+    owed: list[Rows] = field(default_factory=list)
 
     @property
     def is_lit(self) -> bool:
@@ -52,8 +53,12 @@ class Canvas:
         return self.light.is_dark if self.look.lamp is None else self.look.lamp
 
 
-def compose(look: Look, stage: Stage) -> tuple[Pixels, list[Box]]:
-    """Return the picture of a look as packed RGBX pixels, shape (height, width), and what is seen in it."""
+def compose(look: Look, stage: Stage, owed: list[Rows] | None = None) -> tuple[Pixels, list[Box]]:
+    """Return the picture of a look as packed RGBX pixels, shape (height, width), and what is seen in it.
+
+    Args:
+        owed: takes the rows that a hasty look showed as coarse as from afar, for they are not made yet.
+    """
     mount = MOUNTS[(look.family, look.camera)]
     half = look.width_px > MOST_PX
     wide, high = (look.width_px // 2, look.height_px // 2) if half else (look.width_px, look.height_px)
@@ -65,10 +70,12 @@ def compose(look: Look, stage: Stage) -> tuple[Pixels, list[Box]]:
         depth.draw_depth(canvas)
     else:
         _draw(canvas)
+    if owed is not None:
+        owed += canvas.owed
     pixels = canvas.pixels
     if half:
         pixels = _doubled(pixels)
-    pixels = write_caption(pixels, look)
+    pixels = write_caption(pixels, look, is_lit=canvas.is_lit)
     time_code.burn(pixels, look.wall_ms)
     return pixels, canvas.boxes
 
@@ -126,7 +133,11 @@ def _paint_grounds(canvas: Canvas, horizon: int) -> Rows | None:
 def _paint_field(canvas: Canvas, rows: Rows, mask: NDArray[np.bool_] | None) -> None:
     eye, frame = canvas.eye, Frame(*rows.anchor, rows.bearing_rad)
     high = crop_of(rows.crop).high_m
-    if eye.z_m > HIGH_UP_M or not _is_near(eye, mask):
+    is_far = eye.z_m > HIGH_UP_M or not _is_near(eye, mask)
+    is_owed = not is_far and canvas.look.is_hasty and not is_made(rows)
+    if is_owed:
+        canvas.owed.append(rows)
+    if is_far or is_owed:
         paint(canvas.pixels, eye, far_field(rows.crop, rows.spacing_m), frame, mask=mask)
         return
     tiles = field_of(rows)

@@ -60,8 +60,10 @@ class Observer:
         """Return what is set on a camera."""
         return self.settings.setdefault((robot_id, camera), Setting())
 
-    def take(self, robot: SimRobot, camera: up.Camera, width_px: int) -> tuple[Look, Callable[[], Scene]]:
-        """Return how a camera looks now, and what makes the scene it looks at."""
+    def take(
+        self, robot: SimRobot, camera: up.Camera, width_px: int, *, is_hasty: bool = False
+    ) -> tuple[Look, Callable[[], Scene]]:
+        """Return how a camera looks now, and what makes the scene it looks at; see ``Look`` for ``is_hasty``."""
         machine, boot = robot.machine, robot.boot
         run = boot.brain.run if boot is not None else None
         setting = self.setting(robot.config.id, camera.id)
@@ -94,6 +96,7 @@ class Observer:
             things=self._things(robot, (x, y)),
             crane=_crane(machine),
             sun_ms=morning_ms(robot.config.datum_lon_deg) if self.is_always_day else None,
+            is_hasty=is_hasty,
         )
         return look, lambda: scene_of(self.scenery, robot.config, run)
 

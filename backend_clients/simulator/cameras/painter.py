@@ -6,8 +6,9 @@ from collections import OrderedDict
 
 from backend_clients.simulator.cameras.composer import compose
 from backend_clients.simulator.cameras.jpeg import encoded
-from backend_clients.simulator.cameras.scene import Look, Picture, Scene
+from backend_clients.simulator.cameras.scene import Look, Picture, Rows, Scene
 from backend_clients.simulator.cameras.stage import Stage
+from backend_clients.simulator.cameras.textures import field_of
 
 MOST_SCENES = 64
 
@@ -17,6 +18,7 @@ class Painter:
 
     def __init__(self) -> None:
         self._stages: OrderedDict[str, Stage] = OrderedDict()
+        self._owed: list[Rows] = []
 
     def keep(self, scene: Scene) -> None:
         """Remember a scene; the oldest is forgotten."""
@@ -30,5 +32,10 @@ class Painter:
         stage = self._stages.get(look.scene)
         if stage is None:
             return Picture(number, problem="unknown scene")
-        pixels, boxes = compose(look, stage)
+        pixels, boxes = compose(look, stage, self._owed)
         return Picture(number, encoded(pixels), boxes)
+
+    def catch_up(self) -> None:
+        """Make what a hasty picture could not wait for."""
+        while self._owed:
+            field_of(self._owed.pop())

@@ -71,6 +71,7 @@ class Look(Struct, frozen=True, array_like=True):
     ``treated`` are the stretches the tool has worked, ``trail`` the way behind the machine, newest point first.
     ``sun_ms``: the moment whose daylight it is, ``None`` for that of the wall clock.
     ``lamp``: ``None`` is by itself, on when it is dark. ``age_of_shot_s``: since a picture was triggered.
+    ``is_hasty``: somebody waits for a first picture; plants nobody has drawn yet may be as coarse as from afar.
     """
 
     scene: str
@@ -97,6 +98,7 @@ class Look(Struct, frozen=True, array_like=True):
     things: list[Thing] = field(default_factory=list)
     crane: Crane | None = None
     sun_ms: int | None = None
+    is_hasty: bool = False
 
 
 class Box(Struct, frozen=True, omit_defaults=False):

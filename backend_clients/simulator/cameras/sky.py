@@ -17,6 +17,9 @@ HIGH_PX = 512
 HIGH_RAD = 0.8  # of the sky that is drawn; above it stays the same
 TREES_RAD = 0.055
 DAY_RAD, NIGHT_RAD = math.radians(9.0), math.radians(-8.0)
+HIGH_BY_DAY, HIGH_BY_NIGHT = (96, 136, 176), (9, 13, 26)
+LOW_BY_DAY, LOW_BY_NIGHT = (214, 220, 220), (24, 30, 44)
+GLOW = (236, 150, 84)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,34 +81,39 @@ def paint_sky(canvas: NDArray[np.uint32], eye: Eye, light: Light) -> int:
 def _panorama(day_step: int, dusk_step: int, sun_step: int) -> NDArray[np.uint32]:
     """Return the sky all around, shape (HIGH_PX, PANORAMA_PX): column by bearing, the horizon at the lower edge."""
     day, dusk = day_step / 12, dusk_step / 6
-    up = np.linspace(1, 0, HIGH_PX)[:, None, None] ** 0.7
-    high = np.array((96, 136, 176)) * day + np.array((9, 13, 26)) * (1 - day)
-    low = np.array((214, 220, 220)) * day + np.array((24, 30, 44)) * (1 - day)
-    rgb = low + (high - low) * up
-    bearing = np.arange(PANORAMA_PX) / PANORAMA_PX * 2 * math.pi
-    toward = np.clip(np.cos(bearing - sun_step / 8), 0, 1)[None, :, None] ** 3
-    glow = np.clip(1 - up * 2.2, 0, 1) * (0.25 + 0.75 * toward) * dusk
-    rgb = rgb + (np.array((236, 150, 84)) * (0.25 + 0.75 * day) - rgb) * glow * 0.8
-    rgb = np.broadcast_to(rgb, (HIGH_PX, PANORAMA_PX, 3)) + _clouds()[:, :, None] * (6 + 34 * day)
-    image = Image.fromarray(np.clip(rgb, 0, 255).astype(np.uint8))
+    up = np.linspace(1, 0, HIGH_PX, dtype=np.float32)[:, None] ** np.float32(0.7)
+    bearing = np.arange(PANORAMA_PX, dtype=np.float32) * np.float32(2 * math.pi / PANORAMA_PX)
+    toward = np.clip(np.cos(bearing - sun_step / 8), 0, 1) ** 3 * 0.75 + 0.25
+    glow = (np.clip(1 - up * 2.2, 0, 1) * np.float32(dusk * 0.8)) * toward if dusk else None
+    clouds = _clouds() * np.float32(6 + 34 * day)
+    four = np.full((HIGH_PX, PANORAMA_PX, 4), 255, dtype=np.uint8)
+    for k in range(3):  # one colour at a time: a quarter of the memory, and twice as fast
+        high, low = (
+            HIGH_BY_DAY[k] * day + HIGH_BY_NIGHT[k] * (1 - day),
+            LOW_BY_DAY[k] * day + LOW_BY_NIGHT[k] * (1 - day),
+        )
+        shade = low + (high - low) * up
+        colour = clouds + (shade if glow is None else shade + (GLOW[k] * (0.25 + 0.75 * day) - shade) * glow)
+        four[:, :, k] = np.clip(colour, 0, 255, out=colour)
+    image = Image.fromarray(four[:, :, :3])
     if day < 0.3:
         _stars(image, 1 - day / 0.3)
     _trees(image, day)
-    four = np.full((HIGH_PX, PANORAMA_PX, 4), 255, dtype=np.uint8)
     four[:, :, :3] = np.asarray(image)
     return four.view(np.uint32)[:, :, 0]
 
 
 @lru_cache(maxsize=1)
-def _clouds() -> NDArray[np.float64]:
+def _clouds() -> NDArray[np.float32]:
     rng = np.random.default_rng(11)
-    total = np.zeros((HIGH_PX, PANORAMA_PX))
+    total = np.zeros((HIGH_PX, PANORAMA_PX), dtype=np.float32)
     for cells, strength in ((12, 1.0), (28, 0.6), (70, 0.35), (170, 0.2)):
-        small = rng.random((max(cells // 3, 2), cells))
+        small = rng.random((max(cells // 3, 2), cells), dtype=np.float32)
         small = np.concatenate((small, small[:, :1]), axis=1)
-        wide = Image.fromarray((small * 255).astype(np.uint8)).resize((PANORAMA_PX, HIGH_PX), Image.Resampling.BICUBIC)
-        total += strength * (np.asarray(wide) / 255 - 0.5)
-    return np.clip(total * 1.1, -0.6, 1.0)
+        wide = Image.fromarray(small - 0.5).resize((PANORAMA_PX, HIGH_PX), Image.Resampling.BILINEAR)
+        total += np.asarray(wide) * np.float32(strength)
+    total *= np.float32(1.1)
+    return np.clip(total, -0.6, 1.0, out=total)
 
 
 def _stars(image: Image.Image, strength: float) -> None:

@@ -23,6 +23,7 @@ FAR_SHRINK = 2  # bits less for what is only seen from afar
 PLAIN_BITS, PLAIN_M, CLOSE_M = 9, 4.096, 1.4
 LEVELS = 7
 VARIANTS = 6
+MOST_FIELDS = 6  # 34 MB each; the newest is last
 _SHADE = (1 - 0.5 * np.arange(256) / 255).astype(np.float32)
 PLAIN: dict[str, tuple[tuple[int, int, int], int, int]] = {  # colour, fine and coarse roughness
     "soil": ((132, 106, 82), 26, 18),
@@ -61,6 +62,9 @@ class Field:
     crop: Crop
 
 
+_FIELDS: dict[tuple[str, float], Field] = {}
+
+
 @lru_cache(maxsize=16)
 def plain(kind: str) -> Tile:
     """Return a ground without rows."""
@@ -74,8 +78,18 @@ def plain(kind: str) -> Tile:
 
 
 def field_of(rows: Rows) -> Field:
-    """Return the tiles of a crop at this row spacing."""
-    return _field(rows.crop, rows.spacing_m)
+    """Return the tiles of a crop at this row spacing; the first time takes a quarter of a second."""
+    key = (rows.crop, rows.spacing_m)
+    found = _FIELDS.pop(key) if key in _FIELDS else _field(*key)
+    _FIELDS[key] = found
+    if len(_FIELDS) > MOST_FIELDS:
+        del _FIELDS[next(iter(_FIELDS))]
+    return found
+
+
+def is_made(rows: Rows) -> bool:
+    """Say whether the tiles of a crop are there already."""
+    return (rows.crop, rows.spacing_m) in _FIELDS
 
 
 @lru_cache(maxsize=12)
@@ -88,7 +102,6 @@ def far_field(name: str, spacing_m: float) -> Tile:
     return Tile(levels, ACROSS_BITS - FAR_SHRINK, ALONG_BITS - FAR_SHRINK, width, length)
 
 
-@lru_cache(maxsize=6)
 def _field(name: str, spacing_m: float) -> Field:
     rows, size = Rows(name, spacing_m, 0.0, (0.0, 0.0)), _size(0)
     length, width, _, _ = periods(rows)

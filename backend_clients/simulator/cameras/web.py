@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Sequence
+import contextlib
+from collections.abc import AsyncIterator, Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import msgspec
@@ -26,6 +27,8 @@ MOST_FPS = 30.0
 LOOK_AGAIN_S = 0.1  # while nothing may be sent
 RETRY_S = 0.5
 TRIGGER_S = 5.0  # as cameras of the published system take pictures
+READY_AFTER_S = 10.0  # the demo's other parts start first
+SMALL_PX = 64
 
 
 class Control(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -67,6 +70,15 @@ class CameraWeb:
         """End the drawing process too."""
         self.close()
         await self._studio.close()
+
+    async def prepare(self, robots: Iterable[SimRobot]) -> None:
+        """Have the drawing process ready: its start is what a first picture waits longest for."""
+        await asyncio.sleep(READY_AFTER_S)
+        for robot in robots:
+            for camera in robot.config.profile.cameras[:1]:
+                with contextlib.suppress(NoPicture):
+                    await self._shoot(robot, camera, SMALL_PX, is_hasty=True)
+                return
 
     async def list(self, _request: Request, robot: SimRobot, _boot: Boot) -> Response:
         """``GET cameras``."""
@@ -138,11 +150,19 @@ class CameraWeb:
             setting.shot_s, setting.shots = now_s, setting.shots + 1
         return Response(status_code=204)
 
+    async def told(self, request: Request, robot: SimRobot, _boot: Boot) -> Response:
+        """``GET cameras/{id}/control``."""
+        camera = _camera(request, robot)
+        if camera is None:
+            return _error(404, "unknown_camera", "The robot has no such camera.")
+        setting = self._observer.setting(robot.config.id, camera.id)
+        return _json({"lamp": setting.lamp, "zoom": setting.zoom})
+
     async def _parts(
         self, robot: SimRobot, boot: Boot, camera: up.Camera, fps: float, width: float
     ) -> AsyncIterator[bytes]:
         loop = asyncio.get_running_loop()
-        due_s = loop.time()
+        due_s, is_first = loop.time(), True
         self.pulled += 1
         try:
             while not self._closing.is_set():
@@ -152,10 +172,11 @@ class CameraWeb:
                     await self._pause(LOOK_AGAIN_S)
                     continue
                 try:
-                    shot = await self._shoot(robot, camera, width)
+                    shot = await self._shoot(robot, camera, width, is_hasty=is_first)
                 except NoPicture:
                     await self._pause(RETRY_S)
                     continue
+                is_first = False
                 is_garbage = robot.faults.of(CameraGarbage) is not None
                 yield part(shot, _broken(shot.picture.jpeg, shot.wall_ms) if is_garbage else shot.picture.jpeg)
                 slow = robot.faults.of(NodeSlow)
@@ -166,12 +187,12 @@ class CameraWeb:
         finally:
             self.pulled -= 1
 
-    async def _shoot(self, robot: SimRobot, camera: up.Camera, width: float) -> Shot:
+    async def _shoot(self, robot: SimRobot, camera: up.Camera, width: float, *, is_hasty: bool = False) -> Shot:
         taken_s, wall_ms = 0.0, 0
 
         def take() -> tuple[Look, Callable[[], Scene]]:
             nonlocal taken_s, wall_ms
-            look, make_scene = self._observer.take(robot, camera, int(width))
+            look, make_scene = self._observer.take(robot, camera, int(width), is_hasty=is_hasty)
             taken_s, wall_ms = self._observer.clock.mono_s(), look.wall_ms
             return look, make_scene
 

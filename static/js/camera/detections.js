@@ -14,16 +14,17 @@
     return node;
   };
 
-  // the part of the node that the picture fills when it is fitted into it whole
-  function fitted(node, width, height) {
-    const scale = Math.min(node.clientWidth / width, node.clientHeight / height);
+  // the part of the node that the picture fills when it is fitted into it whole, or (isCover) fills it and is cut off
+  function fitted(node, width, height, isCover) {
+    const scale = (isCover ? Math.max : Math.min)(node.clientWidth / width, node.clientHeight / height);
     const [w, h] = [width * scale, height * scale];
     return { left: (node.clientWidth - w) / 2, top: (node.clientHeight - h) / 2, width: w, height: h };
   }
 
   class Detections {
-    constructor(viewer) {
+    constructor(viewer, { isCover = () => false } = {}) {
       this.viewer = viewer;
+      this.isCover = isCover;
       this.node = svg("svg", { class: "c-boxes", "aria-hidden": "true" });
       this.count = 0;
     }
@@ -38,7 +39,7 @@
       const boxes = isOn && apartMs <= APART_MS && viewer.judged?.state === "live" ? found.boxes : [];
       HL.toggle(this.node, "pale", apartMs > NEAR_MS);
       this.count = boxes.length;
-      const place = viewer.width ? fitted(viewer.node, viewer.width, viewer.height) : null;
+      const place = viewer.width ? fitted(viewer.node, viewer.width, viewer.height, this.isCover()) : null;
       const key = place && JSON.stringify([boxes, place]);
       if (key === this.key) return;
       this.key = key;

@@ -17,9 +17,19 @@
       const ptz = one.ptz ?? {};
       if (ptz.pan || ptz.tilt) this.node.append(this.moves(ptz));
       if (ptz.zoom) this.acts.push(this.act("remove", "Zoom out", "zoom-out", () => this.zoomBy(1 / STEP)), this.act("add", "Zoom in", "zoom-in", () => this.zoomBy(STEP)));
-      if (one.has_lamp) this.acts.push((this.lamp = this.act("flashlight_on", "Lamp", "lamp", () => this.control({ lamp: this.lamp.getAttribute("aria-pressed") !== "true" }))));
+      if (one.has_lamp) this.acts.push((this.lamp = this.act("flashlight_on", "Lamp", "lamp", () => this.light())));
       if (one.has_trigger) this.acts.push(this.trigger());
       this.node.append(...this.acts);
+      if (ptz.zoom || one.has_lamp) this.learn();
+    }
+
+    // how the robot says it is set: another person, or this one before, may have zoomed or lit
+    async learn() {
+      const { robot, camera } = this.one;
+      const told = await HL.port.api("GET", `/cameras/${encodeURIComponent(robot)}/${encodeURIComponent(camera)}/control`);
+      if (!told.ok) return;
+      if (told.zoom !== null) this.zoom = told.zoom;
+      if (this.lamp) attr(this.lamp, "aria-pressed", told.lamp === null ? null : String(told.lamp));
     }
 
     moves(ptz) {
@@ -60,10 +70,16 @@
       return HL.lease.obstacle(robot);
     }
 
-    zoomBy(factor) {
+    async zoomBy(factor) {
+      await this.learn();
       const [least, most] = this.one.ptz.zoom;
-      this.zoom = Math.min(most, Math.max(least, (this.zoom ?? least) * factor));
-      return this.control({ zoom: Math.round(this.zoom * 10) / 10 });
+      const wished = Math.min(most, Math.max(least, (this.zoom ?? least) * factor));
+      return this.control({ zoom: Math.round(wished * 10) / 10 });
+    }
+
+    async light() {
+      await this.learn();
+      return this.control({ lamp: this.lamp.getAttribute("aria-pressed") !== "true" });
     }
 
     async control(wish) {
@@ -72,6 +88,7 @@
       if (!answer.ok) return HL.toast(`Not done: ${answer.text}`, "block");
       if ("lamp" in wish) attr(this.lamp, "aria-pressed", String(wish.lamp));
       if (wish.trigger) HL.toast("Triggered.", "photo_camera");
+      if (wish.zoom) this.zoom = wish.zoom;
       if (wish.zoom) HL.toast(`Zoom ${wish.zoom.toFixed(1)} ×`, "videocam");
       return answer;
     }

@@ -1,8 +1,9 @@
 // Pictures that were kept: a drawer with preview, place, time, and the file to take away.
 (() => {
   "use strict";
-  const { el, icon } = HL;
+  const { el, icon, attr } = HL;
   const MOST = 40;
+  const SURE_MS = 6000;
   const OLD_PLACE_S = 2;
   const KINDS = [["", "All"], ["snapshot", "Snapshots"], ["clip", "Clips"], ["mission", "Missions"]];
 
@@ -26,13 +27,63 @@
     return el("a", { href: one.file, target: "_blank", rel: "noopener", "aria-label": "Open the picture" }, el("img", { class: "c-thumb", src: one.file, alt: "", loading: "lazy" }));
   }
 
-  function row(one) {
-    const said = [one.text, one.note].filter(Boolean).join(". ");
-    const line = (text) => (text ? el("span", { class: "h-t13 h-2" }, text) : "");
-    const length = one.duration_s ? `${Math.round(one.duration_s)} s, ` : "";
-    return el("li", { class: "c-picture", "data-testid": `picture-${one.id}` }, preview(one),
-      el("div", { class: "h-col" }, el("b", { class: "h-t16" }, `${one.robot_name || one.robot}, ${one.camera}`), el("span", { class: "h-t14" }, length, HL.records.when(one.captured_utc)), line([place(one), work(one)].filter(Boolean).join(" · ")), line(said), line(one.by ? `Kept by ${one.by}` : "")),
-      el("a", { class: "h-btn ico", href: `${one.file}?download=true`, download: one.file_name ?? "", "aria-label": "Download", "data-testid": `picture-download-${one.id}` }, icon("download")));
+  const may = (right) => HL.config.rights.includes(right);
+  const button = (sign, word, hook, act) => el("button", { type: "button", class: "h-btn", "data-testid": hook, onclick: act }, icon(sign, "m"), word);
+
+  // one kept picture: what is known of it, and what may be done with it
+  class Row {
+    constructor(one) {
+      this.node = el("li", { class: "c-picture", "data-testid": `picture-${one.id}` });
+      this.show(one);
+    }
+    show(one) {
+      this.one = one;
+      this.isSure = false;
+      const line = (text) => (text ? el("span", { class: "h-t13 h-2" }, text) : "");
+      const length = one.duration_s ? `${Math.round(one.duration_s)} s, ` : "";
+      const keep = button(one.is_kept ? "check" : "add", one.is_kept ? "Marked" : "Mark", `picture-mark-${one.id}`, () => this.change({ is_kept: !one.is_kept }));
+      attr(keep, "aria-pressed", String(Boolean(one.is_kept)));
+      attr(keep, "title", "Marked pictures stay, whatever their age");
+      const acts = may("keep_pictures") ? [keep, button("edit", "Note", `picture-note-${one.id}`, () => this.write())] : [];
+      if (may("manage_cameras")) acts.push((this.gone = button("delete", "Delete", `picture-delete-${one.id}`, () => this.remove())));
+      this.acts = el("div", { class: "c-acts" }, ...acts);
+      this.node.replaceChildren(preview(one),
+        el("div", { class: "h-col" }, el("b", { class: "h-t16" }, `${one.robot_name || one.robot}, ${one.camera}`), el("span", { class: "h-t14" }, length, HL.records.when(one.captured_utc)), line([place(one), work(one)].filter(Boolean).join(" · ")), line(one.text), one.note ? el("span", { class: "h-t14 h-b" }, one.note) : "", line(one.by ? `Kept by ${one.by}` : ""), this.acts),
+        el("a", { class: "h-btn ico", href: `${one.file}?download=true`, download: one.file_name ?? "", "aria-label": "Download", "data-testid": `picture-download-${one.id}` }, icon("download")));
+    }
+    // the note is written where it stands
+    write() {
+      this.isSure = false;
+      const input = el("input", { class: "h-input", type: "text", maxlength: "500", value: this.one.note ?? "", placeholder: "What is to be seen", "aria-label": "Note", "data-testid": `picture-note-text-${this.one.id}`, onkeydown: (event) => event.key === "Enter" && this.change({ note: input.value.trim() }) });
+      this.acts.replaceChildren(input, button("check", "Save", `picture-note-save-${this.one.id}`, () => this.change({ note: input.value.trim() })), button("close", "Cancel", `picture-note-cancel-${this.one.id}`, () => this.show(this.one)));
+      input.focus();
+    }
+    async change(wish) {
+      const answer = await HL.port.api("PATCH", `/pictures/${this.one.id}`, wish);
+      if (!answer.ok) return HL.toast(`Not changed: ${answer.text}`, "block");
+      return this.show({ ...this.one, ...wish });
+    }
+    // asked once more on the same button, for what is deleted is gone
+    async remove() {
+      if (!this.isSure) {
+        this.isSure = true;
+        this.gone.replaceChildren(icon("delete", "m"), "Delete for good?");
+        setTimeout(() => this.isSure && this.show(this.one), SURE_MS);
+        return undefined;
+      }
+      const answer = await HL.port.api("DELETE", `/pictures/${this.one.id}`);
+      if (!answer.ok) return HL.toast(`Not deleted: ${answer.text}`, "block");
+      return this.node.remove();
+    }
+  }
+
+  const row = (one) => new Row(one).node;
+
+  // those with a camera, by name
+  function robots() {
+    const ids = [...new Set((HL.camera.wall.cameras ?? []).map((one) => one.robot))];
+    const named = ids.map((id) => [id, id === "field" ? "Field" : HL.port.fleet()[id]?.name ?? id]);
+    return named.sort((a, b) => a[1].localeCompare(b[1])).map(([id, name]) => el("option", { value: id }, name));
   }
 
   class Drawer {
@@ -42,7 +93,8 @@
       this.more = el("button", { type: "button", class: "h-btn", hidden: true, "data-testid": "pictures-more", onclick: () => this.load(this.next) }, "Show more");
       this.room = el("p", { class: "h-error", role: "status" });
       this.kinds = KINDS.map(([key, word]) => el("button", { type: "button", "data-testid": `pictures-kind-${key || "all"}`, onclick: () => this.choose(key) }, word));
-      this.body = [el("div", { class: "h-seg", role: "group", "aria-label": "Kind" }, ...this.kinds), this.room, this.list, this.more];
+      this.robot = el("select", { class: "h-select c-group", "aria-label": "Robot", "data-testid": "pictures-robot", onchange: () => this.choose(this.kind) }, el("option", { value: "" }, "All robots"), ...robots());
+      this.body = [el("div", { class: "h-row c-filter" }, el("div", { class: "h-seg", role: "group", "aria-label": "Kind" }, ...this.kinds), this.robot), this.room, this.list, this.more];
       this.choose("");
     }
     choose(kind) {
@@ -57,8 +109,9 @@
     }
     async load(before) {
       const { kind } = this;
-      const answer = await HL.port.api("GET", `/pictures?limit=${MOST}${kind ? `&kind=${kind}` : ""}${before ? `&before=${encodeURIComponent(before)}` : ""}`);
-      if (kind !== this.kind) return undefined;
+      const robot = this.robot.value;
+      const answer = await HL.port.api("GET", `/pictures?limit=${MOST}${kind ? `&kind=${kind}` : ""}${robot ? `&robot=${encodeURIComponent(robot)}` : ""}${before ? `&before=${encodeURIComponent(before)}` : ""}`);
+      if (kind !== this.kind || robot !== this.robot.value) return undefined;
       if (answer.status === 403) return this.say("lock", "Pictures are not shared with you.", answer.text);
       if (!answer.ok) return this.say("cloud_off", "The list did not load.", answer.text);
       const pictures = answer.pictures ?? [];

@@ -11,15 +11,17 @@
     return isDated ? measured : `over ${measured}`;
   }
 
-  const fps = (value) => (value === null ? "" : value < 2 ? `1 per ${words.age(1000 / value).replace(".0 ", " ")}` : `${Math.round(value)} fps`);
-  const rate = (judged) => [delay(judged), fps(judged.fps)].filter(Boolean).join(", ");
+  const fps = (value) => (value === null ? "" : value < 1 ? `1 per ${words.age(1000 / value).replace(".0 ", " ")}` : `${value < 2 ? value.toFixed(1) : Math.round(value)} fps`);
+  // between two pictures of a slow camera its delay says little: its age says what is shown
+  const old = ({ isDated, ageMs }) => `${isDated ? "" : "over "}${words.since(ageMs)} old`;
+  const rate = (judged) => [judged.isSlow && judged.ageMs !== null ? old(judged) : delay(judged), fps(judged.fps)].filter(Boolean).join(", ");
 
   // the corner of a tile: short, always with its unit
   function corner(judged, { way }) {
     if (judged.state === "connecting") return "starting";
     if (judged.state === "off") return `no picture ${words.since(judged.silentMs)}`;
     if (judged.state === "frozen") return `frozen ${words.since(judged.ageMs)}`;
-    if (judged.state === "late") return `late, ${words.age(judged.delayMs)} old`;
+    if (judged.state === "late") return `late, ${judged.isSlow ? old(judged) : `${words.age(judged.delayMs)} old`}`;
     if (way === "still") return `still pictures, ${judged.delayMs === null ? "delay unknown" : words.age(judged.delayMs)}`;
     return rate(judged);
   }
@@ -30,7 +32,7 @@
   // one sentence for a big picture and for what reads aloud
   function sentence(label, judged, how) {
     if (judged.state === "frozen") return `${label}, frozen, ${words.since(judged.ageMs)} old`;
-    if (judged.state === "late") return `${label}, late: ${words.age(judged.delayMs)} old`;
+    if (judged.state === "late") return `${label}, late: ${judged.isSlow ? old(judged) : `${words.age(judged.delayMs)} old`}`;
     if (judged.state === "off") return `${label}: no picture for ${words.since(judged.silentMs)}`;
     if (judged.state === "connecting") return `${label}, starting`;
     const undated = judged.isDated ? "" : ". Delay without the camera's own";
@@ -44,7 +46,7 @@
     if (!camera) return "The server has not said anything about it yet.";
     const said = camera.reason || { off: "The robot is not connected.", failed: "The camera gives no pictures.", starting: "It is starting.", idle: "It is being asked." }[camera.state] || "The camera gives no pictures.";
     const times = camera.restarts === 1 ? "once" : camera.restarts ? `${camera.restarts} times` : "";
-    return `${said.replace(/\.?$/, ".")}${times ? ` Restarted ${times}.` : ""}`;
+    return `${said[0].toUpperCase()}${said.slice(1).replace(/\.?$/, ".")}${times ? ` Restarted ${times}.` : ""}`;
   }
 
   // what the state is called outside: the names of the stable hooks

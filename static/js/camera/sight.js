@@ -94,10 +94,10 @@
       const silentMs = now - (this.last ?? this.began);
       const ageMs = this.captured !== null && m !== null ? Math.max(0, m - this.captured) : this.last === null ? null : silentMs;
       const isDown = camera !== null && ["failed", "off"].includes(camera.state);
-      const facts = { silentMs, ageMs, delayMs: this.delayMs(), fps: this.fps(now), isDated: this.isDated, hasPicture: this.last !== null };
+      const facts = { silentMs, ageMs, delayMs: this.delayMs(), fps: this.fps(now), isDated: this.isDated, isSlow, hasPicture: this.last !== null };
       if (this.last === null) return { ...facts, state: isDown || silentMs > LOADING_MS ? "off" : "connecting" };
       if (silentMs > limit || (ageMs > limit && isDown)) return { ...facts, state: ageMs > Math.max(GONE_MS, limit) ? "off" : "frozen" };
-      return { ...facts, state: !isSlow && facts.delayMs > FROZEN_MS ? "late" : "live" };
+      return { ...facts, state: (isSlow ? ageMs > limit : facts.delayMs > FROZEN_MS) ? "late" : "live" };
     }
   }
 

@@ -55,6 +55,7 @@
       const hook = `camera-${one.robot}-${one.camera}`;
       this.viewer = new HL.camera.Viewer({ robot: one.robot, camera: one.camera, label: one.label, hasDirect, fps });
       this.none = new NoPicture(this.viewer);
+      this.found = new HL.camera.Detections(this.viewer, { isCover: () => this.node.parentElement?.dataset.size !== "1" });
       this.sign = el("span", { class: "sign" });
       this.name = el("b", { class: "h-ell" });
       this.label = el("span", { class: "h-ell c-label" });
@@ -63,7 +64,7 @@
       this.said = el("span", { class: "h-ell" });
       this.last = el("span", { class: "end" });
       this.foot = el("div", { class: "c-foot" }, this.said, this.last);
-      this.node = el("div", { class: "c-tile", role: "button", tabindex: "0", "data-testid": hook, "data-state": "connecting", onclick: () => chosen(this), onfocus: () => chosen(this), ondblclick: () => opened(this) }, this.viewer.node, this.none.node, this.head, this.foot);
+      this.node = el("div", { class: "c-tile", role: "button", tabindex: "0", "data-testid": hook, "data-state": "connecting", onclick: () => chosen(this), onfocus: () => chosen(this), ondblclick: () => opened(this) }, this.viewer.node, this.found.node, this.none.node, this.head, this.foot);
     }
 
     open() {
@@ -84,6 +85,8 @@
       text(this.said, verdict?.isLost && Number.isFinite(item.ageMs) ? `No link for ${HL.words.since(item.ageMs)}` : verdict?.head ?? "");
       if (!judged) return;
       this.none.paint();
+      this.found.paint(HL.port.inside(one.robot).detections ?? null, HL.looksInside === one.robot);
+      attr(this.node, "data-boxes", this.found.count);
       text(this.corner, HL.camera.says.corner(judged, how));
       const isOld = ["frozen", "off", "late"].includes(judged.state) && judged.hasPicture;
       text(this.last, !isOld ? HL.camera.says.note(judged, how) : judged.ageMs !== null ? `Last picture ${HL.words.wallSeconds(new Date(Date.now() - judged.ageMs))}` : "");

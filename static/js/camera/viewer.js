@@ -15,7 +15,8 @@
       this.canvas = el("canvas", { class: "c-jpeg" });
       this.video = el("video", { class: "c-video", autoplay: true, muted: true, playsinline: true, disablepictureinpicture: true, tabindex: "-1" });
       this.video.muted = true; // the attribute alone does not silence a node that a script made
-      this.node = el("div", { class: "c-view", "data-state": "connecting" }, this.canvas, this.video);
+      this.mark = HL.config.watermark ? el("span", { class: "c-mark", "aria-hidden": "true" }) : "";
+      this.node = el("div", { class: "c-view", "data-state": "connecting" }, this.canvas, this.video, this.mark);
       this.hidden = () => this.#follow();
     }
 
@@ -184,9 +185,9 @@
 
     #show(shown, width, height) {
       Object.assign(this, { width, height });
-      if (this.shown === shown) return;
+      if (this.shown !== shown) toggle(this.node, "direct", shown === "direct");
       this.shown = shown;
-      toggle(this.node, "direct", shown === "direct");
+      if (this.judged?.state !== "live" && this.n !== null) this.look(); // somebody waits for it
     }
 
     // judges, and follows what was judged; called ten times a second while somebody sees it
@@ -207,6 +208,7 @@
       const { judged, how, node } = this;
       HL.attr(node, "data-state", judged.state);
       HL.attr(node, "data-way", how.way);
+      if (this.mark) HL.text(this.mark, `${HL.config.user?.name ?? ""}  ${new Date().toISOString().slice(0, 16).replace("T", " ")} UTC`);
       if (judged.state !== this.toldState) HL.repaint(); // words follow at once
       this.toldState = judged.state;
       this.told.judged?.(this);

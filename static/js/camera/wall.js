@@ -38,7 +38,7 @@
       HL.camera.shown = null;
       HL.camera.wall.end();
       HL.fleet.end();
-      HL.port.follow(null);
+      this.follow(null);
       for (const tile of this.tiles.values()) tile.close();
       this.tiles.clear();
       this.grid.replaceChildren();
@@ -64,8 +64,7 @@
     choose(tile) {
       HL.camera.wall.current = tile ? HL.camera.order.id(tile.one) : null;
       this.isChosen = true;
-      const robot = tile && tile.one.robot !== "field" ? tile.one.robot : null;
-      HL.port.follow(robot);
+      this.follow(tile && tile.one.robot !== "field" ? tile.one.robot : null);
       HL.repaint();
     }
     step(by) {
@@ -114,7 +113,12 @@
       const key = keys.find((one) => items.get(this.tiles.get(one).one.robot)?.verdict.waits) ?? null;
       if (key === HL.camera.wall.current) return;
       HL.camera.wall.current = key;
-      HL.port.follow(key ? this.tiles.get(key).one.robot : null);
+      this.follow(key ? this.tiles.get(key).one.robot : null);
+    }
+    // of the robot that is chosen also what it detects is heard, and drawn in its pictures
+    follow(robot) {
+      HL.looksInside = robot;
+      HL.port.follow(robot);
     }
 
     add(key, one) {

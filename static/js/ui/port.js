@@ -60,7 +60,8 @@
 
   function watch() {
     if (!config.user) return;
-    const wanted = ["fleet", "alarms", ...new Set([HL.view?.robot, followed, ...held].filter(Boolean).map((id) => `robot/${id}`)), ...((INSIDE.includes(HL.view?.screen) || HL.looksInside) && HL.view.robot ? [`inside/${HL.view.robot}`] : [])].slice(0, MOST_TOPICS);
+    const looked = INSIDE.includes(HL.view?.screen) || HL.looksInside === true ? HL.view.robot : HL.looksInside || null;
+    const wanted = ["fleet", "alarms", ...new Set([HL.view?.robot, followed, ...held].filter(Boolean).map((id) => `robot/${id}`)), ...(looked ? [`inside/${looked}`] : [])].slice(0, MOST_TOPICS);
     if (wanted.join() === topics) return;
     topics = wanted.join();
     lane.sub(wanted);

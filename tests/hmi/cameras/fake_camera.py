@@ -42,6 +42,7 @@ class FakeCamera:
         self.is_frozen = False
         self.asked: list[dict[str, str]] = []
         self.orders: list[dict[str, Any]] = []
+        self.setting: dict[str, Any] | None = {"lamp": True, "zoom": 3.0}
         self.open = 0
         self.url = ""
 
@@ -78,6 +79,9 @@ def _handler(camera: FakeCamera) -> type[BaseHTTPRequestHandler]:
                 self._answer(*camera.refusal)
             elif path.endswith("/stream"):
                 self._stream()
+            elif path.endswith("/control"):
+                code = 404 if camera.setting is None else 200
+                self._answer(code, json.dumps(camera.setting or {"code": "unknown", "text": "Not told."}).encode())
             else:
                 self._answer(200, camera.pictures[0], "image/jpeg")
 

@@ -160,6 +160,18 @@ async def test_another_source_is_opened_as_soon_as_it_is_told() -> None:
         await rig.until_pictures(1)
 
 
+async def test_another_source_is_not_opened_for_nobody() -> None:
+    async with camera_rig() as rig:
+        rig.watch()
+        await rig.until_pictures(1)
+        rig.drop()
+        asked = len(rig.robot.asked)
+        await rig.tell(kind=SourceKind.MJPEG, url=rig.robot.url.replace("/weeder-01", "/elsewhere/stream"))
+        await until(lambda: rig.robot.open == 0 and rig.camera.worker_pid is None)
+        assert rig.camera.state == "idle"
+        assert len(rig.robot.asked) == asked
+
+
 @pytest.mark.long
 async def test_a_snapshot_address_is_asked_again_and_again() -> None:
     async with camera_rig() as rig:

@@ -29,3 +29,11 @@ def test_one_who_wants_everything_gets_it_and_the_tiles_keep_theirs() -> None:
 
 def test_a_wish_at_or_above_the_cameras_own_width_means_the_picture_as_it_is() -> None:
     assert [step_of(width, SMALL) for width in (0, 640, 900, 639, 100)] == [0, 0, 0, 0, 160]
+
+
+def test_video_is_encoded_no_wider_than_the_widest_that_looks_and_never_wider_than_allowed() -> None:
+    wishes = [Wish(Way.H264, 640), Wish(Way.H264, 312), Wish(Way.JPEG, 900, 2.0)]
+    plan = plan_of(wishes, LARGE, 1280)
+    assert (plan.video_width, plan.width) == (640, 960)
+    assert plan_of([*wishes, Wish(Way.H264)], LARGE, 1280).video_width == 1280
+    assert plan_of([Wish(Way.H264, 1900)], LARGE, 800).video_width == 800

@@ -193,6 +193,26 @@ async def test_a_field_camera_is_live_frozen_and_back_by_its_own_period() -> Non
     assert camera.state == "live"
 
 
+async def test_who_comes_between_two_uploads_sees_the_last_one_as_old_as_it_is() -> None:
+    rig = await Rig().prepare()
+    camera = rig.hub.get("field", "one")
+    assert camera is not None
+    rig.hub.upload(camera, PICTURE, age_ms=120_000.0)
+    assert camera.state == "frozen", "it came now, and is old"
+    assert rig.page.hear('{"k":"watch","n":1,"robot":"field","camera":"one","way":"jpeg"}')
+    sent = []
+    while (item := rig.page.next()) is not None:
+        sent += [item] if isinstance(item, bytes) else []
+    (shown,) = sent
+    assert shown[24:] == PICTURE
+    assert struct.unpack("<d", shown[8:16])[0] == pytest.approx(rig.clock.mono_s() * 1000 - 120_000.0)
+    rig.hub.upload(camera, PICTURE, age_ms=130_000.0)
+    assert rig.page.next() is None, "what was taken before it comes too late"
+    for age_ms in (-1.0, float("nan"), float("inf")):
+        with pytest.raises(BadPicture):
+            rig.hub.upload(camera, PICTURE, age_ms=age_ms)
+
+
 async def test_an_upload_that_is_no_picture_is_refused() -> None:
     rig = await Rig().prepare()
     camera = rig.hub.get("field", "one")

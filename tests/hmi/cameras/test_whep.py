@@ -12,6 +12,7 @@ from aiortc import RTCDtlsTransport, RTCPeerConnection, RTCRtpReceiver, RTCRtpSe
 from hmi.cameras import whep as whep_module
 from hmi.cameras.demand import Way
 from hmi.cameras.whep import WhepRefused, way_of, without_local
+from hmi.domain.camera import CameraInfo
 from tests.hmi.cameras.rig import CameraRig, camera_rig
 from tests.hmi.cameras.waiting import until
 
@@ -32,12 +33,26 @@ async def test_a_viewer_sees_the_picture_and_each_is_named_by_its_rtp_time() -> 
         await viewer.close()
 
 
+async def test_a_small_picture_is_encoded_small_and_a_large_one_large_without_a_new_connection() -> None:
+    async with camera_rig(width=1280, height=960) as rig:
+        await rig.tell(camera=CameraInfo("front", "Front", 1280, 960))
+        rig.watch(2, "times", width=300)
+        viewer = await rig.view("H264")
+        assert (await viewer.frame()).width == 320
+        rig.watch(2, "times", width=640)
+        async with asyncio.timeout(5):
+            while (await viewer.frame()).width != 640:
+                pass
+        assert len(rig.whep.sessions) == 1
+        await viewer.close()
+
+
 @pytest.mark.long
 async def test_a_viewer_that_knows_only_vp8_gets_vp8() -> None:
     async with camera_rig() as rig:
         viewer = await rig.view("VP8")
         assert (await viewer.frame()).width == 640
-        assert rig.whep.sessions[viewer.session_id].wish.way is Way.VP8
+        assert rig.whep.sessions[viewer.session_id].way is Way.VP8
         await viewer.close()
 
 

@@ -31,7 +31,10 @@ USUAL = {
 
 
 class CameraStage:
-    """``wish``: ``cameras`` (changes by name), ``none``, ``down``, ``frozen`` (names), ``lag_ms``, ``status``."""
+    """``wish``: ``cameras`` (changes by name), ``none``, ``down``, ``frozen`` (names), ``lag_ms``, ``status``.
+
+    ``setting``: lamp and zoom as the robot says.
+    """
 
     def __init__(self, now_s: Callable[[], float]) -> None:
         self._now_s = now_s
@@ -151,7 +154,12 @@ def router(stage: CameraStage) -> APIRouter:
 
     @api.get("/stage-cameras")
     async def heard() -> dict[str, Any]:
-        return {"watched": list(stage.watched.values()), "asked": stage.asked, "pages": len(stage.sockets)}
+        return {
+            "watched": list(stage.watched.values()),
+            "asked": stage.asked,
+            "pages": len(stage.sockets),
+            "pictures": len(stage.pictures),
+        }
 
     @api.websocket("/cameras/live")
     async def live(socket: WebSocket) -> None:
@@ -164,6 +172,10 @@ def router(stage: CameraStage) -> APIRouter:
         if stage.wish.get("down"):
             return JSONResponse({"code": "cameras_down", "text": "The camera process is not running."}, 503)
         return JSONResponse({"cameras": stage.cameras(robot)})
+
+    @api.get("/api/v1/cameras/{robot}/{camera}/control")
+    async def setting(robot: str, camera: str) -> dict[str, Any]:
+        return {"lamp": None, "zoom": None, **stage.wish.get("setting", {})}
 
     @api.post("/api/v1/cameras/{robot}/{camera}/{what}")
     async def act(robot: str, camera: str, what: str) -> Response:
@@ -179,8 +191,19 @@ def router(stage: CameraStage) -> APIRouter:
         return JSONResponse({}, 202)
 
     @api.get("/api/v1/pictures")
-    async def pictures() -> dict[str, Any]:
-        return {"pictures": stage.pictures}
+    async def pictures(robot: str = "") -> dict[str, Any]:
+        return {"pictures": [one for one in stage.pictures if robot in ("", one["robot"])]}
+
+    @api.patch("/api/v1/pictures/{picture_id}")
+    async def change(picture_id: str, request: Request) -> dict[str, Any]:
+        one = next(one for one in stage.pictures if one["id"] == picture_id)
+        one.update(await request.json())
+        return one
+
+    @api.delete("/api/v1/pictures/{picture_id}")
+    async def remove(picture_id: str) -> Response:
+        stage.pictures = [one for one in stage.pictures if one["id"] != picture_id]
+        return Response(status_code=204)
 
     @api.get("/api/v1/pictures/{picture_id}/file")
     async def file(picture_id: str) -> Response:

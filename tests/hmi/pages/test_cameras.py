@@ -44,6 +44,17 @@ def covers(page: Page, inner: str, outer: str) -> Any:
     )
 
 
+def apart(page: Page, one: str, other: str) -> Any:
+    """Say whether two boxes do not lie over each other."""
+    return page.evaluate(
+        """([one, other]) => {
+          const [a, b] = [one, other].map((name) => document.querySelector(name).getBoundingClientRect());
+          return a.right <= b.left + 1 || b.right <= a.left + 1 || a.bottom <= b.top + 1 || b.bottom <= a.top + 1;
+        }""",
+        [one, other],
+    )
+
+
 def test_each_picture_says_its_delay_and_a_frozen_one_how_old_it_is(look: Look, cameras: Callable[..., None]) -> None:
     page = look("/cameras")
     front = tile(page, "weeder-07/front")
@@ -172,7 +183,32 @@ def test_a_snapshot_is_kept_and_found_under_pictures(
     expect(kept).to_contain_text("Weeder 07, front")
     expect(kept).to_contain_text("51.750000, 5.750000")
     expect(page.get_by_test_id("picture-download-p-0")).to_have_attribute("href", re.compile(r"download=true$"))
+    page.get_by_test_id("picture-mark-p-0").click()
+    expect(page.get_by_test_id("picture-mark-p-0")).to_have_attribute("aria-pressed", "true")
+    page.get_by_test_id("picture-note-p-0").click()
+    page.get_by_test_id("picture-note-text-p-0").fill("Stone in row 4")
+    page.get_by_test_id("picture-note-save-p-0").click()
+    expect(kept).to_contain_text("Stone in row 4")
+    page.get_by_test_id("pictures-robot").select_option("weeder-01")
+    expect(kept).to_have_count(0)
+    page.get_by_test_id("pictures-robot").select_option("weeder-07")
+    expect(kept).to_contain_text("Stone in row 4")
+    expect(page.get_by_test_id("picture-delete-p-0")).to_have_count(0)
     assert is_stop_on_top(page)
+
+
+@pytest.mark.long
+def test_an_admin_deletes_a_picture_by_a_second_tap(look: Look, theatre: Theatre, cameras: Callable[..., None]) -> None:
+    page = look("/cameras", role="admin")
+    tile(page, "weeder-07/front").click()
+    page.get_by_test_id("camera-snapshot").click()
+    expect(page.get_by_test_id("toast")).to_contain_text("It is under Cameras, Pictures.")
+    page.get_by_test_id("cameras-pictures").click()
+    page.get_by_test_id("picture-delete-p-0").click()
+    expect(page.get_by_test_id("picture-delete-p-0")).to_contain_text("Delete for good?")
+    page.get_by_test_id("picture-delete-p-0").click()
+    expect(page.get_by_test_id("picture-p-0")).to_have_count(0)
+    assert theatre.heard_cameras()["pictures"] == 0
 
 
 @pytest.mark.long
@@ -197,7 +233,7 @@ def test_my_wall_is_kept_and_keys_walk_it(look: Look, cameras: Callable[..., Non
 @pytest.mark.long
 @pytest.mark.parametrize("size", TABLETS)
 def test_the_small_picture_moves_to_a_corner_swaps_with_the_map_and_covers_nothing_that_stops(
-    look: Look, cameras: Callable[..., None], size: str
+    look: Look, theatre: Theatre, cameras: Callable[..., None], size: str
 ) -> None:
     page = look("/operate/weeder-07", size=size)
     page.get_by_test_id("pip-toggle").click()
@@ -218,6 +254,11 @@ def test_the_small_picture_moves_to_a_corner_swaps_with_the_map_and_covers_nothi
     page.get_by_test_id("view-camera").click()
     expect(pip).to_have_class(re.compile("big"))
     assert covers(page, ".h-mapfill", ".h-map") == 0
+    theatre.alarms(put={"link-lost.weeder-07": {}})
+    expect(page.get_by_test_id("alarm-strip")).to_be_visible()
+    for part in (".c-tools", "hl-alarm-strip"):
+        assert apart(page, ".h-mapfill", part), f"the small map lies over {part}"
+    theatre.alarms(drop=["link-lost.weeder-07"])
     page.get_by_test_id("pip-swap").click()
     expect(pip).not_to_have_class(re.compile("big"))
     page.get_by_test_id("pip-close").click()
@@ -242,6 +283,21 @@ def test_a_slow_picture_lets_only_creep(look: Look, theatre: Theatre, cameras: C
     moved = [one["v"] for one in theatre.heard()["drives"] if one["v"]]
     assert moved
     assert set(moved) == {0.2}
+
+
+@pytest.mark.long
+def test_lamp_and_zoom_begin_at_what_the_robot_says(look: Look, theatre: Theatre, cameras: Callable[..., None]) -> None:
+    zoom = {"ptz": {"pan": None, "tilt": None, "zoom": [1.0, 4.0]}}
+    cameras(setting={"lamp": True, "zoom": 2.0}, cameras={"weeder-07/front": zoom})
+    theatre.play("manual")
+    page = look("/operate/weeder-07")
+    page.get_by_test_id("view-camera").click()
+    expect(page.get_by_test_id("pip")).to_have_attribute("data-state", SHOWN)
+    expect(page.get_by_test_id("camera-lamp")).to_have_attribute("aria-pressed", "true")
+    page.get_by_test_id("camera-zoom-in").click()
+    expect(page.get_by_test_id("toast")).to_contain_text("Zoom 3.0 ×")
+    page.get_by_test_id("camera-lamp").click()
+    expect(page.get_by_test_id("camera-lamp")).to_have_attribute("aria-pressed", "false")
 
 
 def test_the_whole_rail_of_an_admin_is_seen_on_a_tablet(look: Look, cameras: Callable[..., None]) -> None:

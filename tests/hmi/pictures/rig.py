@@ -58,6 +58,7 @@ class FakeCameras:
     asked: list[tuple[str, str, float | None]] = field(default_factory=list)
     cut: list[tuple[str, str, float, float]] = field(default_factory=list)
     frames: list[tuple[str, bytes]] = field(default_factory=list)
+    ages_s: list[float] = field(default_factory=list)
     watching: list[tuple[str, str]] = field(default_factory=list)
 
     async def still(self, robot_id: str, camera: str, fresh_s: float | None) -> Still:
@@ -88,9 +89,10 @@ class FakeCameras:
         await asyncio.to_thread(path.write_bytes, self.kept[(robot_id, camera)])
         return Clip(to_s - 60.0, to_s, 640, 480)
 
-    async def frame(self, robot_id: str, camera: str, data: bytes) -> None:
+    async def frame(self, robot_id: str, camera: str, data: bytes, age_s: float) -> None:
         """Show a frame."""
         self._answer()
+        self.ages_s.append(age_s)
         self.frames.append((camera, data))
         self.shows[(robot_id, camera)] = data
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import io
 from dataclasses import dataclass
 
 import httpx
 import pytest
+from PIL import Image
 
 from hmi.domain.role import Role
 from tests.hmi.pictures.conftest import MakeRig
@@ -42,12 +44,32 @@ async def test_a_frame_is_shown_and_the_first_one_kept(rig: PictureRig) -> None:
     barn, data = await sender(rig), picture(640, 480)
     answer = await barn.send(data, **{"X-Age-Ms": "1500"})
     assert answer.status_code == 204
-    assert rig.cameras.frames == [("barn", data)]
+    assert (rig.cameras.frames, rig.cameras.ages_s) == ([("barn", data)], [1.5])
     (kept,) = (await rig.browser(Role.VIEWER).get("/pictures", params={"robot": "field"})).json()["pictures"]
     assert (kept["kind"], kept["robot_name"], kept["camera"], kept["age_s"]) == ("frame", "Field", "barn", 1.5)
     assert kept["captured_utc"] == "2026-05-04T11:59:58.500+00:00"
     (camera,) = rig.desk.sources.field_cameras()
     assert (camera.width_px, camera.height_px) == (640, 480)
+
+
+async def test_an_old_frame_is_shown_as_old_as_it_is_also_to_a_new_camera_process(rig: PictureRig) -> None:
+    barn = await sender(rig)
+    await barn.send(picture(), **{"X-Age-Ms": "300000"})
+    assert rig.cameras.ages_s == [300.0]
+    rig.clock.advance(60.0)
+    await rig.desk.frames.show_again()
+    assert rig.cameras.frames[0] == rig.cameras.frames[1]
+    assert rig.cameras.ages_s[1] == pytest.approx(360.0, abs=0.01)
+
+
+async def test_a_png_is_shown_to_those_who_look(rig: PictureRig) -> None:
+    made = io.BytesIO()
+    Image.new("RGB", (64, 48), (10, 200, 10)).save(made, "PNG")
+    barn = await sender(rig)
+    assert (await barn.send(made.getvalue())).status_code == 204
+    ((_, shown),) = rig.cameras.frames
+    assert Image.open(io.BytesIO(shown)).format == "JPEG"
+    assert (await rig.desk.frames.newest("barn")).data == made.getvalue(), "what is kept stays as it came"
 
 
 async def test_a_camera_that_tells_no_age_gives_its_pictures_none(rig: PictureRig) -> None:

@@ -149,7 +149,7 @@ async def test_no_id_and_no_name_of_a_camera_leads_out_of_the_folder(rig: Pictur
             lambda name=name: files.incoming(name, "image/jpeg"),
             lambda name=name: files.path(FARM, name, "image/jpeg", at),
             lambda name=name: files.path(name, f"{1:032x}", "image/jpeg", at),
-            lambda name=name: files.set_newest(FARM, name, b""),
+            lambda name=name: files.set_newest(FARM, name, b"", 0.0),
             lambda name=name: files.newest(name, "barn"),
         ):
             with pytest.raises(FileNotFoundError):

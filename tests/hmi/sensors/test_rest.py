@@ -13,6 +13,7 @@ from hmi.domain.robot import OrderStatus
 from hmi.domain.role import Permission, Role, may
 from hmi.domain.sensors.quantity import Channel
 from hmi.domain.sensors.series import Point
+from hmi.store.pictures import PictureFilter
 from tests.hmi.pictures.jpeg import picture
 from tests.hmi.sensors.rig import SensorRig
 
@@ -215,6 +216,9 @@ async def test_a_picture_of_an_accepted_camera_is_the_newest_frame_of_its_field_
     assert (await rig.desk.frames.newest("multispec-01")).data == data
     shown = rig.shown("multispec-01")
     assert (shown["camera"], shown["pictures_today"], shown["pictures_limit"]) == ("multispec-01", 1, 100)
+    (kept,) = (await rig.desk.book.listed(rig.person(Role.VIEWER), PictureFilter(), 5)).pictures
+    station = rig.work.board.get("multispec-01").station
+    assert (kept.moment.lat_deg, kept.moment.lon_deg) == (station.lat_deg, station.lon_deg), "it stands where it stands"
     await rig.restart()
     assert rig.shown("multispec-01")["pictures_today"] == 1
 

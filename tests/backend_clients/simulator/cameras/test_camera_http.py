@@ -9,7 +9,7 @@ import pytest
 from PIL import Image, UnidentifiedImageError
 
 from backend_clients.simulator import faults
-from backend_clients.simulator.cameras import time_code
+from backend_clients.simulator.cameras import time_code, web
 from tests.backend_clients.simulator.cameras.field import Pull, Site, opened
 
 
@@ -95,6 +95,14 @@ async def test_a_freeze_may_hit_one_camera_only() -> None:
     assert (await site.ask("cameras/rear/still?width=160")).status == 200
 
 
+async def test_the_drawing_can_be_made_ready_before_anybody_looks(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(web, "READY_AFTER_S", 0.0)
+    site = Site()
+    await site.web.prepare([site.rig.robot])
+    (drawn,) = site.desk.looks
+    assert (drawn.width_px, drawn.is_hasty) == (64, True)
+
+
 async def test_garbage_is_not_a_picture() -> None:
     site = Site()
     site.rig.robot.set_fault(faults.CameraGarbage())
@@ -115,6 +123,9 @@ async def test_lamp_zoom_and_trigger_are_set_and_what_a_camera_has_not_is_refuse
     taken = site.desk.looks[-1]
     assert (taken.lamp, taken.zoom) == (True, 2.0)
     assert taken.age_of_shot_s == 0.0
+    assert json.loads((await site.ask("cameras/front/control")).body) == {"lamp": True, "zoom": 2.0}
+    assert json.loads((await site.ask("cameras/rear/control")).body) == {"lamp": None, "zoom": 1.0}
+    assert (await site.ask("cameras/none/control")).status == 404
     for camera, body, text in (
         ("tof", b'{"lamp":true}', "This camera has no lamp."),
         ("rear", b'{"zoom":2.0}', "This camera cannot zoom."),

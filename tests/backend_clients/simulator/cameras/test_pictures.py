@@ -17,10 +17,12 @@ from backend_clients.simulator.cameras.depth import distances
 from backend_clients.simulator.cameras.eye import Eye
 from backend_clients.simulator.cameras.mounts import MOUNTS
 from backend_clients.simulator.cameras.observer import Observer
-from backend_clients.simulator.cameras.scene import Thing
+from backend_clients.simulator.cameras.painter import Painter
+from backend_clients.simulator.cameras.scene import Ground, Rows, Scene, Thing
 from backend_clients.simulator.cameras.scenery import Scenery
 from backend_clients.simulator.cameras.sky import light_at
 from backend_clients.simulator.cameras.stage import Stage
+from backend_clients.simulator.cameras.textures import is_made
 from backend_clients.simulator.families import FAMILIES
 from tests.backend_clients.simulator.cameras.field import (
     FIELD,
@@ -30,6 +32,7 @@ from tests.backend_clients.simulator.cameras.field import (
     ahead,
     drawn,
     look,
+    opened,
     person,
 )
 from tests.backend_clients.simulator.rig import Rig
@@ -145,6 +148,27 @@ def test_night_is_dark_and_the_lamp_lights_the_ground_ahead() -> None:
     lit = drawn(look(wall_ms=MIDNIGHT))[0][60:-40].mean()
     assert off < day / 6
     assert lit > off * 3
+
+
+def test_a_lamp_by_day_lightens_the_ground_ahead_and_nothing_else() -> None:
+    off, lit = drawn(look())[0].astype(int), drawn(look(lamp=True))[0].astype(int)
+    assert lit[300:440, 200:440].mean() > off[300:440, 200:440].mean() * 1.15
+    assert np.abs(lit[20:90] - off[20:90]).mean() < 1, "not the sky"
+
+
+def test_a_first_picture_does_not_wait_for_plants_and_the_next_has_them_as_fine_as_ever() -> None:
+    rows = Rows("Carrot", 0.41, ROWS.bearing_rad, ROWS.anchor)  # a crop nobody else here draws
+    scene = Scene("hasty", FIELD.lat_deg, FIELD.lon_deg, [Ground("field", FIELD.grounds[0].ring, rows)])
+    painter = Painter()
+    painter.keep(scene)
+    wanted = msgspec.structs.replace(look(), scene="hasty", is_hasty=True)
+    first = painter.draw(1, wanted)
+    assert not is_made(rows)
+    assert time_code.read(opened(first.jpeg)) == wanted.wall_ms & 0xFFFFFF
+    painter.catch_up()
+    assert is_made(rows)
+    usual = msgspec.structs.replace(wanted, is_hasty=False)
+    assert painter.draw(2, wanted).jpeg == painter.draw(3, usual).jpeg != first.jpeg
 
 
 def test_the_infrared_camera_sees_leaves_bright_by_night() -> None:
