@@ -5,7 +5,6 @@ viser shows a viewer its own variant of a frame in place of everybody's: so laye
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -15,8 +14,10 @@ import viser
 from hmi.twin.ground import DARK, GROUND, draw_ground
 from hmi.twin.groups import HIDDEN_AT_FIRST, Group
 from hmi.twin.kinematics import Place
+from hmi.twin.marks import draw_marks
 from hmi.twin.model import Vector
 from hmi.twin.mover import Mover
+from hmi.twin.past import NOT_RECORDED, Marks, Past
 from hmi.twin.touched import draw_touched
 
 HOLD_S = 0.6  # after a touch of the wheel or a key the camera is left alone this long
@@ -43,7 +44,7 @@ class Viewer:
     client: viser.ClientHandle | None = None
     view: View = View.FOLLOW
     hidden: set[Group] = field(default_factory=lambda: set(HIDDEN_AT_FIRST))
-    replay: list[tuple[str, Place]] | None = None
+    past: Past | None = None
     is_aimed: bool = False
     is_held: bool = False
     held_until_s: float = 0.0
@@ -52,16 +53,18 @@ class Viewer:
     _mover: Mover | None = None
     _base: Vector | None = None
     _overridden: set[str] = field(default_factory=set)
+    _marks: Marks = field(default_factory=dict)
 
     def join(self, client: viser.ClientHandle) -> None:
         """Take the picture that connected; it starts blank, so everything of this viewer is told again."""
         self.client, self._base, self.is_aimed = client, None, False
         self._mover = Mover(client.scene)
-        self._overridden = set()
+        self._overridden, self._marks = set(), {}
         for group in Group:
             self._tell(group)
         if self.is_dark:
             self.set_dark(is_dark=True)
+        self.show_replay(self.past)
 
     def leave(self, client_id: int) -> None:
         """Forget a picture that went, unless a newer one came already."""
@@ -79,22 +82,24 @@ class Viewer:
         self.held_until_s = now_s + (0.15 if not is_held else HOLD_S)
         self._base = None
 
-    def show_replay(self, frames: Iterable[tuple[str, Place]] | None) -> None:
-        """Show a robot where it was, to this viewer alone; ``None`` goes back to now."""
-        mover = self._mover
-        if mover is None:
+    def show_replay(self, past: Past | None) -> None:
+        """Show a robot where it was, to this viewer alone; ``None`` goes back to now.
+
+        What is known of now only is hidden meanwhile, so that nothing of now is taken for then.
+        """
+        is_turn = (past is None) != (self.past is None)
+        self.past = past
+        if self.client is None or self._mover is None:
             return
-        if frames is None:
+        if past is None:
             for name in self._overridden:
-                mover.remove(name)
+                self._mover.remove(name)
             self._overridden = set()
-            return
-        for name, place in frames:
-            if mover.has(name):
-                mover.move(name, place)
-            else:
-                mover.add(name, place)
-                self._overridden.add(name)
+            self._show_marks({})
+        else:
+            self._override(past, self._mover)
+        for group in NOT_RECORDED if is_turn else ():
+            self._tell(group)
 
     def aim(self, view: View, base: Place, size_m: float, head: Vector | None) -> None:
         """Stand the camera for a view of a machine of that size."""
@@ -148,16 +153,44 @@ class Viewer:
         if self.client is not None:
             draw_ground(self.client.scene, DARK if is_dark else GROUND)
 
+    def _override(self, past: Past, mover: Mover) -> None:
+        for name in past.hidden:
+            if not mover.has(name):
+                mover.add(name, Place((0.0, 0.0, 0.0)), visible=False)
+                self._overridden.add(name)
+        for name, place in past.frames:
+            if mover.has(name):
+                mover.move(name, place)
+            else:
+                mover.add(name, place)
+                self._overridden.add(name)
+        self._show_marks(past.marks)
+
+    def _show_marks(self, marks: Marks) -> None:
+        """Show this viewer fewer marks than everybody; those of now again where nothing is said."""
+        if marks is self._marks or self.client is None:
+            return
+        scene = self.client.scene
+        for frame in self._marks.keys() - marks.keys():
+            scene.remove_by_name(frame)
+        for frame, (mark, places) in marks.items():
+            if places:
+                draw_marks(scene, frame, mark, places)
+            else:
+                scene.add_frame(frame, show_axes=False, visible=False)
+        self._marks = marks
+
     def _tell(self, group: Group) -> None:
         if self.client is None:
             return
-        is_default = (group in self.hidden) == (group in HIDDEN_AT_FIRST)
+        is_hidden = group in self.hidden or (self.past is not None and group in NOT_RECORDED)
+        is_default = is_hidden == (group in HIDDEN_AT_FIRST)
         scene = self.client.scene
         if is_default:
             if scene.get_handle_by_name(group.frame) is not None:
                 scene.remove_by_name(group.frame)
         else:
-            scene.add_frame(group.frame, show_axes=False, visible=group not in self.hidden)
+            scene.add_frame(group.frame, show_axes=False, visible=not is_hidden)
 
 
 def _stand(view: View, base: Place, size_m: float, head: Vector | None) -> tuple[Vector, Vector]:

@@ -28,6 +28,7 @@ from hmi.media.intake import Intake
 from hmi.media.studio import Studio
 from hmi.twin.farm import Farm, FarmRobot
 from hmi.twin.groups import Group
+from hmi.twin.viewer import View
 
 SECRET = "the secret of this test"
 ROBOT = "planter-02"
@@ -187,7 +188,7 @@ async def test_a_place_is_shown_with_the_height_of_the_tool_and_says_how_far_the
         picture = Picture(socket)
         await picture.look()
         assert "Reach" in str(await picture.until(f"/reach/{ROBOT}/line/text"))
-        assert "Tree 147" in str(await picture.until(f"/trees/{ROBOT}/named/text"))
+        assert "Tree 147" in str(await picture.until(f"/trees/{ROBOT}/now/named/text"))
         studio.touch("k", (-5.0, 0.4, 9.0), (0.0, 0.0, -1.0))
         studio.obey("k", orders.Lift(1.6))
         owner = str(studio.viewers["k"].client.client_id)  # type: ignore[union-attr]
@@ -217,7 +218,7 @@ async def test_what_was_planted_stays_when_the_surface_is_reset_at_the_next_stop
         ]
         planter.say(Up.WORKSITE, Worksite, stop=2, targets=planned, obstacles=[])
         await picture.until(f"/trees/{ROBOT}/failed_ground")
-        await picture.until(f"/trees/{ROBOT}/planned")
+        await picture.until(f"/trees/{ROBOT}/now/planned")
         async with asyncio.timeout(5):
             while (said := await box.get()).get("trees") != {"done": 3, "failed": 1, "here": 1}:
                 assert said["k"] == "status"
@@ -247,6 +248,65 @@ async def test_hiding_a_layer_and_replaying_reach_one_viewer_only(studio: Studio
         planter.stand(12.0)
         await other.until(f"/machine/{ROBOT}", lambda node: node.get("position", [0])[0] == pytest.approx(12.0))
         assert not [name for name in other.nodes if ":" in name and not name.endswith("/ground")]
+
+
+async def test_in_a_replay_camera_and_rings_go_with_the_robot_of_then(studio: Studio) -> None:
+    planter = Planter(studio.intake)
+    planter.introduce()
+    planter.stand(10.0)
+    studio.enter("k", ROBOT, may_replay=True)
+    async with await connect(studio, "k") as socket:
+        picture = Picture(socket)
+        await picture.look()
+        await picture.until(f"/keepout/{ROBOT}/ring")
+        viewer = studio.viewers["k"]
+        assert viewer.client is not None
+        studio.obey("k", orders.SetView(View.SIDE))
+        studio.obey("k", orders.Replay(52.0, 5.001, 0.0, {"slew": 2.0}, height_m=7.0))
+        owner = str(viewer.client.client_id)
+        for frame in (f"/machine/{ROBOT}", f"/keepout/{ROBOT}", f"/reach/{ROBOT}"):
+            shown = await picture.until(f"{owner}:{frame}", lambda node: "position" in node)
+            assert shown["position"] == pytest.approx((68.6, 0.0, 7.0), abs=0.5)
+        studio.obey("k", orders.SetView(View.TOP))
+        assert viewer.client.camera.look_at[0] == pytest.approx(68.6, abs=0.5)
+        studio.tick()
+        stood = viewer.client.camera.position[0]
+        studio.obey("k", orders.Replay(52.0, 5.0011, 0.0, {}))
+        studio.tick()
+        assert viewer.client.camera.position[0] - stood == pytest.approx(6.86, abs=0.1), "it follows what is replayed"
+        studio.obey("k", orders.Live())
+        studio.tick()
+        assert viewer.client.camera.position[0] == pytest.approx(10.0, abs=2.0)
+
+
+async def test_a_replay_hides_what_is_known_of_now_only_also_after_a_reconnect(studio: Studio) -> None:
+    planter = Planter(studio.intake)
+    planter.introduce()
+    planter.stand(0.0)
+    ended = [Target(id=f"t{i}", x_m=i, y_m=1.0, status="done") for i in range(3)]
+    planter.say(Up.WORKSITE, Worksite, stop=1, targets=ended, obstacles=[])
+    studio.enter("k", ROBOT, may_replay=True)
+    past = orders.Replay(52.0, 5.001, 0.5, {}, undone=["t2", "strange"])
+    for round_ in range(2):
+        async with await connect(studio, "k") as socket:
+            picture = Picture(socket)
+            await picture.look()
+            async with asyncio.timeout(5):
+                while (client := studio.viewers["k"].client) is None:  # noqa: ASYNC110 - viser's thread hands over
+                    await asyncio.sleep(0.01)
+            await picture.until(f"/trees/{ROBOT}/done")
+            if round_ == 0:
+                studio.obey("k", past)
+            for frame in ("/scan", "/labels", "/planned", f"/trees/{ROBOT}/now"):
+                node = await picture.until(f"{client.client_id}:{frame}")
+                assert node["visible"] is False
+            await picture.until(f"{client.client_id}:/trees/{ROBOT}/done", lambda node: "props" in node)
+            own = client.scene.get_handle_by_name(f"/trees/{ROBOT}/done")
+            assert len(own.batched_positions) == 2, "t2 came later"  # type: ignore[union-attr]
+            await picture.until(f"{client.client_id}:/machine/{ROBOT}", lambda node: "position" in node)
+        async with asyncio.timeout(5):
+            while studio.viewers["k"].client is not None:  # noqa: ASYNC110 - viser's thread hands over
+                await asyncio.sleep(0.01)
 
 
 async def test_a_reconnected_picture_gets_its_layers_back(studio: Studio) -> None:
