@@ -62,7 +62,7 @@ class MeshFolder:
         text = unquote(name).replace("\\", "/").strip()
         if text.startswith("package://"):
             text = text.removeprefix("package://")
-            choices = [text, text.partition("/")[2]]  # a ROS package is uploaded with its folder or without
+            choices = [text, *_endings(text)]  # a ROS package is uploaded with its folder or without
         elif _SCHEME.match(text) or text.startswith("/"):
             raise UnsafeModel(f'{where}: "{name[:80]}" is not a file of the upload. Name it relative to the URDF.')
         else:
@@ -72,7 +72,22 @@ class MeshFolder:
                 raise UnsafeModel(f'{where}: "{name[:80]}" lies outside the upload. It is refused.')
             if choice and path.is_file():
                 return path
+        return self._only_one(choices) if len(choices) > 1 else None
+
+    def _only_one(self, endings: list[str]) -> Path | None:
+        """Find a package's file wherever its folder lies in the upload, if no other file ends alike."""
+        files = [path for path in self._folder.rglob("*") if path.is_file()]
+        for ending in endings:
+            found = [path for path in files if f"/{path.relative_to(self._folder).as_posix()}".endswith(f"/{ending}")]
+            if found:
+                return found[0] if len(found) == 1 else None
         return None
+
+
+def _endings(text: str) -> list[str]:
+    """Return a path without its first folder, without its first two, and so on."""
+    parts = text.split("/")
+    return ["/".join(parts[at:]) for at in range(1, len(parts))]
 
 
 def _stand_in(mesh: MeshFile) -> tuple[Floats, NDArray[np.uint8]]:

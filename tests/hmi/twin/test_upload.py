@@ -59,6 +59,18 @@ def test_a_package_address_finds_a_file_of_the_upload_and_nothing_else(tmp_path:
     assert read_upload(archive, tmp_path / "kept")["notices"] == []
 
 
+def test_a_package_file_is_found_wherever_its_folder_was_packed(tmp_path: Path) -> None:
+    """As published: the package's name and folders above the ones that were packed, the URDF in a folder beside."""
+    name = "package://all_robots/robots/own_description/meshes/visual/a.stl"
+    files = {"own_description/urdf/own.urdf": robot(name), "own_description/meshes/visual/a.stl": cube("stl")}
+    assert read_upload(packed(tmp_path, files), tmp_path / "kept")["notices"] == []
+
+
+def test_of_two_files_that_a_package_address_may_mean_none_is_guessed(tmp_path: Path) -> None:
+    files = {"robot.urdf": robot("package://own/a.stl"), "left/a.stl": cube("stl"), "right/a.stl": cube("stl")}
+    assert "A box stands in" in read_upload(packed(tmp_path, files), tmp_path / "kept")["notices"][0]
+
+
 def test_a_missing_mesh_is_a_box_with_a_notice(tmp_path: Path) -> None:
     told = read_upload(packed(tmp_path, {"robot.urdf": robot("meshes/gone.stl")}), tmp_path / "kept")
     assert told["faces"] == 24
