@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import signal
 import time
+import zipfile
 from collections.abc import Callable, Iterator
 from os import kill
 from pathlib import Path
@@ -117,6 +118,77 @@ def upload(martha: Person, berry: Berry, folder: Path) -> None:
     expect(said).to_contain_text("berry_picker: 4 links", timeout=30_000)
     expect(said).to_contain_text("Joints: turn, lift, reach.")
     martha.page.keyboard.press("Escape")
+
+
+BASE = '<link name="base"><visual><geometry><box size="1 1 1"/></geometry></visual></link>'
+ARM = '<link name="arm"><visual><geometry><mesh filename="{}"/></geometry></visual></link>'
+HINGE = '<joint name="lift" type="revolute"><parent link="{}"/><child link="{}"/><limit lower="-1" upper="{}"/></joint>'
+LIFT = HINGE.format("base", "arm", 1)
+BAD = {
+    "traversal": (BASE + ARM.format("../../../etc/passwd") + LIFT, 'Link "arm": "../../../etc/passwd" lies outside'),
+    "cyclic": (
+        BASE + '<link name="arm"/>' + LIFT + HINGE.format("arm", "base", 1).replace("lift", "back"),
+        "form a loop",
+    ),
+    "nan": (BASE + '<link name="arm"/>' + HINGE.format("base", "arm", "nan"), "'nan' is not a finite number"),
+    "huge": (BASE.replace("1 1 1", "9000 1 1"), "URDF counts in metres"),
+    "xacro": ('<xacro:macro xmlns:xacro="http://www.ros.org/wiki/xacro" name="a"/>' + BASE, "This is xacro, not URDF"),
+}
+
+
+@pytest.mark.long
+def test_bad_models_are_refused_on_the_screen_by_link_and_a_missing_mesh_is_said(
+    person: Come, berry: Berry, tmp_path: Path
+) -> None:
+    martha = person("admin", has_webgl=True)
+    martha.open(f"/twin/{berry.id}")
+    martha.sees("twin", "live", within_s=FIRST_PICTURE_S)
+    if not martha.hook("twin-model").is_visible():
+        martha.hook("twin-layers").click()
+    martha.hook("twin-model").click()
+    said = martha.hook("twin-model-said")
+    for name, (inside, refusal) in BAD.items():
+        martha.hook("twin-model-file").set_input_files(zipped(tmp_path / f"{name}.zip", inside))
+        expect(said).to_contain_text(refusal, timeout=30_000)
+        expect(said).to_contain_text("Not used.")
+    martha.hook("twin-model-file").set_input_files(zipped(tmp_path / "gap.zip", BASE + ARM.format("gone.stl") + LIFT))
+    expect(said).to_contain_text('Link "arm": there is no "gone.stl" in the upload. A box stands in for it.')
+    martha.page.keyboard.press("Escape")
+    martha.sees("twin", "live", within_s=20)
+    martha.hook("twin-model").click()
+    martha.hook("twin-model-remove").click()
+    expect(said).to_contain_text("It has no model of its own.")
+
+
+def zipped(path: Path, inside: str) -> Path:
+    """Return a zip of one URDF with these elements."""
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("robot.urdf", f'<robot name="bad">{inside}</robot>')
+    return path
+
+
+@pytest.mark.long
+def test_a_replay_moves_as_recorded_says_what_is_not_recorded_and_goes_back(person: Come, berry: Berry) -> None:
+    martha = person("admin", has_webgl=True)
+    martha.open(f"/twin/{berry.id}")
+    martha.sees("twin", "live", within_s=FIRST_PICTURE_S)
+    martha.page.wait_for_timeout(8000)  # something is on record
+    martha.hook("twin-replay").click()
+    expect(martha.page.locator(".t-moment")).to_contain_text("recorded", timeout=10_000)
+    lift = martha.hook("joint-lift")
+    before = lift.get_attribute("data-value")
+    wait_for(lambda: lift.get_attribute("data-value") != before, within_s=10, what="recorded joints move")
+    if not martha.page.locator(".t-layers").is_visible():
+        martha.hook("twin-layers").click()
+    expect(martha.page.locator(".t-layer", has_text="Labels")).to_contain_text("not recorded")
+    berry.be_silent()
+    martha.page.wait_for_timeout(3500)
+    martha.sees("twin", "live", within_s=1)  # the pose of now does not make a recorded one old
+    martha.hook("twin-play").click()
+    martha.hook("twin-live").click()
+    martha.sees("twin", "stale", within_s=6)
+    berry.speak()
+    martha.sees("twin", "live", within_s=6)
 
 
 @pytest.mark.long
