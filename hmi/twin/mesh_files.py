@@ -56,12 +56,18 @@ class MeshFolder:
             raise UnsafeModel(f'{where}: "{path.name}" is over {MAX_MESH_BYTES // 2**20} MB. Simplify it.')
         data = path.read_bytes()
         _check(kind, data, where, path.name)
-        return _parsed(kind, data, where, path.name)
+        corners, colours = _parsed(kind, data, where, path.name)
+        if len(corners) > 0:
+            return corners, colours
+        if kind != "dae":  # what its materials refer to may be missing, and then none of its shapes is found
+            raise ModelError(f'{where}: "{path.name}" holds no triangles.')
+        self.notices.append(f'{where}: no triangles were found in "{path.name}". A box stands in for it.')
+        return _stand_in(mesh)
 
     def _find(self, name: str, where: str) -> Path | None:
         text = unquote(name).replace("\\", "/").strip()
         if text.startswith("package://"):
-            text = text.removeprefix("package://")
+            text = text.removeprefix("package://").lstrip("/")  # some tools write three slashes
             choices = [text, *_endings(text)]  # a ROS package is uploaded with its folder or without
         elif _SCHEME.match(text) or text.startswith("/"):
             raise UnsafeModel(f'{where}: "{name[:80]}" is not a file of the upload. Name it relative to the URDF.')
@@ -133,8 +139,6 @@ def _parsed(kind: str, data: bytes, where: str, name: str) -> tuple[Floats, NDAr
         colours = _colours(mesh)
     except Exception as error:
         raise ModelError(f'{where}: "{name}" cannot be read ({type(error).__name__}). Export it once more.') from error
-    if len(corners) == 0:
-        raise ModelError(f'{where}: "{name}" holds no triangles.')
     if len(corners) > 3 * MAX_FACES:
         raise UnsafeModel(f'{where}: "{name}" has over {MAX_FACES} triangles. Simplify it.')
     if not np.isfinite(corners).all():

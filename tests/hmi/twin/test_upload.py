@@ -53,7 +53,9 @@ def test_a_mesh_of_each_format_is_read_and_kept(tmp_path: Path, kind: str) -> No
     assert float(np.abs(skin.links["arm"].corners).max()) == pytest.approx(0.5, abs=1e-3)
 
 
-@pytest.mark.parametrize("name", ["package://own/meshes/a.stl", "package://meshes/a.stl"])
+@pytest.mark.parametrize(
+    "name", ["package://own/meshes/a.stl", "package://meshes/a.stl", "package:///own/meshes/a.stl"]
+)
 def test_a_package_address_finds_a_file_of_the_upload_and_nothing_else(tmp_path: Path, name: str) -> None:
     archive = packed(tmp_path, {"robot.urdf": robot(name), "meshes/a.stl": cube("stl")})
     assert read_upload(archive, tmp_path / "kept")["notices"] == []
@@ -158,6 +160,12 @@ def test_corners_that_are_no_numbers_are_refused(tmp_path: Path) -> None:
     data = b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
     with pytest.raises(ModelError, match='Link "arm"'):
         read_upload(packed(tmp_path, {"robot.urdf": robot("a.obj"), "a.obj": data}), tmp_path / "kept")
+
+
+def test_a_dae_without_a_shape_is_a_box_with_a_notice(tmp_path: Path) -> None:
+    dae = b'<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset/></COLLADA>'
+    told = read_upload(packed(tmp_path, {"robot.urdf": robot("a.dae"), "a.dae": dae}), tmp_path / "kept")
+    assert told["notices"] == ['Link "arm": no triangles were found in "a.dae". A box stands in for it.']
 
 
 def test_a_model_in_millimetres_is_told_about_its_scale(tmp_path: Path) -> None:
