@@ -258,7 +258,7 @@ class Studio:
             viewer.view = view
             return
         head = form.head(base, posture.joints) if viewer.past is None else viewer.past.head
-        viewer.aim(view, base, form.size_m, head)
+        viewer.aim(view, base, form.size_m, head, self._clock.mono_s())
 
     def _replay(self, viewer: Viewer, order: orders.Replay) -> None:
         solid = self.world.solid(viewer.robot_id)

@@ -11,6 +11,7 @@ from enum import StrEnum
 import numpy as np
 import viser
 
+from hmi.twin.camera import Camera
 from hmi.twin.ground import DARK, GROUND, draw_ground
 from hmi.twin.groups import HIDDEN_AT_FIRST, Group
 from hmi.twin.kinematics import Place
@@ -20,6 +21,7 @@ from hmi.twin.mover import Mover
 from hmi.twin.past import NOT_RECORDED, Marks, Past
 from hmi.twin.touched import draw_touched
 
+SETTLE_S = 0.4  # a turned camera runs on a little after it was let go
 HOLD_S = 0.6  # after a touch of the wheel or a key the camera is left alone this long
 FOLLOW_M = 0.004  # smaller steps are not worth a message
 
@@ -51,6 +53,7 @@ class Viewer:
     is_dark: bool = False
     touched: tuple[tuple[float, float], Vector | None] | None = None
     _mover: Mover | None = None
+    _camera: Camera | None = None
     _base: Vector | None = None
     _overridden: set[str] = field(default_factory=set)
     _marks: Marks = field(default_factory=dict)
@@ -58,7 +61,7 @@ class Viewer:
     def join(self, client: viser.ClientHandle) -> None:
         """Take the picture that connected; it starts blank, so everything of this viewer is told again."""
         self.client, self._base, self.is_aimed = client, None, False
-        self._mover = Mover(client.scene)
+        self._mover, self._camera = Mover(client.scene), Camera(client)
         self._overridden, self._marks = set(), {}
         for group in Group:
             self._tell(group)
@@ -69,7 +72,7 @@ class Viewer:
     def leave(self, client_id: int) -> None:
         """Forget a picture that went, unless a newer one came already."""
         if self.client is not None and self.client.client_id == client_id:
-            self.client = self._mover = self._base = None
+            self.client = self._mover = self._camera = self._base = None
 
     def set_layer(self, group: Group, *, is_on: bool) -> None:
         """Show or hide a layer for this viewer."""
@@ -79,8 +82,10 @@ class Viewer:
     def hold(self, *, is_held: bool, now_s: float) -> None:
         """A person turns the picture: the camera is theirs until they let go."""
         self.is_held = is_held
-        self.held_until_s = now_s + (0.15 if not is_held else HOLD_S)
+        self.held_until_s = now_s + (SETTLE_S if not is_held else HOLD_S)
         self._base = None
+        if self._camera is not None:
+            self._camera.let_go()
 
     def show_replay(self, past: Past | None) -> None:
         """Show a robot where it was, to this viewer alone; ``None`` goes back to now.
@@ -101,22 +106,22 @@ class Viewer:
         for group in NOT_RECORDED if is_turn else ():
             self._tell(group)
 
-    def aim(self, view: View, base: Place, size_m: float, head: Vector | None) -> None:
+    def aim(self, view: View, base: Place, size_m: float, head: Vector | None, now_s: float) -> None:
         """Stand the camera for a view of a machine of that size."""
         self.view, self._base = view, base.xyz
-        if self.client is None:
+        if self._camera is None:
             return
         self.is_aimed = True
         look, stand = _stand(view, base, size_m, head)
-        with self.client.atomic():
-            self.client.camera.up_direction = (0.0, 0.0, 1.0)
-            self.client.camera.position = stand
-            self.client.camera.look_at = look
+        self._camera.stand(stand, look, now_s)
 
     def follow(self, base: Vector, now_s: float) -> None:
         """Carry the camera along with the robot, unless the person turns it at this moment."""
-        if self.client is None or self.view is View.FREE or self.is_held or now_s < self.held_until_s:
+        if self._camera is None or self.is_held or now_s < self.held_until_s:
             self._base = None
+            return
+        self._camera.check(now_s)
+        if self.view is View.FREE:
             return
         if self._base is None:
             self._base = base
@@ -125,16 +130,12 @@ class Viewer:
         if float(np.abs(step).max()) < FOLLOW_M:
             return
         self._base = base
-        self.client.camera.position = np.add(self.client.camera.position, step)  # carries the target along
+        self._camera.carry(step)
 
     def zoom(self, factor: float) -> None:
         """Bring the camera nearer or further from what it looks at."""
-        if self.client is None:
-            return
-        camera = self.client.camera
-        look = np.array(camera.look_at)
-        camera.position = look + (np.array(camera.position) - look) * factor
-        camera.look_at = look
+        if self._camera is not None:
+            self._camera.zoom(factor)
 
     def mark(self, place: tuple[float, float] | None, base: Vector | None) -> None:
         """Show this viewer the place that was touched and the line to it; ``None`` takes it away."""

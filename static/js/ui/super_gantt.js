@@ -166,12 +166,13 @@
     }
 
     table(data) {
+      const on = new Set(data.intervals.filter((one) => one.end === null).map((one) => one.state)); // counts in the total, not in the mean
       const drift = (one) => (one.drift === null ? "–" : `${one.drift > 0 ? "+" : "−"}${Math.abs(Math.round(one.drift * 100))} %`);
       const cell = (value) => el("td", { class: "num" }, value === null || value === undefined ? "–" : HL.chartFacts.span(value));
       this.list.replaceChildren(
         el("table", { class: "h-table s-times", "data-testid": "gantt-table" },
           el("thead", {}, el("tr", {}, ...["State", "Subsystem", "Times", "Total", "Mean", "Longest", "Normal", "Drift"].map((word, i) => el("th", { scope: "col", class: i > 1 ? "num" : "" }, word)))),
-          el("tbody", {}, ...data.per_state.map((one) => el("tr", { "data-drift": one.is_drifting ? "yes" : null }, el("th", { scope: "row" }, one.label), el("td", {}, one.subsystem || "–"), el("td", { class: "num" }, String(one.count)), cell(one.total_s), cell(one.mean_s), cell(one.longest_s), cell(one.normal_s), el("td", { class: "num" }, one.is_drifting ? icon("warning", "s") : "", drift(one)))))),
+          el("tbody", {}, ...data.per_state.map((one) => el("tr", { "data-drift": one.is_drifting ? "yes" : null }, el("th", { scope: "row" }, one.label), el("td", {}, one.subsystem || "–"), el("td", { class: "num" }, on.has(one.state) ? `${one.count} + now` : String(one.count)), cell(one.total_s), cell(one.mean_s), cell(one.longest_s), cell(one.normal_s), el("td", { class: "num" }, one.is_drifting ? icon("warning", "s") : "", drift(one)))))),
         el("p", { class: "h-2 h-t14" }, `Sum of states ${HL.chartFacts.span(data.total_s)}, time by the clock ${HL.chartFacts.span(data.wall_s)}. Regions run at once, and a region that rests is not counted.`),
       );
     }

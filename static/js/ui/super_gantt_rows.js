@@ -128,12 +128,14 @@
   // where the axis has its lines: [[ms, words]] for the last minutes, or by the clock for a mission
   function axis(start, end, isLive, clock) {
     const span = end - start;
-    const step = [60, 120, 300, 600, 1200, 1800, 3600, 7200, 14400, 43200, 86400].map((s) => s * 1000).find((ms) => span / ms <= 10.5) ?? span / 8;
+    const step = [10, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200, 14400, 43200, 86400].map((s) => s * 1000).find((ms) => span / ms <= 10.5) ?? span / 8;
     const marks = [];
-    if (isLive) for (let back = 0; back <= span + 1; back += step) marks.push([end - back, back ? `−${back >= 7200000 ? `${Math.round(back / 3600000)} h` : `${Math.round(back / 60000)} min`}` : "now"]);
+    if (isLive) for (let back = 0; back <= span + 1; back += step) marks.push([end - back, back ? `−${ago(back)}` : "now"]);
     else for (let at = Math.ceil(start / step) * step; at <= end; at += step) marks.push([at, clock(at)]);
     return marks;
   }
+
+  const ago = (ms) => (ms >= 7200000 ? `${Math.round(ms / 3600000)} h` : ms >= 60000 && ms % 60000 === 0 ? `${ms / 60000} min` : `${Math.round(ms / 1000)} s`);
 
   home.ganttRows = { rows, memory, follow, withActive, axis, laneOf };
 })();

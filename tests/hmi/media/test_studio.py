@@ -177,6 +177,44 @@ async def test_the_camera_stands_at_a_robot_that_was_not_heard_before_somebody_l
         assert client.camera.look_at[0] == pytest.approx(160.0, abs=1.0)
 
 
+async def test_a_camera_that_a_loading_page_put_elsewhere_is_put_back_until_the_person_takes_it(studio: Studio) -> None:
+    planter = Planter(studio.intake)
+    planter.introduce()
+    planter.stand(160.0)
+    studio.enter("k", ROBOT, may_replay=False)
+    async with await connect(studio, "k") as socket:
+        picture = Picture(socket)
+        await picture.look()
+        async with asyncio.timeout(5):
+            while (client := studio.viewers["k"].client) is None:  # noqa: ASYNC110 - viser's thread hands over
+                await asyncio.sleep(0.01)
+        viewer, camera = studio.viewers["k"], client.camera
+        await reported(picture, camera)  # it stands where every page begins: what was ordered got lost
+        viewer.follow((160.0, 0.0, 0.0), 1e6)
+        assert camera.position[0] == pytest.approx(160.0, abs=15.0)
+        assert camera.look_at[0] == pytest.approx(160.0, abs=1.0)
+        await reported(picture, camera)
+        viewer.follow((160.0, 0.0, 0.0), 1e6 + 0.1)
+        assert camera.position[0] == 3.0, "a report may be older than the order"
+        viewer.follow((161.0, 0.0, 0.0), 1e6 + 0.2)
+        assert camera.position[0] == pytest.approx(161.0, abs=15.0), "it is carried from where it was ordered"
+        assert camera.look_at[0] == pytest.approx(161.0, abs=1.0)
+        viewer.hold(is_held=True, now_s=1e6 + 0.3)
+        await reported(picture, camera)
+        viewer.hold(is_held=False, now_s=1e6 + 1)
+        viewer.follow((161.0, 0.0, 0.0), 1e6 + 2)
+        viewer.follow((162.0, 0.0, 0.0), 1e6 + 3)
+        assert camera.position[0] == pytest.approx(4.0), "from where the person left it"
+
+
+async def reported(picture: Picture, camera: Any) -> None:
+    """Let the browser say that its camera stands where every page begins."""
+    await picture.look()
+    async with asyncio.timeout(5):
+        while camera.position[0] != 3.0:  # noqa: ASYNC110 - viser's thread takes it
+            await asyncio.sleep(0.005)
+
+
 async def test_a_place_is_shown_with_the_height_of_the_tool_and_says_how_far_the_arm_reaches(studio: Studio) -> None:
     planter = Planter(studio.intake)
     planter.introduce()
