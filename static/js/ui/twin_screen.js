@@ -57,6 +57,7 @@
       const age = this.link.poseAge();
       attr(this, "data-age-ms", age === null ? null : Math.round(age * 1000));
       attr(this, "data-frames", this.link.picture.frames);
+      toggle(this, "past", isReplay);
       toggle(this, "stale", state === "stale");
       attr(this.overlay, "hidden", state === "live");
       text(this.words, words);
