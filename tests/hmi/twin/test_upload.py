@@ -163,7 +163,11 @@ def test_corners_that_are_no_numbers_are_refused(tmp_path: Path) -> None:
 
 
 def test_a_dae_without_a_shape_is_a_box_with_a_notice(tmp_path: Path) -> None:
-    dae = b'<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset/></COLLADA>'
+    dae = (
+        '<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset/><library_visual_scenes>'
+        '<visual_scene id="s"><node/></visual_scene></library_visual_scenes>'
+        '<scene><instance_visual_scene url="#s"/></scene></COLLADA>'
+    )
     told = read_upload(packed(tmp_path, {"robot.urdf": robot("a.dae"), "a.dae": dae}), tmp_path / "kept")
     assert told["notices"] == ['Link "arm": no triangles were found in "a.dae". A box stands in for it.']
 
