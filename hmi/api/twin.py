@@ -15,6 +15,7 @@ from hmi.api.errors import ApiError, not_found
 from hmi.api.orders import RobotId
 from hmi.commands.audit_line import audit_line
 from hmi.commands.ports import AuditSink
+from hmi.domain.event import RobotEvent
 from hmi.domain.role import Permission
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
@@ -104,7 +105,7 @@ def _add_replay(router: APIRouter, parts: TwinRoutes) -> None:
         events = await parts.database.run(
             parts.history.events, robot_id, start=since, end=until, kinds=EVENT_KINDS, limit=500
         )
-        marks = [{"t": _ms(one.at_utc), "name": one.name, "kind": one.kind} for one in reversed(events)]
+        marks = [_mark(one) for one in reversed(events)]
         return {"robot_id": robot_id, **_columns(points), "events": marks}
 
 
@@ -171,8 +172,15 @@ def _columns(points: list[PosturePoint]) -> dict[str, Any]:
         "lat": [point.lat_deg for point in points],
         "lon": [point.lon_deg for point in points],
         "theta": [point.theta_rad for point in points],
+        "height": [point.height_m for point in points],
         "joints": {name: [(point.joints or {}).get(name) for point in points] for name in names},
     }
+
+
+def _mark(event: RobotEvent) -> dict[str, Any]:
+    mark = {"t": _ms(event.at_utc), "name": event.name, "kind": event.kind}
+    target = event.data.get("target")
+    return {**mark, "target": target} if isinstance(target, str) else mark
 
 
 def _ms(at: datetime) -> int:

@@ -5,9 +5,18 @@ Positions are ENU metres of the factsheet's datum; joints are radians or metres 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from hmi.domain.stamp import Stamp
+
+HEIGHT_GAUGES = ("height", "altitude")
+"""Gauges that say how high above the ground a robot is, metres; the first one that it has counts."""
+
+
+def height_m(gauges: Mapping[str, float]) -> float | None:
+    """Return how high above the ground a robot is; ``None`` for one that does not say."""
+    return next((gauges[key] for key in HEIGHT_GAUGES if key in gauges), None)
 
 
 @dataclass(frozen=True, slots=True)

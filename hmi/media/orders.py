@@ -40,7 +40,7 @@ class Zoom(Struct, frozen=True, tag_field="k", tag="zoom"):
 
 
 class Replay(Struct, frozen=True, tag_field="k", tag="replay"):
-    """Show the robot where it was; needs the right to replay."""
+    """Show the robot where it was; needs the right to replay. ``undone``: places that were worked at later."""
 
     lat_deg: Annotated[float, Meta(ge=-90, le=90)]
     lon_deg: Degrees
@@ -48,6 +48,8 @@ class Replay(Struct, frozen=True, tag_field="k", tag="replay"):
     joints: Annotated[dict[str, Annotated[float, Meta(ge=-1e4, le=1e4)]], Meta(max_length=64)] = field(
         default_factory=dict
     )
+    height_m: Annotated[float, Meta(ge=-100, le=20_000)] = 0.0
+    undone: Annotated[list[Annotated[str, Meta(max_length=64)]], Meta(max_length=200)] = field(default_factory=list)
 
 
 class Live(Struct, frozen=True, tag_field="k", tag="live"):

@@ -19,6 +19,7 @@ from backend_clients.edge import machine
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.topics import Up
 from hmi.clock import Clock
+from hmi.domain.machine import height_m
 from hmi.media import orders
 from hmi.media.door import SECRET_HEADER, VIEWER_HEADER
 from hmi.media.ear import Ear
@@ -31,6 +32,7 @@ from hmi.twin.groups import Group
 from hmi.twin.guarded_viser import guarded_viser, headers_of
 from hmi.twin.kinematics import Place
 from hmi.twin.library import Library
+from hmi.twin.past import past_of
 from hmi.twin.posture import Posture
 from hmi.twin.rotation import yaw
 from hmi.twin.site import SiteView
@@ -41,7 +43,6 @@ log = logging.getLogger(__name__)
 TICK_S = 0.1
 DETAILS_EVERY = 2  # ticks: what hangs around a robot is read by people
 STATUS_EVERY = 5
-HEIGHT_GAUGES = ("height", "altitude")
 
 
 class Studio:
@@ -181,7 +182,7 @@ class Studio:
                     self._details(robot_id)
         now_s = self._clock.mono_s()
         for viewer in self.viewers.values():
-            place = self._base(viewer.robot_id)
+            place = self.base(viewer)
             if viewer.client is not None and not viewer.is_aimed:
                 self._aim(viewer, viewer.view)  # its robot was not heard yet when it came
             if place is not None:
@@ -200,8 +201,7 @@ class Studio:
         east, north = self.frame.shift(datum.lat_deg, datum.lon_deg)
         heard = self.intake.newest(robot_id, Up.BODY, machine.Body)
         body = None if heard is None else heard[0]
-        gauges = {} if body is None else body.gauges
-        height = next((gauges[key] for key in HEIGHT_GAUGES if key in gauges), 0.0)
+        height = 0.0 if body is None else height_m(body.gauges) or 0.0
         place = Place((said.x_m + east, said.y_m + north, height), yaw(said.theta_rad))
         return Posture(place, {} if body is None else body.joints, {} if body is None else body.planned)
 
@@ -244,24 +244,34 @@ class Studio:
         """Return what is drawn around a watched robot."""
         return self._sites.get(robot_id)
 
-    def _base(self, robot_id: str) -> Place | None:
-        solid = self.world.solid(robot_id)
-        return None if solid is None else self.world.mover.place(solid.name)
+    def base(self, viewer: Viewer) -> Place | None:
+        """Return where a viewer's robot is in its picture: now, or at the moment it replays."""
+        solid = self.world.solid(viewer.robot_id)
+        if solid is None:
+            return None
+        return self.world.mover.place(solid.name) if viewer.past is None else viewer.past.body
 
     def _aim(self, viewer: Viewer, view: View) -> None:
-        base, form = self._base(viewer.robot_id), self.world.form_of(viewer.robot_id)
+        base, form = self.base(viewer), self.world.form_of(viewer.robot_id)
         posture = self.posture(viewer.robot_id)
         if base is None or form is None or posture is None:
             viewer.view = view
             return
-        viewer.aim(view, base, form.size_m, form.head(base, posture.joints))
+        head = form.head(base, posture.joints) if viewer.past is None else viewer.past.head
+        viewer.aim(view, base, form.size_m, head, self._clock.mono_s())
 
     def _replay(self, viewer: Viewer, order: orders.Replay) -> None:
         solid = self.world.solid(viewer.robot_id)
         if solid is None:
             return
         east, north = self.frame.local(order.lat_deg, order.lon_deg)
-        viewer.show_replay(solid.frames(Place((east, north, 0.0), yaw(order.theta_rad)), order.joints))
+        body = Place((east, north, order.height_m), yaw(order.theta_rad))
+        before, undone, site = viewer.past, frozenset(order.undone), self._sites.get(viewer.robot_id)
+        if before is not None and before.undone == undone:
+            marks = before.marks
+        else:
+            marks = {} if site is None else site.surface.without(undone)
+        viewer.show_replay(past_of(viewer.robot_id, solid, body, order.joints, undone, marks))
 
     def _tell_all(self, now_s: float) -> None:
         for key, viewer in self.viewers.items():
@@ -319,7 +329,7 @@ class Studio:
         viewer = self.viewers.get(key)
         if viewer is not None and all(map(math.isfinite, (*origin, *direction))):
             place = ground_under(origin, direction)
-            base = self._base(viewer.robot_id)
+            base = self.base(viewer)
             viewer.mark(place, None if base is None else base.xyz)
             self._tell(key, tapped(self, viewer, origin, direction))
 

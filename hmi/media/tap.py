@@ -32,7 +32,7 @@ OUTCOMES = {
 def tapped(studio: Studio, viewer: Viewer, origin: Vector, direction: Vector) -> dict[str, Any]:
     """Return what is under a ray: robot, place, obstacle or bare ground, and the ground's place for the robot."""
     ground = ground_under(origin, direction)
-    found = _robot(studio, origin, direction, ground)
+    found = _robot(studio, viewer, origin, direction)
     if found is None and ground is not None:
         found = _place(studio, viewer, ground) or {"what": "ground", "name": "Ground", "lines": []}
     return {"k": "tap", **(found or {"what": "nothing", "name": "", "lines": []}), **_at(studio, viewer, ground)}
@@ -47,9 +47,7 @@ def ground_under(origin: Vector, direction: Vector) -> tuple[float, float] | Non
     return (x, y) if share > 0 and math.dist((x, y), origin[:2]) < FAR_M else None
 
 
-def _robot(
-    studio: Studio, origin: Vector, direction: Vector, ground: tuple[float, float] | None
-) -> dict[str, Any] | None:
+def _robot(studio: Studio, viewer: Viewer, origin: Vector, direction: Vector) -> dict[str, Any] | None:
     """The robot whose hull the ray enters first; the hull is a ball, flattened to its height."""
     start, unit = np.asarray(origin), np.asarray(direction) / max(float(np.linalg.norm(direction)), 1e-9)
     best: tuple[float, str] | None = None
@@ -57,9 +55,11 @@ def _robot(
         solid = studio.world.solid(robot_id)
         if solid is None:
             continue
-        place = studio.world.mover.place(solid.name).xyz
+        base = studio.base(viewer) if robot_id == viewer.robot_id else studio.world.mover.place(solid.name)
+        if base is None:
+            continue
         radius = 0.42 * solid.form.size_m
-        middle = np.add(place, (0, 0, 0.5 * radius))
+        middle = np.add(base.xyz, (0, 0, 0.5 * radius))
         along = float((middle - start) @ unit)
         aside = float(np.linalg.norm(start + along * unit - middle))
         if along > 0 and aside < radius and (best is None or along < best[0]):
@@ -100,19 +100,17 @@ def _at(studio: Studio, viewer: Viewer, ground: tuple[float, float] | None) -> d
     shift = _shift(studio, viewer)
     if ground is None or shift is None:
         return {"x_m": None, "y_m": None, "distance_m": None}
-    solid = studio.world.solid(viewer.robot_id)
-    base = None if solid is None else studio.world.mover.place(solid.name).xyz
-    away = None if base is None else round(math.dist(base[:2], ground), 2)
+    base = studio.base(viewer)
+    away = None if base is None else round(math.dist(base.xyz[:2], ground), 2)
     place = {"x_m": round(ground[0] - shift[0], 3), "y_m": round(ground[1] - shift[1], 3), "distance_m": away}
     return {**place, **_arm(studio, viewer, ground)}
 
 
 def _arm(studio: Studio, viewer: Viewer, ground: tuple[float, float]) -> dict[str, Any]:
     """How far the place is from what the arm turns on, and how far the arm reaches; nothing for a robot without."""
-    site, solid = studio.site(viewer.robot_id), studio.world.solid(viewer.robot_id)
-    if site is None or site.reach is None or solid is None:
+    site, body = studio.site(viewer.robot_id), studio.base(viewer)
+    if site is None or site.reach is None or body is None:
         return {}
-    body = studio.world.mover.place(solid.name)
     x, y, _ = turned(body.wxyz, (site.reach.x_m, site.reach.y_m, 0.0))
     return {
         "arm_m": round(math.dist((body.xyz[0] + x, body.xyz[1] + y), ground), 2),

@@ -11,6 +11,7 @@ from sqlalchemy import ColumnElement, Select, String, func, literal_column, sele
 
 from hmi.domain.event import RobotEvent
 from hmi.store.database import Database
+from hmi.store.sampling import HEIGHT
 from hmi.store.tables import EventRow, SampleRow
 
 FIELDS = frozenset({"speed_mps", "soc", "cross_track_m", "gnss_accuracy_m", "rtt_s", "row", "area_done_m2"})
@@ -34,13 +35,14 @@ class HistoryPoint:
 
 @dataclass(frozen=True, slots=True)
 class PosturePoint:
-    """Where a robot was and how its joints stood; radians and metres by joint."""
+    """Where a robot was and how its joints stood; radians and metres by joint, metres above the ground."""
 
     at: datetime
     lat_deg: float
     lon_deg: float
     theta_rad: float | None
     joints: dict[str, float] | None
+    height_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +112,7 @@ class History:
             rows = session.execute(query).all()
         stride = -(-len(rows) // max_points) or 1
         return [
-            PosturePoint(at, lat_deg, lon_deg, theta_rad, joints)
+            _posture(at, lat_deg, lon_deg, theta_rad, joints)
             for at, lat_deg, lon_deg, theta_rad, joints in rows[::stride]
             if lat_deg is not None and lon_deg is not None
         ]
@@ -203,3 +205,13 @@ def _event(row: EventRow) -> RobotEvent:
     return RobotEvent(
         row.robot_id, row.id, row.kind, row.name, row.text, dict(row.data), at_utc=row.at, mission_id=row.mission_id
     )
+
+
+def _posture(
+    at: datetime, lat_deg: float, lon_deg: float, theta_rad: float | None, joints: dict[str, float] | None
+) -> PosturePoint:
+    """The height is kept beside the joints, by a name that none of them has."""
+    if not joints or HEIGHT not in joints:
+        return PosturePoint(at, lat_deg, lon_deg, theta_rad, joints)
+    known = {name: value for name, value in joints.items() if name != HEIGHT}
+    return PosturePoint(at, lat_deg, lon_deg, theta_rad, known or None, joints[HEIGHT])

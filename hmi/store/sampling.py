@@ -10,10 +10,13 @@ from typing import Any, NamedTuple
 from hmi.clock import Clock
 from hmi.domain.event import RobotEvent
 from hmi.domain.ids import new_id
+from hmi.domain.machine import height_m
 from hmi.domain.robot import Mode, Robot, RobotState
 from hmi.store.audit_chain import clean, plain
 
 PERIOD_S = 1.0
+HEIGHT = "@height"
+"""The name by which metres above the ground are kept beside the joints; none is called so."""
 JOINTS_APART_S = 2.0  # at rest they are sent twice a second
 _EARLY_S = 0.1  # a robot that sends once a second is never exactly on time: a little early counts
 
@@ -110,13 +113,15 @@ def sample_columns(sample: Sample) -> dict[str, Any]:
 
 
 def _joints(robot: Robot) -> dict[str, float] | None:
-    """Joints heard about when the rest was; older ones would replay a posture the machine no longer had."""
+    """Joints and height heard of when the rest was; older ones would replay a posture it no longer had."""
     telemetry, body = robot.telemetry, robot.body
-    if body is None or telemetry is None or not body.joints:
+    if body is None or telemetry is None:
         return None
     if abs(telemetry.pose.stamp.source_s - body.stamp.source_s) > JOINTS_APART_S:
         return None
-    return {name: round(value, 4) for name, value in body.joints.items() if math.isfinite(value)}
+    up_m = height_m(body.gauges)
+    values = body.joints if up_m is None else {**body.joints, HEIGHT: up_m}
+    return {name: round(value, 4) for name, value in values.items() if math.isfinite(value)} or None
 
 
 def event_columns(event: RobotEvent, farm_id: str, mission_id: str | None) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+import viser
 from numpy.typing import NDArray
 
 from hmi.twin.model import Box, Colour
@@ -43,6 +44,16 @@ def marks_of(mark: Mark) -> Shape:
     """Return corners and faces of a mark, metres, standing on the ground."""
     corners = np.asarray(_SHAPES[mark.shape](), np.float32)
     return corners, np.arange(len(corners), dtype=np.uint32).reshape(-1, 3)
+
+
+def draw_marks(scene: viser.SceneApi, frame: str, mark: Mark, places: list[tuple[float, float]]) -> None:
+    """Draw a mark at each place of the site's plane, all as one; metres."""
+    corners, faces = marks_of(mark)
+    positions = np.asarray([(x, y, mark.lift_m) for x, y in places], np.float32)
+    turns = np.tile(np.asarray([1, 0, 0, 0], np.float32), (len(places), 1))
+    scene.add_batched_meshes_simple(
+        frame, corners, faces, turns, positions, batched_colors=mark.colour, cast_shadow=False, flat_shading=True
+    )
 
 
 def _tree() -> Floats:

@@ -56,13 +56,19 @@ class MeshFolder:
             raise UnsafeModel(f'{where}: "{path.name}" is over {MAX_MESH_BYTES // 2**20} MB. Simplify it.')
         data = path.read_bytes()
         _check(kind, data, where, path.name)
-        return _parsed(kind, data, where, path.name)
+        corners, colours = _parsed(kind, data, where, path.name)
+        if len(corners) > 0:
+            return corners, colours
+        if kind != "dae":  # what its materials refer to may be missing, and then none of its shapes is found
+            raise ModelError(f'{where}: "{path.name}" holds no triangles.')
+        self.notices.append(f'{where}: no triangles were found in "{path.name}". A box stands in for it.')
+        return _stand_in(mesh)
 
     def _find(self, name: str, where: str) -> Path | None:
         text = unquote(name).replace("\\", "/").strip()
         if text.startswith("package://"):
-            text = text.removeprefix("package://")
-            choices = [text, text.partition("/")[2]]  # a ROS package is uploaded with its folder or without
+            text = text.removeprefix("package://").lstrip("/")  # some tools write three slashes
+            choices = [text, *_endings(text)]  # a ROS package is uploaded with its folder or without
         elif _SCHEME.match(text) or text.startswith("/"):
             raise UnsafeModel(f'{where}: "{name[:80]}" is not a file of the upload. Name it relative to the URDF.')
         else:
@@ -72,7 +78,22 @@ class MeshFolder:
                 raise UnsafeModel(f'{where}: "{name[:80]}" lies outside the upload. It is refused.')
             if choice and path.is_file():
                 return path
+        return self._only_one(choices) if len(choices) > 1 else None
+
+    def _only_one(self, endings: list[str]) -> Path | None:
+        """Find a package's file wherever its folder lies in the upload, if no other file ends alike."""
+        files = [path for path in self._folder.rglob("*") if path.is_file()]
+        for ending in endings:
+            found = [path for path in files if f"/{path.relative_to(self._folder).as_posix()}".endswith(f"/{ending}")]
+            if found:
+                return found[0] if len(found) == 1 else None
         return None
+
+
+def _endings(text: str) -> list[str]:
+    """Return a path without its first folder, without its first two, and so on."""
+    parts = text.split("/")
+    return ["/".join(parts[at:]) for at in range(1, len(parts))]
 
 
 def _stand_in(mesh: MeshFile) -> tuple[Floats, NDArray[np.uint8]]:
@@ -118,8 +139,6 @@ def _parsed(kind: str, data: bytes, where: str, name: str) -> tuple[Floats, NDAr
         colours = _colours(mesh)
     except Exception as error:
         raise ModelError(f'{where}: "{name}" cannot be read ({type(error).__name__}). Export it once more.') from error
-    if len(corners) == 0:
-        raise ModelError(f'{where}: "{name}" holds no triangles.')
     if len(corners) > 3 * MAX_FACES:
         raise UnsafeModel(f'{where}: "{name}" has over {MAX_FACES} triangles. Simplify it.')
     if not np.isfinite(corners).all():

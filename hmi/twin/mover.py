@@ -6,9 +6,9 @@ viser's own setters compare with a tolerance that grows with the distance from t
 from __future__ import annotations
 
 import viser
-from viser import _messages
 
 from hmi.twin.kinematics import Place
+from hmi.twin.moves import Orientation, Position
 from hmi.twin.rotation import is_near
 
 STILL_M = 0.0005
@@ -43,9 +43,9 @@ class Mover:
         if is_there and is_turned:
             return False
         if not is_there:
-            self._send(_messages.SetPositionMessage(name, place.xyz))
+            self._send(Position(name, place.xyz))
         if not is_turned:
-            self._send(_messages.SetOrientationMessage(name, place.wxyz))
+            self._send(Orientation(name, place.wxyz))
         self._shown[name] = Place(before.xyz if is_there else place.xyz, before.wxyz if is_turned else place.wxyz)
         return True
 
@@ -59,6 +59,6 @@ class Mover:
         for held in [one for one in self._shown if one == name or one.startswith(f"{name}/")]:
             del self._shown[held]
 
-    def _send(self, message: _messages.Message) -> None:
+    def _send(self, message: Position | Orientation) -> None:
         self._scene._queue_scene_message(message)
         self.sent += 1

@@ -14,6 +14,7 @@ from hmi.twin.kinematics import Place
 from hmi.twin.limit_marks import LimitMarks
 from hmi.twin.machine import Form
 from hmi.twin.mover import Mover
+from hmi.twin.past import worked_at
 from hmi.twin.path import PathLines
 from hmi.twin.posture import Posture
 from hmi.twin.reach import Reach, draw_reach, reach_of
@@ -38,7 +39,7 @@ class SiteView:
             mover.add(group.of(robot_id), Place((0.0, 0.0, 0.0)))
         self.path = PathLines(scene, Group.PATH.of(robot_id), Group.PARCEL.of(robot_id))
         self.trail = Trail(scene, Group.TRAIL.of(robot_id))
-        self.surface = WorkSurface(scene, Group.TREES.of(robot_id), Group.OBSTACLES.of(robot_id))
+        self.surface = WorkSurface(scene, Group.TREES.of(robot_id), worked_at(robot_id), Group.OBSTACLES.of(robot_id))
         self.sightings = Sightings(scene, Group.LABELS.of(robot_id))
         self.limits = LimitMarks(scene, Group.LIMITS.of(robot_id))
         self.frusta = Frusta(scene, Group.CAMERAS.of(robot_id))

@@ -74,7 +74,7 @@ def _xml(data: bytes) -> Element:
 def _links(root: Element, colours: dict[str, Colour]) -> dict[str, tuple[Visual, ...]]:
     links: dict[str, tuple[Visual, ...]] = {}
     for element in _children(root, "link"):
-        name = _name(element, "link")
+        name = _link(element, "link")
         if name in links:
             raise ModelError(f'Two links are called "{name}".')
         links[name] = tuple(_visual(visual, name, colours) for visual in _children(element, "visual"))
@@ -239,16 +239,21 @@ def _number(text: str, where: str) -> float:
 
 def _name(element: Element, kind: str, key: str = "name") -> str:
     name = element.get(key, "").strip()
-    if not name or len(name) > 120 or "/" in name:
+    if not name or len(name) > 120:
         raise ModelError(f"A {kind} has no usable name: {name[:40]!r}.")
     return name
+
+
+def _link(element: Element, kind: str, key: str = "name") -> str:
+    """A link's name; simulators write some with slashes, which divide frames here."""
+    return _name(element, kind, key).replace("/", "_")
 
 
 def _named(element: Element, tag: str, where: str) -> str:
     found = next(iter(_children(element, tag)), None)
     if found is None:
         raise ModelError(f"{where}: it names no {tag} link.")
-    return _name(found, tag, "link")
+    return _link(found, tag, "link")
 
 
 def _local(element: Element) -> str:

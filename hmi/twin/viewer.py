@@ -5,20 +5,23 @@ viser shows a viewer its own variant of a frame in place of everybody's: so laye
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from enum import StrEnum
 
 import numpy as np
 import viser
 
+from hmi.twin.camera import Camera
 from hmi.twin.ground import DARK, GROUND, draw_ground
 from hmi.twin.groups import HIDDEN_AT_FIRST, Group
 from hmi.twin.kinematics import Place
+from hmi.twin.marks import draw_marks
 from hmi.twin.model import Vector
 from hmi.twin.mover import Mover
+from hmi.twin.past import NOT_RECORDED, Marks, Past
 from hmi.twin.touched import draw_touched
 
+SETTLE_S = 0.4  # a turned camera runs on a little after it was let go
 HOLD_S = 0.6  # after a touch of the wheel or a key the camera is left alone this long
 FOLLOW_M = 0.004  # smaller steps are not worth a message
 
@@ -43,30 +46,33 @@ class Viewer:
     client: viser.ClientHandle | None = None
     view: View = View.FOLLOW
     hidden: set[Group] = field(default_factory=lambda: set(HIDDEN_AT_FIRST))
-    replay: list[tuple[str, Place]] | None = None
+    past: Past | None = None
     is_aimed: bool = False
     is_held: bool = False
     held_until_s: float = 0.0
     is_dark: bool = False
     touched: tuple[tuple[float, float], Vector | None] | None = None
     _mover: Mover | None = None
+    _camera: Camera | None = None
     _base: Vector | None = None
     _overridden: set[str] = field(default_factory=set)
+    _marks: Marks = field(default_factory=dict)
 
     def join(self, client: viser.ClientHandle) -> None:
         """Take the picture that connected; it starts blank, so everything of this viewer is told again."""
         self.client, self._base, self.is_aimed = client, None, False
-        self._mover = Mover(client.scene)
-        self._overridden = set()
+        self._mover, self._camera = Mover(client.scene), Camera(client)
+        self._overridden, self._marks = set(), {}
         for group in Group:
             self._tell(group)
         if self.is_dark:
             self.set_dark(is_dark=True)
+        self.show_replay(self.past)
 
     def leave(self, client_id: int) -> None:
         """Forget a picture that went, unless a newer one came already."""
         if self.client is not None and self.client.client_id == client_id:
-            self.client = self._mover = self._base = None
+            self.client = self._mover = self._camera = self._base = None
 
     def set_layer(self, group: Group, *, is_on: bool) -> None:
         """Show or hide a layer for this viewer."""
@@ -76,42 +82,46 @@ class Viewer:
     def hold(self, *, is_held: bool, now_s: float) -> None:
         """A person turns the picture: the camera is theirs until they let go."""
         self.is_held = is_held
-        self.held_until_s = now_s + (0.15 if not is_held else HOLD_S)
+        self.held_until_s = now_s + (SETTLE_S if not is_held else HOLD_S)
         self._base = None
+        if self._camera is not None:
+            self._camera.let_go()
 
-    def show_replay(self, frames: Iterable[tuple[str, Place]] | None) -> None:
-        """Show a robot where it was, to this viewer alone; ``None`` goes back to now."""
-        mover = self._mover
-        if mover is None:
+    def show_replay(self, past: Past | None) -> None:
+        """Show a robot where it was, to this viewer alone; ``None`` goes back to now.
+
+        What is known of now only is hidden meanwhile, so that nothing of now is taken for then.
+        """
+        is_turn = (past is None) != (self.past is None)
+        self.past = past
+        if self.client is None or self._mover is None:
             return
-        if frames is None:
+        if past is None:
             for name in self._overridden:
-                mover.remove(name)
+                self._mover.remove(name)
             self._overridden = set()
-            return
-        for name, place in frames:
-            if mover.has(name):
-                mover.move(name, place)
-            else:
-                mover.add(name, place)
-                self._overridden.add(name)
+            self._show_marks({})
+        else:
+            self._override(past, self._mover)
+        for group in NOT_RECORDED if is_turn else ():
+            self._tell(group)
 
-    def aim(self, view: View, base: Place, size_m: float, head: Vector | None) -> None:
+    def aim(self, view: View, base: Place, size_m: float, head: Vector | None, now_s: float) -> None:
         """Stand the camera for a view of a machine of that size."""
         self.view, self._base = view, base.xyz
-        if self.client is None:
+        if self._camera is None:
             return
         self.is_aimed = True
         look, stand = _stand(view, base, size_m, head)
-        with self.client.atomic():
-            self.client.camera.up_direction = (0.0, 0.0, 1.0)
-            self.client.camera.position = stand
-            self.client.camera.look_at = look
+        self._camera.stand(stand, look, now_s)
 
     def follow(self, base: Vector, now_s: float) -> None:
         """Carry the camera along with the robot, unless the person turns it at this moment."""
-        if self.client is None or self.view is View.FREE or self.is_held or now_s < self.held_until_s:
+        if self._camera is None or self.is_held or now_s < self.held_until_s:
             self._base = None
+            return
+        self._camera.check(now_s)
+        if self.view is View.FREE:
             return
         if self._base is None:
             self._base = base
@@ -120,16 +130,12 @@ class Viewer:
         if float(np.abs(step).max()) < FOLLOW_M:
             return
         self._base = base
-        self.client.camera.position = np.add(self.client.camera.position, step)  # carries the target along
+        self._camera.carry(step)
 
     def zoom(self, factor: float) -> None:
         """Bring the camera nearer or further from what it looks at."""
-        if self.client is None:
-            return
-        camera = self.client.camera
-        look = np.array(camera.look_at)
-        camera.position = look + (np.array(camera.position) - look) * factor
-        camera.look_at = look
+        if self._camera is not None:
+            self._camera.zoom(factor)
 
     def mark(self, place: tuple[float, float] | None, base: Vector | None) -> None:
         """Show this viewer the place that was touched and the line to it; ``None`` takes it away."""
@@ -148,16 +154,44 @@ class Viewer:
         if self.client is not None:
             draw_ground(self.client.scene, DARK if is_dark else GROUND)
 
+    def _override(self, past: Past, mover: Mover) -> None:
+        for name in past.hidden:
+            if not mover.has(name):
+                mover.add(name, Place((0.0, 0.0, 0.0)), visible=False)
+                self._overridden.add(name)
+        for name, place in past.frames:
+            if mover.has(name):
+                mover.move(name, place)
+            else:
+                mover.add(name, place)
+                self._overridden.add(name)
+        self._show_marks(past.marks)
+
+    def _show_marks(self, marks: Marks) -> None:
+        """Show this viewer fewer marks than everybody; those of now again where nothing is said."""
+        if marks is self._marks or self.client is None:
+            return
+        scene = self.client.scene
+        for frame in self._marks.keys() - marks.keys():
+            scene.remove_by_name(frame)
+        for frame, (mark, places) in marks.items():
+            if places:
+                draw_marks(scene, frame, mark, places)
+            else:
+                scene.add_frame(frame, show_axes=False, visible=False)
+        self._marks = marks
+
     def _tell(self, group: Group) -> None:
         if self.client is None:
             return
-        is_default = (group in self.hidden) == (group in HIDDEN_AT_FIRST)
+        is_hidden = group in self.hidden or (self.past is not None and group in NOT_RECORDED)
+        is_default = is_hidden == (group in HIDDEN_AT_FIRST)
         scene = self.client.scene
         if is_default:
             if scene.get_handle_by_name(group.frame) is not None:
                 scene.remove_by_name(group.frame)
         else:
-            scene.add_frame(group.frame, show_axes=False, visible=group not in self.hidden)
+            scene.add_frame(group.frame, show_axes=False, visible=not is_hidden)
 
 
 def _stand(view: View, base: Place, size_m: float, head: Vector | None) -> tuple[Vector, Vector]:

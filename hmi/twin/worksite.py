@@ -9,11 +9,12 @@ import viser
 
 from backend_clients.edge.machine import Obstacle, Target, Worksite
 from hmi.twin.farm import Treated
-from hmi.twin.marks import CROSS, RING, TREE, Mark, marks_of
+from hmi.twin.marks import CROSS, RING, TREE, Mark, draw_marks
 from hmi.twin.model import Cylinder
 from hmi.twin.solids import triangles_of
 
-FAILED = frozenset({"failed_tool", "failed_ground", "failed_machine"})
+FAILED = frozenset(CROSS)
+ENDED = {"done": TREE, **CROSS}
 STUMP = (112, 92, 72)
 EDGE = (96, 104, 108)
 NAME_ASIDE_M, NAME_UP_M = 0.9, 0.7
@@ -21,14 +22,22 @@ Point = tuple[float, float]
 
 
 class WorkSurface:
-    """Draws one robot's worksite. What was done at earlier stops stays, what was planned there goes."""
+    """Draws one robot's worksite. What was done at earlier stops stays, what was planned there goes.
 
-    def __init__(self, scene: viser.SceneApi, trees: str, obstacles: str) -> None:
-        self._scene, self._trees, self._obstacles = scene, trees, obstacles
+    Args:
+        trees: frame of all places; ``now`` below it is that of the places that are planned or worked at.
+        obstacles: frame of stumps, stones and the edge of the surface.
+    """
+
+    def __init__(self, scene: viser.SceneApi, trees: str, now: str, obstacles: str) -> None:
+        self._scene, self._trees, self._now, self._obstacles = scene, trees, now, obstacles
+        scene.add_frame(now, show_axes=False)
         self._ended: dict[str, tuple[float, float, str]] = {}
         self._before: Sequence[Treated] = ()
         self._drawn: tuple[object, ...] = ()
+        self._batches: dict[str, list[Point]] = {}
         self._site: Worksite | None = None
+        self._shift: Point = (0.0, 0.0)
 
     @property
     def done(self) -> int:
@@ -49,6 +58,11 @@ class WorkSurface:
         """Yield id, metres east and north in the robot's plane, and outcome of every place that is over."""
         return ((name, *rest) for name, rest in self._ended.items())
 
+    def without(self, undone: frozenset[str]) -> dict[str, tuple[Mark, list[Point]]]:
+        """Return, by frame, the marks of each outcome that some of ``undone`` had, without those."""
+        outcomes = {self._ended[name][2] for name in undone if name in self._ended}
+        return {f"{self._trees}/{outcome}": (ENDED[outcome], self._places(outcome, undone)) for outcome in outcomes}
+
     def set_before(self, treated: Sequence[Treated]) -> None:
         """Take what was done before anybody listened."""
         self._before = treated
@@ -65,25 +79,29 @@ class WorkSurface:
         key = (None if site is None else (site.boot, site.seq), len(self._ended), shift)
         if key == self._drawn:
             return
-        self._drawn, self._site = key, site
+        self._drawn, self._site, self._shift = key, site, shift
         self._draw_places([] if site is None else site.targets, shift)
         self._draw_obstacles([] if site is None else site.obstacles, shift)
         self._draw_area([] if site is None else site.area, shift)
 
     def _draw_places(self, targets: Sequence[Target], shift: Point) -> None:
-        done = [(x, y) for x, y, status in self._ended.values() if status == "done"]
-        self._batch("done", TREE, done, shift)
-        for outcome in sorted(FAILED):
-            failed = [(x, y) for x, y, status in self._ended.values() if status == outcome]
-            self._batch(outcome, CROSS[outcome], failed, shift)
-        self._batch("planned", RING["planned"], [(t.x_m, t.y_m) for t in targets if t.status == "planned"], shift)
-        self._batch("current", RING["current"], [(t.x_m, t.y_m) for t in targets if t.status == "current"], shift)
+        for outcome, mark in ENDED.items():
+            self._batch(f"{self._trees}/{outcome}", mark, self._places(outcome))
+        for status, mark in RING.items():
+            here = [(t.x_m + shift[0], t.y_m + shift[1]) for t in targets if t.status == status]
+            self._batch(f"{self._now}/{status}", mark, here)
         self._name([t for t in targets if t.status == "current"], shift)
-        self._batch("skipped", RING["skipped"], [(t.x_m, t.y_m) for t in targets if t.status == "skipped"], shift)
+
+    def _places(self, outcome: str, but: frozenset[str] = frozenset()) -> list[Point]:
+        """Where places ended so, in the site's plane."""
+        east, north = self._shift
+        return [
+            (x + east, y + north) for name, (x, y, ended) in self._ended.items() if ended == outcome and name not in but
+        ]
 
     def _name(self, current: Sequence[Target], shift: Point) -> None:
         """Name the place that is worked at, on a line above it, so that the tool does not hide it."""
-        frame = f"{self._trees}/named"
+        frame = f"{self._now}/named"
         if not current:
             self._scene.remove_by_name(frame)
             return
@@ -95,17 +113,15 @@ class WorkSurface:
         self._scene.add_line_segments(f"{frame}/line", line, colors=EDGE, thickness=2.0, thickness_units="screen")
         self._scene.add_label(f"{frame}/text", text, position=(NAME_ASIDE_M, 0.0, NAME_UP_M), anchor="bottom-center")
 
-    def _batch(self, name: str, mark: Mark, places: Sequence[Point], shift: Point) -> None:
-        frame = f"{self._trees}/{name}"
-        if not places:
-            self._scene.remove_by_name(frame)
+    def _batch(self, frame: str, mark: Mark, places: list[Point]) -> None:
+        """Draw marks in the site's plane; thousands that did not change are not sent again."""
+        if places == self._batches.get(frame, []):
             return
-        corners, faces = marks_of(mark)
-        positions = np.asarray([(x + shift[0], y + shift[1], mark.lift_m) for x, y in places], np.float32)
-        turns = np.tile(np.asarray([1, 0, 0, 0], np.float32), (len(places), 1))
-        self._scene.add_batched_meshes_simple(
-            frame, corners, faces, turns, positions, batched_colors=mark.colour, cast_shadow=False, flat_shading=True
-        )
+        self._batches[frame] = places
+        if places:
+            draw_marks(self._scene, frame, mark, places)
+        else:
+            self._scene.remove_by_name(frame)
 
     def _draw_obstacles(self, obstacles: Sequence[Obstacle], shift: Point) -> None:
         frame = f"{self._obstacles}/cylinders"

@@ -160,3 +160,39 @@ test('the axis counts back from now, or says the time of a mission that is over'
   assert.deepEqual(plain(ganttRows.axis(0, 600000, true, clock).at(-1)), [0, '−10 min']);
   assert.deepEqual(plain(ganttRows.axis(30000, 630000, false, clock).at(0)), [60000, '1']);
 });
+
+test('the states are placed before the lines are found, and stay there', () => {
+  let placed = null;
+  const whole = chartLayout(planter, widthsOf(planter), WINDOWS[0], (layout) => (placed = plain(layout)));
+  assert.deepEqual(placed.places, plain(whole.places));
+  assert.deepEqual([placed.w, placed.h, placed.ways], [whole.w, whole.h, []]);
+  assert.ok(whole.ways.length > 20);
+});
+
+test('what ended between two looks at the record stays in the picture until the record has it', () => {
+  const facts = chartFacts.index(planter);
+  const kept = ganttRows.memory();
+  const wall = (t) => t * 1000;
+  ganttRows.follow(kept, { t: 10, states: [['hold', 5], ['dock', 10]] }, wall);
+  ganttRows.follow(kept, { t: 14.1, states: [['hold', 5], ['crane-idle', 14]] }, wall);
+  ganttRows.follow(kept, { t: 16.1, states: [['hold', 5], ['above-plant', 16]] }, wall);
+  const active = [...kept.on].map(([id, one]) => [id, one.start]);
+  const found = (recorded) => plain(ganttRows.withActive(recorded, facts, active, kept.ended).map((one) => [one.state, one.start, one.end]));
+  assert.deepEqual(found([stay('hold', 'Base', 5000, null)]), [['hold', 5000, null], ['dock', 10000, 14000], ['crane-idle', 14000, 16000], ['above-plant', 16000, null]]);
+  assert.deepEqual(found([stay('hold', 'Base', 5000, null), stay('dock', 'Crane', 10100, 13900), stay('crane-idle', 'Crane', 13900, null)]), [['hold', 5000, null], ['dock', 10100, 13900], ['crane-idle', 13900, 16000], ['above-plant', 16000, null]]);
+});
+
+test('a state that was entered again is another stay', () => {
+  const kept = ganttRows.memory();
+  ganttRows.follow(kept, { t: 10, states: [['hold', 5]] }, (t) => t * 1000);
+  ganttRows.follow(kept, { t: 20, states: [['hold', 18]] }, (t) => t * 1000);
+  assert.deepEqual(plain(kept.ended), [{ state: 'hold', start: 5000, end: 18000 }]);
+});
+
+test('a state keeps its tone when the oldest stay leaves the picture', () => {
+  const facts = chartFacts.index(planter);
+  const stays = ['dock', 'above-plant', 'photo', 'dock', 'retract'].map((id, i) => stay(id, 'Crane', i * 10000, i * 10000 + 9000));
+  const toneBy = (list) => Object.fromEntries(ganttRows.rows(list, facts, [], span)[0].bars.map((bar) => [bar.label, bar.tone]));
+  const { dock, photo, retract } = toneBy(stays);
+  assert.deepEqual(toneBy(stays.slice(2)), { dock, photo, retract });
+});

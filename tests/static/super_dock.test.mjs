@@ -12,7 +12,7 @@ function dock() {
   const HL = {
     el: () => ({}), icon: () => ({}), text() {}, attr() {}, style() {}, toggle() {}, define() {}, superDefine() {}, LiveElement: class {},
     words: {}, config: { rights: ['pause', 'tool', 'drive', 'return_home', 'manage_nodes'] }, view: { robot: 'planter-01', name: () => 'Planter 01' },
-    port: { server: () => ({ silentMs: world.serverMs }), age: () => world.robotMs, robot: () => world.groups, inside: () => ({}), delayMs: () => 80 },
+    port: { server: () => ({ silentMs: world.serverMs }), age: () => world.robotMs, robot: () => world.groups, inside: () => ({ site: world.site }), delayMs: () => 80 },
     stops: { worst: () => world.stop }, lease: { obstacle: () => '' },
   };
   const window = { headland: { tick: () => world.tick, on() {} }, addEventListener() {} };
@@ -38,6 +38,14 @@ test('a tick that came late in a burst is none, though the server talks', () => 
   const { world, why } = dock();
   world.tick = null;
   for (const action of ACTIONS) assert.equal(why(action), OFFLINE, action);
+});
+
+test('a tree can be skipped only while one is worked at', () => {
+  const { world, why } = dock();
+  world.site = { targets: [{ id: 'tree-3', status: 'done' }, { id: 'tree-4', status: 'planned' }] };
+  assert.equal(why('skip_target'), 'There is no tree to skip now.');
+  world.site.targets[1].status = 'current';
+  assert.equal(why('skip_target'), '');
 });
 
 test('a robot not heard for two seconds takes no order', () => {

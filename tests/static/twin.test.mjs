@@ -82,3 +82,20 @@ test("graphics that the device took away are said, and the picture is loaded aga
   assert.equal(frame.loads, 2);
   assert.equal(link.judge().text, "Loading model");
 });
+
+test("in a replay the pose of now does not count as old, a lost picture does", () => {
+  const page = load();
+  const link = new page.HL.TwinLink("weeder-07", { contentWindow: "frame" });
+  page.say({ from: "headland-twin", kind: "beat", isConnected: true, ageMs: 100, frames: 3 });
+  page.socket().onmessage({ data: JSON.stringify({ k: "status", is_drawn: true, pose_age_s: 30, ages_s: {} }) });
+  assert.equal(link.judge(true).state, "live");
+  assert.equal(link.judge(false).state, "stale");
+  page.pass(4000);
+  assert.match(link.judge(true).text, /^Picture is/);
+});
+
+test("a moment has the height between two samples, and the ground where none was recorded", () => {
+  const { HL } = load();
+  assert.equal(HL.replaySampleAt({ ...record, height: [4, 6, null, null] }, 500).height_m, 5);
+  assert.equal(HL.replaySampleAt(record, 500).height_m, 0);
+});

@@ -247,11 +247,13 @@
     return ways;
   }
 
-  // the whole drawing of a chart as plain data: {w, h, places: [[id, place]], ways}
-  function chartLayout(chart, widths, window) {
+  // The whole drawing of a chart as plain data: {w, h, places: [[id, place]], ways}. Where the states stand is known in a
+  // twentieth of the time that the lines take: placed is called with it, without lines.
+  function chartLayout(chart, widths, window, placed) {
     const laid = home.placing.place(chart, new Map(Object.entries(widths)), window);
-    const ways = route(chart, laid);
-    return { w: laid.w, h: laid.h, places: [...laid.places], ways };
+    const layout = { w: laid.w, h: laid.h, places: [...laid.places], ways: [] };
+    placed?.(layout);
+    return { ...layout, ways: route(chart, laid) };
   }
 
   home.chartLayout = chartLayout;

@@ -45,8 +45,28 @@
     return node;
   }
 
+  // Makes a drawing like another one: a node with the key of one that is there is changed, not replaced, so that a tap, a
+  // tooltip and the focus on it survive.
+  function svgInto(node, wanted) {
+    for (const { name, value } of wanted.attributes) if (node.getAttribute(name) !== value) node.setAttribute(name, value);
+    if (!wanted.children.length) {
+      if (node.children.length || node.textContent !== wanted.textContent) node.textContent = wanted.textContent;
+      return;
+    }
+    const kept = new Map();
+    for (const child of node.children) kept.set(keyOf(child), [...(kept.get(keyOf(child)) ?? []), child]);
+    const list = [...wanted.children].map((child) => {
+      const same = kept.get(keyOf(child))?.shift();
+      if (same) svgInto(same, child);
+      return same ?? child;
+    });
+    for (const gone of kept.values()) for (const child of gone) child.remove();
+    list.forEach((child, i) => node.children[i] !== child && node.insertBefore(child, node.children[i] ?? null));
+  }
+  const keyOf = (node) => `${node.tagName} ${node.dataset.key ?? ""}`;
+
   // wall clock of a moment on the console's clock
   const wallOf = (t) => new Date(Date.now() - HL.port.age(t));
 
-  Object.assign(HL, { superDefine, superSeg: seg, svg, wallOf });
+  Object.assign(HL, { superDefine, superSeg: seg, svg, svgInto, wallOf });
 })();

@@ -72,10 +72,11 @@
       const shape = Math.log(width / height);
       if (this.layoutKey && Math.abs(shape - this.laidShape) < OTHER_SHAPE) return;
       this.laidShape = shape;
-      const { key, layout } = HL.chartLayouts.of(this.chart, { w: width, h: height });
-      if (key === this.layoutKey) return;
+      const isCurrent = () => key === this.layoutKey;
+      const { key, layout } = HL.chartLayouts.of(this.chart, { w: width, h: height }, (placed) => isCurrent() && this.draw(placed));
+      if (isCurrent()) return;
       this.layoutKey = key;
-      layout.then((done) => key === this.layoutKey && this.draw(done), (error) => (this.problem = `The chart could not be laid out: ${error.message}`));
+      layout.then((done) => isCurrent() && this.connect(done), (error) => (this.problem = `The chart could not be laid out: ${error.message}`));
     }
 
     draw(layout) {
@@ -84,6 +85,13 @@
       this.view.fit([layout.w, layout.h]);
       this.marked = null;
       this.focusOn(this.focused && this.drawing.nodes.has(this.focused) ? this.focused : [...this.drawing.nodes.keys()][0], false);
+      HL.repaint();
+    }
+
+    // lines that came after the states; without states drawn before, both
+    connect(layout) {
+      if (!this.drawing?.connect(layout)) return void this.draw(layout);
+      this.marked = null;
       HL.repaint();
     }
 

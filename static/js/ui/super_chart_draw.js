@@ -40,17 +40,30 @@
       this.marker("s-arrow", 7);
       this.marker("s-arrow-last", 5.2);
       const [frames, boxes] = [svg("g", {}), svg("g", {})];
-      const lines = svg("g", { "aria-hidden": "true" });
-      root.append(frames, lines, boxes);
+      this.lines = svg("g", { "aria-hidden": "true" });
+      root.append(frames, this.lines, boxes);
       for (const [id, place] of layout.places) this.state(id, place, frames, boxes);
-      const busy = new Map();
-      for (const way of layout.ways) {
-        lines.append(this.way(way));
-        if (way.isMany) busy.set(way.target, (busy.get(way.target) ?? 0) + 1);
-      }
-      for (const [id, count] of busy) this.any(id, count, lines);
+      this.lead(layout.ways);
       this.lastTime = words({ class: "s-lasttime", "text-anchor": "middle" }, "");
       root.append(this.lastTime);
+    }
+
+    // the lines of a layout whose states are drawn; false where it is another one
+    connect(layout) {
+      const isSame = !this.ways.size && layout.w === this.layout.w && layout.h === this.layout.h && layout.places.length === this.places.size;
+      if (!isSame) return false;
+      this.layout = layout;
+      this.lead(layout.ways);
+      return true;
+    }
+
+    lead(ways) {
+      const busy = new Map();
+      for (const way of ways) {
+        this.lines.append(this.way(way));
+        if (way.isMany) busy.set(way.target, (busy.get(way.target) ?? 0) + 1);
+      }
+      for (const [id, count] of busy) this.any(id, count, this.lines);
     }
 
     marker(id, size) {

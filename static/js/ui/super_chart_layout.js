@@ -12,7 +12,8 @@
   function start() {
     worker = new Worker(document.querySelector("[data-layout]").dataset.layout);
     worker.onmessage = ({ data }) => {
-      const { done, failed } = asked.get(data.id) ?? {};
+      const { done, failed, placed } = asked.get(data.id) ?? {};
+      if (data.placed) return void placed?.(data.placed);
       asked.delete(data.id);
       if (data.layout) done?.(data.layout);
       else failed?.(new Error(data.problem));
@@ -40,13 +41,14 @@
   // the shape counts, not each pixel: a scroll bar must not move the states
   const shape = ({ w, h }) => Math.round(Math.log(w / h) * 4);
 
-  function of(chart, window) {
+  // {key, layout}; placed is called before with the states alone, where it is not known yet
+  function of(chart, window, placed) {
     const key = `${chart.hash}.${shape(window)}`;
     if (!kept.has(key)) {
       const made = document.fonts.ready.then(() => new Promise((done, failed) => {
         if (!worker) start();
         number += 1;
-        asked.set(number, { done, failed });
+        asked.set(number, { done, failed, placed });
         worker.postMessage({ id: number, chart, widths: widths(chart), window });
       }));
       made.catch(() => kept.delete(key));

@@ -19,6 +19,7 @@
     if (HL.stops.worst(robot)) return STOPPED;
     const verdict = groups.actions?.[action];
     if (verdict && !verdict.ok) return verdict.reason;
+    if (action === "skip_target" && HL.port.inside(robot).site && !current()) return "There is no tree to skip now.";
     return NO_CONTROL.has(action) ? "" : HL.lease.obstacle(robot);
   }
 
@@ -36,11 +37,11 @@
   const order = (action) => () => HL.port.command(HL.view.robot, action);
   const tool = () => HL.port.robot(HL.view.robot).body?.tool_label?.toLowerCase() || "tool";
 
+  const current = () => HL.port.inside(HL.view.robot).site?.targets.find((one) => one.status === "current");
+
   // "Skip tree 147": what is worked at now, by the words of the robot
   function target() {
-    const site = HL.port.inside(HL.view.robot).site;
-    const now = site?.targets.find((one) => one.status === "current") ?? site?.targets.find((one) => one.status === "planned");
-    const number = now && /\d+$/.exec(now.id)?.[0];
+    const number = /\d+$/.exec(current()?.id ?? "")?.[0];
     return number ? `Skip tree ${Number(number)}` : "Skip tree";
   }
 

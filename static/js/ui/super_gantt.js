@@ -27,6 +27,7 @@
       HL.superTimes.begin(HL.view.robot, this.closest("hl-screen").dataset.mission);
       this.span.mark(HL.superTimes.span);
       this.drawnAt = -Infinity;
+      this.seen = HL.ganttRows.memory();
       this.resized = new ResizeObserver(() => (this.drawnAt = -Infinity));
       this.resized.observe(this.stage);
     }
@@ -47,12 +48,15 @@
       const times = HL.superTimes;
       times.refresh();
       const { data } = times;
+      const { active } = HL.port.inside(HL.view.robot);
+      if (active) HL.ganttRows.follow(this.seen, active, (t) => Date.now() - HL.port.age(t));
       attr(this, "data-state", data ? "shown" : times.problem ? "error" : "loading");
-      const blank = data ? (data.intervals.length || HL.port.inside(HL.view.robot).active?.states.length ? "" : "No change of state is on record for this time.") : times.problem || "Loading durations";
+      const blank = data ? (data.intervals.length || active?.states.length ? "" : "No change of state is on record for this time.") : times.problem || "Loading durations";
       text(this.blank, blank);
       attr(this.blank, "hidden", !blank);
       if (!data) {
         this.drawing.replaceChildren();
+        this.drawnData = null;
         this.drawnAt = -Infinity;
         return;
       }
@@ -74,8 +78,8 @@
       const now = Date.now();
       const end = isLive ? (isFresh ? now : Math.max(data.to, active ? now - ageMs : data.to)) : data.to;
       const start = HL.superTimes.span === "mission" ? data.from : end - (data.to - data.from > 0 ? HL.superTimes.span * 60000 : 1);
-      const begun = isLive && active ? active.states.map(([id, since]) => [id, now - HL.port.age(since)]) : null;
-      return { start, end, isLive, intervals: HL.ganttRows.withActive(data.intervals, HL.superChart?.facts, begun) };
+      const begun = isLive && active ? [...this.seen.on].map(([id, one]) => [id, one.start]) : null;
+      return { start, end, isLive, intervals: HL.ganttRows.withActive(data.intervals, HL.superChart?.facts, begun, this.seen.ended) };
     }
 
     draw(data) {
@@ -89,11 +93,9 @@
       const height = TOP + rows.length * high + FOOT;
       for (const [name, value] of [["width", width], ["height", height], ["viewBox", `0 0 ${width} ${height}`], ["aria-label", this.said(rows)]]) attr(this.drawing, name, value);
       const x = (at) => LEFT + ((at - scene.start) / (scene.end - scene.start)) * wide;
-      this.drawing.replaceChildren(
-        ...this.axisLines(scene, x, height, width),
-        ...rows.map((row, i) => this.row(row, TOP + i * high, width, high)),
-        scene.isLive ? svg("path", { class: "s-now", d: `M${width - RIGHT} 0V${height - FOOT}` }) : "",
-      );
+      const drawn = svg("svg", {}, ...this.axisLines(scene, x, height, width), ...rows.map((row, i) => this.row(row, TOP + i * high, width, high)));
+      if (scene.isLive) drawn.append(svg("path", { class: "s-now", "data-key": "now", d: `M${width - RIGHT} 0V${height - FOOT}` }));
+      HL.svgInto(this.drawing, drawn); // what is under a finger or the mouse stays the same node
     }
 
     // words that would run into each other are left out
@@ -112,17 +114,17 @@
       const anchor = x > width - 40 ? "end" : x < LEFT + 30 ? "start" : "middle";
       const label = svg("text", { class: "s-axis", x, y: height - 8, "text-anchor": anchor });
       label.textContent = word;
-      return svg("g", {}, svg("path", { class: "s-axisline", d: `M${x} 0V${height - FOOT}` }), label);
+      return svg("g", { "data-key": "axis" }, svg("path", { class: "s-axisline", d: `M${x} 0V${height - FOOT}` }), label);
     }
 
     row({ lane, bars }, y, width, high) {
-      const name = svg("text", { class: "s-lane", x: 14, y: y + high / 2 + 3 });
+      const name = svg("text", { class: "s-lane", "data-key": "name", x: 14, y: y + high / 2 + 3 });
       name.textContent = lane;
-      return svg("g", {}, svg("path", { class: "s-laneline", d: `M0 ${y + high - 2}H${width}` }), ...bars.map((bar) => this.bar(bar, y + 4, high - 11)), svg("rect", { class: "s-lanemask", x: 0, y, width: LEFT - 2, height: high - 3 }), name);
+      return svg("g", { "data-key": `lane ${lane}` }, svg("path", { class: "s-laneline", "data-key": "line", d: `M0 ${y + high - 2}H${width}` }), ...bars.map((bar) => this.bar(bar, y + 4, high - 11)), svg("rect", { class: "s-lanemask", "data-key": "mask", x: 0, y, width: LEFT - 2, height: high - 3 }), name);
     }
 
-    bar({ x, w, tone, label, isOver, isOpen, planned, one }, y, high) {
-      const node = svg("g", { class: `s-bar t${tone}${isOver ? " over" : ""}${isOpen ? " open" : ""}`, "data-state": one.state });
+    bar({ key, x, w, tone, label, isOver, isOpen, planned, one }, y, high) {
+      const node = svg("g", { class: `s-bar t${tone}${isOver ? " over" : ""}${isOpen ? " open" : ""}`, "data-key": key, "data-state": one.state });
       node.append(svg("rect", { x: (LEFT + x).toFixed(1), y, width: w.toFixed(1), height: high, rx: 2 }));
       if (planned !== null && (isOver || w > 40)) node.append(svg("path", { class: "planned", d: `M${(LEFT + planned).toFixed(1)} ${y}v${high}` }));
       const said = isOver && one.normal_s ? `${label}: ${HL.chartFacts.span(((one.end ?? Date.now()) - one.start) / 1000)}, normal ${HL.chartFacts.span(one.normal_s)}` : label;
@@ -164,12 +166,13 @@
     }
 
     table(data) {
+      const on = new Set(data.intervals.filter((one) => one.end === null).map((one) => one.state)); // counts in the total, not in the mean
       const drift = (one) => (one.drift === null ? "–" : `${one.drift > 0 ? "+" : "−"}${Math.abs(Math.round(one.drift * 100))} %`);
       const cell = (value) => el("td", { class: "num" }, value === null || value === undefined ? "–" : HL.chartFacts.span(value));
       this.list.replaceChildren(
         el("table", { class: "h-table s-times", "data-testid": "gantt-table" },
           el("thead", {}, el("tr", {}, ...["State", "Subsystem", "Times", "Total", "Mean", "Longest", "Normal", "Drift"].map((word, i) => el("th", { scope: "col", class: i > 1 ? "num" : "" }, word)))),
-          el("tbody", {}, ...data.per_state.map((one) => el("tr", { "data-drift": one.is_drifting ? "yes" : null }, el("th", { scope: "row" }, one.label), el("td", {}, one.subsystem || "–"), el("td", { class: "num" }, String(one.count)), cell(one.total_s), cell(one.mean_s), cell(one.longest_s), cell(one.normal_s), el("td", { class: "num" }, one.is_drifting ? icon("warning", "s") : "", drift(one)))))),
+          el("tbody", {}, ...data.per_state.map((one) => el("tr", { "data-drift": one.is_drifting ? "yes" : null }, el("th", { scope: "row" }, one.label), el("td", {}, one.subsystem || "–"), el("td", { class: "num" }, on.has(one.state) ? `${one.count} + now` : String(one.count)), cell(one.total_s), cell(one.mean_s), cell(one.longest_s), cell(one.normal_s), el("td", { class: "num" }, one.is_drifting ? icon("warning", "s") : "", drift(one)))))),
         el("p", { class: "h-2 h-t14" }, `Sum of states ${HL.chartFacts.span(data.total_s)}, time by the clock ${HL.chartFacts.span(data.wall_s)}. Regions run at once, and a region that rests is not counted.`),
       );
     }

@@ -4,6 +4,7 @@
   const home = typeof HL === "undefined" ? (globalThis.HLC ??= {}) : HL;
   const TONES = [1, 2, 3];
   const SAME_MS = 1500; // the record and the newest report tell of one stay
+  const KEPT_MS = 120000; // by then the record has it
 
   // the row of a state: its region, and outside of regions its subsystem
   function laneOf(facts, id) {
@@ -19,10 +20,41 @@
     return [...regions, ...others];
   }
 
-  // intervals of the record, with what began since: active is [[id, start (wall ms)]]
-  function withActive(intervals, facts, active) {
-    if (!facts || !active) return intervals;
-    const on = new Map(active.filter(([id]) => facts.byId.has(id) && !facts.kids(id).length));
+  // What begins and ends between two looks at the record. A report says which states are active since when (t and since
+  // on the console's clock, wall(t) on this one); memory: {on: {id: {since, start}}, ended: [{state, start, end}]}
+  const memory = () => ({ on: new Map(), ended: [] });
+  function follow(kept, { t, states }, wall) {
+    const on = new Map();
+    for (const [id, since] of states) {
+      const known = kept.on.get(id);
+      on.set(id, known?.since === since ? known : { since, start: wall(since) });
+    }
+    const begun = [...on].filter(([id, one]) => kept.on.get(id) !== one).map(([, one]) => one.start);
+    if (!begun.length && on.size === kept.on.size) return;
+    const end = Math.min(wall(t), ...begun);
+    for (const [state, one] of kept.on) if (on.get(state) !== one) kept.ended.push({ state, start: one.start, end: Math.max(end, one.start) });
+    kept.ended = kept.ended.filter((one) => one.end > end - KEPT_MS);
+    kept.on = on;
+  }
+
+  // intervals of the record, with what ended since: a record that knows the end is right
+  function withEnded(intervals, facts, ended) {
+    const left = new Set(ended.filter((one) => isLeaf(facts, one.state)));
+    const known = intervals.map((one) => {
+      const same = [...left].find((other) => other.state === one.state && Math.abs(other.start - one.start) < SAME_MS);
+      left.delete(same);
+      return same && one.end === null ? { ...one, end: same.end } : one;
+    });
+    return [...known, ...[...left].map((one) => ({ ...begun(facts, one.state, one.start), end: one.end }))];
+  }
+
+  const isLeaf = (facts, id) => facts.byId.has(id) && !facts.kids(id).length;
+
+  // intervals of the record, with what began and ended since: active is [[id, start (wall ms)]]
+  function withActive(recorded, facts, active, ended = []) {
+    if (!facts || !active) return recorded;
+    const intervals = withEnded(recorded, facts, ended);
+    const on = new Map(active.filter(([id]) => isLeaf(facts, id)));
     const seen = new Set();
     const carried = intervals.map((one) => {
       if (on.has(one.state) && Math.abs(on.get(one.state) - one.start) < SAME_MS) {
@@ -45,33 +77,32 @@
     return { state: id, label: state.label, subsystem: state.subsystem, lane: laneOf(facts, id), path: facts.path(id).map((one) => one.label), start, end: null, result: "", normal_s: state.normal_s, is_guessed: false };
   }
 
-  // how dark a state is drawn: resting light, the others of a row in turn; the same state always alike
-  function toneOf(resting) {
+  // how dark a state is drawn: resting light, the others of a row in turn by their place in the chart, so that no state
+  // changes its tone when an old stay leaves the picture
+  function toneOf(resting, facts, intervals) {
+    const order = facts ? [...facts.byId.keys()].filter((id) => isLeaf(facts, id)) : [];
+    const others = [...new Set(intervals.map((one) => one.state))].filter((id) => !order.includes(id)).sort();
+    const lanes = new Map(intervals.map((one) => [one.state, one.lane]));
     const tones = new Map();
     const next = new Map();
-    return (one) => {
-      if (resting.has(one.state)) return 0;
-      const key = `${one.lane}|${one.state}`;
-      if (!tones.has(key)) {
-        const at = next.get(one.lane) ?? 0;
-        next.set(one.lane, at + 1);
-        tones.set(key, TONES[at % TONES.length]);
-      }
-      return tones.get(key);
-    };
+    for (const id of [...order, ...others]) {
+      if (resting.has(id)) continue;
+      const lane = lanes.get(id) ?? laneOf(facts, id);
+      const at = next.get(lane) ?? 0;
+      next.set(lane, at + 1);
+      tones.set(id, TONES[at % TONES.length]);
+    }
+    return (one) => tones.get(one.state) ?? 0;
   }
 
   // [{lane, bars: [{key, x, w, tone, label, isOver, isOpen, planned, one}]}] for a span drawn `width` px wide
   function rows(intervals, facts, resting, { start, end, width }) {
     const px = width / Math.max(1, end - start);
-    const tone = toneOf(new Set(resting));
+    const tone = toneOf(new Set(resting), facts, intervals);
     const lanes = new Map(laneOrder(facts, intervals).map((lane) => [lane, []]));
     for (const one of [...intervals].sort((a, b) => a.start - b.start)) {
       const until = one.end ?? end;
-      if (until < start || one.start > end) {
-        tone(one);
-        continue;
-      }
+      if (until < start || one.start > end) continue;
       const x = (Math.max(one.start, start) - start) * px;
       const w = Math.max(1.5, (Math.min(until, end) - start) * px - x - 1);
       const isOver = home.chartFacts.isOver(one.normal_s, (until - one.start) / 1000);
@@ -97,12 +128,14 @@
   // where the axis has its lines: [[ms, words]] for the last minutes, or by the clock for a mission
   function axis(start, end, isLive, clock) {
     const span = end - start;
-    const step = [60, 120, 300, 600, 1200, 1800, 3600, 7200, 14400, 43200, 86400].map((s) => s * 1000).find((ms) => span / ms <= 10.5) ?? span / 8;
+    const step = [10, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200, 14400, 43200, 86400].map((s) => s * 1000).find((ms) => span / ms <= 10.5) ?? span / 8;
     const marks = [];
-    if (isLive) for (let back = 0; back <= span + 1; back += step) marks.push([end - back, back ? `−${back >= 7200000 ? `${Math.round(back / 3600000)} h` : `${Math.round(back / 60000)} min`}` : "now"]);
+    if (isLive) for (let back = 0; back <= span + 1; back += step) marks.push([end - back, back ? `−${ago(back)}` : "now"]);
     else for (let at = Math.ceil(start / step) * step; at <= end; at += step) marks.push([at, clock(at)]);
     return marks;
   }
 
-  home.ganttRows = { rows, withActive, axis, laneOf };
+  const ago = (ms) => (ms >= 7200000 ? `${Math.round(ms / 3600000)} h` : ms >= 60000 && ms % 60000 === 0 ? `${ms / 60000} min` : `${Math.round(ms / 1000)} s`);
+
+  home.ganttRows = { rows, memory, follow, withActive, axis, laneOf };
 })();

@@ -11,8 +11,8 @@
   ];
 
   class TwinDetails {
-    constructor(robot, link) {
-      Object.assign(this, { robot, link, slides: [], height: HEIGHTS_M[1] });
+    constructor(robot, link, isReplay) {
+      Object.assign(this, { robot, link, isReplay, slides: [], height: HEIGHTS_M[1] });
       this.title = el("b", { class: "h-t16 h-b" });
       this.lines = el("div", { class: "h-t13 h-2" });
       this.acts = el("div", { class: "t-acts" });
@@ -71,6 +71,7 @@
 
     // the same rule as in the dock: what would be refused looks off
     refusal({ action, isTool }) {
+      if (this.isReplay()) return "This is a replay. Go back to Live first.";
       const off = HL.superDock.refusal(action);
       if (off) return off;
       const { arm_m: away, reach_m: reach } = this.said;

@@ -103,8 +103,8 @@
       return this.picture.ageMs === null ? null : this.picture.ageMs + performance.now() - this.picture.at;
     }
 
-    // {state: connecting|live|stale|unavailable, text}
-    judge() {
+    // {state: connecting|live|stale|unavailable, text}; in a replay the pose of now does not count, the picture does
+    judge(isReplay = false) {
       const now = performance.now();
       if (!this.picture.hasWebgl) return { state: "unavailable", text: "3D is not available here. Showing the map." };
       if (this.picture.isLost) return { state: "connecting", text: "This device took the graphics away. Loading the picture again" };
@@ -115,7 +115,7 @@
         return isLate && !this.picture.wasConnected ? { state: "unavailable", text: "3D did not load. Showing the map." } : { state: "connecting", text: "Loading model" };
       }
       const pose = this.poseAge();
-      if (pose !== null && pose > STALE_S) return { state: "stale", text: `Pose is ${HL.words.age(pose * 1000)} old` };
+      if (!isReplay && pose !== null && pose > STALE_S) return { state: "stale", text: `Pose is ${HL.words.age(pose * 1000)} old` };
       const picture = this.pictureAgeMs();
       if (!this.picture.isConnected || picture === null || picture > PICTURE_STALE_MS) return { state: "stale", text: `Picture is ${HL.words.age(picture ?? 0)} old` };
       return { state: "live", text: "" };

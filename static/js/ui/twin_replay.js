@@ -26,7 +26,7 @@
       const value = mix(values[low], values[high], share);
       if (value !== null) joints[name] = value;
     }
-    return { lat_deg: mix(samples.lat[low], samples.lat[high], share), lon_deg: mix(samples.lon[low], samples.lon[high], share), theta_rad: mixAngle(samples.theta[low] ?? 0, samples.theta[high] ?? 0, share), joints, at: ms };
+    return { lat_deg: mix(samples.lat[low], samples.lat[high], share), lon_deg: mix(samples.lon[low], samples.lon[high], share), theta_rad: mixAngle(samples.theta[low] ?? 0, samples.theta[high] ?? 0, share), joints, height_m: mix(samples.height?.[low], samples.height?.[high], share) ?? 0, at: ms };
   }
 
   class TwinReplay {
@@ -96,10 +96,15 @@
       this.scrub.value = ((this.moment - this.from) / Math.max(1, this.to - this.from)) * 1000;
       this.past = at(this.samples, this.moment);
       if (this.past) {
-        const { lat_deg, lon_deg, theta_rad, joints } = this.past;
-        this.link.wish("replay", { k: "replay", lat_deg, lon_deg, theta_rad, joints });
+        const { lat_deg, lon_deg, theta_rad, height_m, joints } = this.past;
+        this.link.wish("replay", { k: "replay", lat_deg, lon_deg, theta_rad, height_m, joints, undone: this.undone() });
       }
       HL.repaint();
+    }
+
+    // places that were worked at after this moment
+    undone() {
+      return (this.samples.events ?? []).filter((one) => one.target && one.t > this.moment).map((one) => one.target).slice(-200);
     }
 
     step() {

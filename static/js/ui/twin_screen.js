@@ -15,7 +15,7 @@
       this.link = new HL.TwinLink(robot, this.frame);
       this.layers = new HL.TwinLayers(this.link);
       this.replay = new HL.TwinReplay(this.link, robot, this.dataset.noReplay);
-      this.details = new HL.TwinDetails(robot, this.link);
+      this.details = new HL.TwinDetails(robot, this.link, () => this.replay.isReplay);
       this.model = new HL.TwinModel(robot, this.dataset.mayModel === "yes");
       this.parts = [this.layers.node, this.replay.node, this.details.node];
       this.append(...this.parts);
@@ -51,14 +51,15 @@
 
     paint() {
       if (!this.link) return;
-      const { state, text: words } = this.link.judge();
-      const isPast = this.replay.isReplay;
+      const { isReplay } = this.replay;
+      const { state, text: words } = this.link.judge(isReplay);
       attr(this, "data-state", state);
       const age = this.link.poseAge();
       attr(this, "data-age-ms", age === null ? null : Math.round(age * 1000));
       attr(this, "data-frames", this.link.picture.frames);
-      toggle(this, "stale", state === "stale" && !isPast);
-      attr(this.overlay, "hidden", state === "live" || (isPast && state === "stale"));
+      toggle(this, "past", isReplay);
+      toggle(this, "stale", state === "stale");
+      attr(this.overlay, "hidden", state === "live");
       text(this.words, words);
       text(this.sign, state === "connecting" ? "hourglass_top" : state === "stale" ? "schedule" : "map");
       const map = this.parentElement.querySelector(".t-map");
@@ -66,7 +67,7 @@
       attr(map, "hidden", !isMap);
       style(this.frame, "visibility", isMap ? "hidden" : "visible");
       for (const part of [this.layers.node, this.replay.node]) toggle(part, "gone", isMap);
-      this.layers.paint();
+      this.layers.paint(isReplay);
       this.replay.paint();
       this.details.paint();
       this.model.paint(this.link.status);
@@ -79,7 +80,8 @@
       this.append(this.side.node);
     }
     paint() {
-      if (HL.view.robot) this.side.paint(HL.view.robot, HL.twin?.replay.past?.joints);
+      const replay = HL.twin?.replay;
+      if (HL.view.robot) this.side.paint(HL.view.robot, replay?.isReplay ? replay.past?.joints ?? {} : undefined);
     }
   }
 

@@ -86,6 +86,7 @@ async def test_a_replay_has_places_joints_and_events_in_columns(console: Console
     assert found["joints"] == {"pan": [None, 0.25, 0.5, 0.75, 1.0]}
     assert found["lon"][4] == 5.000004
     assert found["t"][1] - found["t"][0] == 1000
+    assert found["height"] == [None] * 5
 
 
 @pytest.mark.parametrize("role", [Role.VIEWER, Role.OPERATOR])

@@ -20,9 +20,9 @@ from hmi.twin.upload import read_upload
 ROOT = Path(__file__).parents[3]
 
 
-def example() -> ModuleType:
-    """Return the script of the documentation."""
-    spec = importlib.util.spec_from_file_location("berry_picker", ROOT / "docs/plans/berry_picker.py")
+def example(name: str = "berry_picker") -> ModuleType:
+    """Return a script of the documentation."""
+    spec = importlib.util.spec_from_file_location(name, ROOT / f"docs/plans/{name}.py")
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -69,3 +69,24 @@ async def test_a_robot_nobody_knows_is_a_plain_shape_and_then_its_own_model_with
         live(moment_s)
         seen.add(studio.world.mover.place(f"/machine/{berry.ROBOT}/post/arm/tool"))
     assert len(seen) == 4
+
+
+async def test_any_model_is_shown_swinging_its_joints_before_its_robot_can_speak(
+    studio: Studio, tmp_path: Path
+) -> None:
+    any_urdf, archive = example("any_urdf"), tmp_path / "own.zip"
+    example().write_model(archive)
+    name, joints, notices = any_urdf.joints_of(archive)
+    assert (name, notices) == ("berry_picker", [])
+    robot = any_urdf.AnyRobot("any-1", name, joints)
+    read_upload(archive, tmp_path / "models" / robot.id)
+    studio.set_farm(Farm([FarmRobot(robot.id, name)]))
+    studio.intake.take(topic(robot.id, Up.FACTSHEET), robot.factsheet(), True)
+    seen: list[set[Place]] = [set(), set(), set()]
+    for tenth in range(1, 60, 4):
+        for kind, payload in robot.now(tenth / 10):
+            studio.intake.take(topic(robot.id, kind), payload, False)
+        studio.tick()
+        for places, frame in zip(seen, ("post", "post/arm", "post/arm/tool"), strict=True):
+            places.add(studio.world.mover.place(f"/machine/{robot.id}/{frame}"))
+    assert all(len(places) > 3 for places in seen), "each of the three joints moved"

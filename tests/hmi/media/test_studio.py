@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
+import numpy as np
 import pytest
 import websockets.asyncio.client
 import zstandard
@@ -26,8 +27,10 @@ from hmi.media import orders
 from hmi.media.door import SECRET_HEADER, VIEWER_HEADER
 from hmi.media.intake import Intake
 from hmi.media.studio import Studio
+from hmi.twin.camera import Camera
 from hmi.twin.farm import Farm, FarmRobot
 from hmi.twin.groups import Group
+from hmi.twin.viewer import View
 
 SECRET = "the secret of this test"
 ROBOT = "planter-02"
@@ -176,6 +179,41 @@ async def test_the_camera_stands_at_a_robot_that_was_not_heard_before_somebody_l
         assert client.camera.look_at[0] == pytest.approx(160.0, abs=1.0)
 
 
+async def test_a_camera_that_a_loading_page_put_elsewhere_is_put_back_until_the_person_takes_it(studio: Studio) -> None:
+    async with await connect(studio, "nobody's: the studio leaves it alone") as socket:
+        picture = Picture(socket)
+        await picture.look()
+        async with asyncio.timeout(5):
+            while not (clients := studio.server.get_clients()):  # noqa: ASYNC110 - viser's thread makes it
+                await asyncio.sleep(0.01)
+        client = next(iter(clients.values()))
+        camera, held = Camera(client), client.camera
+        camera.stand((160.0, 5.0, 8.0), (160.0, 0.0, 1.0), 10.0)
+        await reported(picture, held)  # it stands where every page begins: what was ordered got lost
+        camera.check(10.1)
+        assert held.position[0] == 3.0, "a report may be older than the order"
+        camera.check(10.6)
+        assert list(held.position) == [160.0, 5.0, 8.0]
+        assert list(held.look_at) == [160.0, 0.0, 1.0]
+        await reported(picture, held)
+        camera.carry(np.array([1.0, 0.0, 0.0]))
+        assert list(held.position) == [161.0, 5.0, 8.0], "it is carried from where it was ordered"
+        assert list(held.look_at) == [161.0, 0.0, 1.0]
+        camera.let_go()
+        await reported(picture, held)
+        camera.check(20.0)
+        camera.carry(np.array([1.0, 0.0, 0.0]))
+        assert list(held.position) == [4.0, 3.0, 3.0], "from where the person left it"
+
+
+async def reported(picture: Picture, camera: Any) -> None:
+    """Let the browser say that its camera stands where every page begins."""
+    await picture.look()
+    async with asyncio.timeout(5):
+        while camera.position[0] != 3.0:  # noqa: ASYNC110 - viser's thread takes it
+            await asyncio.sleep(0.005)
+
+
 async def test_a_place_is_shown_with_the_height_of_the_tool_and_says_how_far_the_arm_reaches(studio: Studio) -> None:
     planter = Planter(studio.intake)
     planter.introduce()
@@ -187,7 +225,7 @@ async def test_a_place_is_shown_with_the_height_of_the_tool_and_says_how_far_the
         picture = Picture(socket)
         await picture.look()
         assert "Reach" in str(await picture.until(f"/reach/{ROBOT}/line/text"))
-        assert "Tree 147" in str(await picture.until(f"/trees/{ROBOT}/named/text"))
+        assert "Tree 147" in str(await picture.until(f"/trees/{ROBOT}/now/named/text"))
         studio.touch("k", (-5.0, 0.4, 9.0), (0.0, 0.0, -1.0))
         studio.obey("k", orders.Lift(1.6))
         owner = str(studio.viewers["k"].client.client_id)  # type: ignore[union-attr]
@@ -217,7 +255,7 @@ async def test_what_was_planted_stays_when_the_surface_is_reset_at_the_next_stop
         ]
         planter.say(Up.WORKSITE, Worksite, stop=2, targets=planned, obstacles=[])
         await picture.until(f"/trees/{ROBOT}/failed_ground")
-        await picture.until(f"/trees/{ROBOT}/planned")
+        await picture.until(f"/trees/{ROBOT}/now/planned")
         async with asyncio.timeout(5):
             while (said := await box.get()).get("trees") != {"done": 3, "failed": 1, "here": 1}:
                 assert said["k"] == "status"
@@ -247,6 +285,65 @@ async def test_hiding_a_layer_and_replaying_reach_one_viewer_only(studio: Studio
         planter.stand(12.0)
         await other.until(f"/machine/{ROBOT}", lambda node: node.get("position", [0])[0] == pytest.approx(12.0))
         assert not [name for name in other.nodes if ":" in name and not name.endswith("/ground")]
+
+
+async def test_in_a_replay_camera_and_rings_go_with_the_robot_of_then(studio: Studio) -> None:
+    planter = Planter(studio.intake)
+    planter.introduce()
+    planter.stand(10.0)
+    studio.enter("k", ROBOT, may_replay=True)
+    async with await connect(studio, "k") as socket:
+        picture = Picture(socket)
+        await picture.look()
+        await picture.until(f"/keepout/{ROBOT}/ring")
+        viewer = studio.viewers["k"]
+        assert viewer.client is not None
+        studio.obey("k", orders.SetView(View.SIDE))
+        studio.obey("k", orders.Replay(52.0, 5.001, 0.0, {"slew": 2.0}, height_m=7.0))
+        owner = str(viewer.client.client_id)
+        for frame in (f"/machine/{ROBOT}", f"/keepout/{ROBOT}", f"/reach/{ROBOT}"):
+            shown = await picture.until(f"{owner}:{frame}", lambda node: "position" in node)
+            assert shown["position"] == pytest.approx((68.6, 0.0, 7.0), abs=0.5)
+        studio.obey("k", orders.SetView(View.TOP))
+        assert viewer.client.camera.look_at[0] == pytest.approx(68.6, abs=0.5)
+        studio.tick()
+        stood = viewer.client.camera.position[0]
+        studio.obey("k", orders.Replay(52.0, 5.0011, 0.0, {}))
+        studio.tick()
+        assert viewer.client.camera.position[0] - stood == pytest.approx(6.86, abs=0.1), "it follows what is replayed"
+        studio.obey("k", orders.Live())
+        studio.tick()
+        assert viewer.client.camera.position[0] == pytest.approx(10.0, abs=2.0)
+
+
+async def test_a_replay_hides_what_is_known_of_now_only_also_after_a_reconnect(studio: Studio) -> None:
+    planter = Planter(studio.intake)
+    planter.introduce()
+    planter.stand(0.0)
+    ended = [Target(id=f"t{i}", x_m=i, y_m=1.0, status="done") for i in range(3)]
+    planter.say(Up.WORKSITE, Worksite, stop=1, targets=ended, obstacles=[])
+    studio.enter("k", ROBOT, may_replay=True)
+    past = orders.Replay(52.0, 5.001, 0.5, {}, undone=["t2", "strange"])
+    for round_ in range(2):
+        async with await connect(studio, "k") as socket:
+            picture = Picture(socket)
+            await picture.look()
+            async with asyncio.timeout(5):
+                while (client := studio.viewers["k"].client) is None:  # noqa: ASYNC110 - viser's thread hands over
+                    await asyncio.sleep(0.01)
+            await picture.until(f"/trees/{ROBOT}/done")
+            if round_ == 0:
+                studio.obey("k", past)
+            for frame in ("/scan", "/labels", "/planned", f"/trees/{ROBOT}/now"):
+                node = await picture.until(f"{client.client_id}:{frame}")
+                assert node["visible"] is False
+            await picture.until(f"{client.client_id}:/trees/{ROBOT}/done", lambda node: "props" in node)
+            own = client.scene.get_handle_by_name(f"/trees/{ROBOT}/done")
+            assert len(own.batched_positions) == 2, "t2 came later"  # type: ignore[union-attr]
+            await picture.until(f"{client.client_id}:/machine/{ROBOT}", lambda node: "position" in node)
+        async with asyncio.timeout(5):
+            while studio.viewers["k"].client is not None:  # noqa: ASYNC110 - viser's thread hands over
+                await asyncio.sleep(0.01)
 
 
 async def test_a_reconnected_picture_gets_its_layers_back(studio: Studio) -> None:

@@ -140,6 +140,22 @@ def test_durations_and_shares_are_of_what_was_recorded(look: Look, planter: Call
     assert download.value.path().read_bytes()[:4] == b"\x89PNG"
 
 
+@pytest.mark.long
+def test_a_stay_that_ends_stays_in_the_picture_under_the_finger_before_the_record_has_it(
+    look: Look, planter: Callable[..., None]
+) -> None:
+    page = look(PATH)
+    bar = page.get_by_test_id("chart-gantt").locator(".s-bar[data-state='on-ground']").last
+    expect(bar).to_have_class(re.compile(r"\bopen\b"))
+    held = bar.element_handle()
+    others = [one for one in NOW if one[0] != "on-ground"]
+    planter(active=[*others, ["photo", 1.0]], last=["on-ground", "photo", "planted", "OK"])  # the record has no end
+    expect(page.get_by_test_id("chart-gantt").locator(".s-bar.open[data-state='photo']")).to_have_count(1)
+    expect(bar).not_to_have_class(re.compile(r"\bopen\b"))
+    assert held is not None
+    assert held.evaluate("(node) => node.isConnected && node.dataset.state") == "on-ground"
+
+
 def test_a_robot_without_a_chart_is_told_by_its_path(look: Look, planter: Callable[..., None]) -> None:
     planter(has_chart=False)
     page = look(PATH)

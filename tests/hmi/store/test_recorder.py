@@ -170,3 +170,21 @@ def test_joints_are_recorded_once_a_second_unless_they_are_old(
     points = history.postures("weeder-01", start, clock.utc() + timedelta(seconds=1))
     assert [point.joints for point in points] == [{"slew": 0.0}, {"slew": 0.1}, {"slew": 0.2}, None]
     assert points[0].lat_deg == 52.5
+
+
+def test_the_height_of_a_robot_that_flies_is_recorded_beside_its_joints(
+    recorder: Recorder, history: History, clock: FakeClock
+) -> None:
+    start = clock.utc()
+    for second in range(3):
+        clock.advance(1.0)
+        stamp = Stamp(clock.mono_s(), clock.mono_s())
+        body = Body({"tilt": 0.5} if second else {}, {}, {"height": 10.0 * second}, None, None, None, (), stamp)
+        recorder.see(replace(robot(clock.mono_s()), body=body))
+    assert recorder.flush(WAIT_S)
+    points = history.postures("weeder-01", start, clock.utc() + timedelta(seconds=1))
+    assert [(point.height_m, point.joints) for point in points] == [
+        (0.0, None),
+        (10.0, {"tilt": 0.5}),
+        (20.0, {"tilt": 0.5}),
+    ]

@@ -53,10 +53,24 @@ def test_a_mesh_of_each_format_is_read_and_kept(tmp_path: Path, kind: str) -> No
     assert float(np.abs(skin.links["arm"].corners).max()) == pytest.approx(0.5, abs=1e-3)
 
 
-@pytest.mark.parametrize("name", ["package://own/meshes/a.stl", "package://meshes/a.stl"])
+@pytest.mark.parametrize(
+    "name", ["package://own/meshes/a.stl", "package://meshes/a.stl", "package:///own/meshes/a.stl"]
+)
 def test_a_package_address_finds_a_file_of_the_upload_and_nothing_else(tmp_path: Path, name: str) -> None:
     archive = packed(tmp_path, {"robot.urdf": robot(name), "meshes/a.stl": cube("stl")})
     assert read_upload(archive, tmp_path / "kept")["notices"] == []
+
+
+def test_a_package_file_is_found_wherever_its_folder_was_packed(tmp_path: Path) -> None:
+    """As published: the package's name and folders above the ones that were packed, the URDF in a folder beside."""
+    name = "package://all_robots/robots/own_description/meshes/visual/a.stl"
+    files = {"own_description/urdf/own.urdf": robot(name), "own_description/meshes/visual/a.stl": cube("stl")}
+    assert read_upload(packed(tmp_path, files), tmp_path / "kept")["notices"] == []
+
+
+def test_of_two_files_that_a_package_address_may_mean_none_is_guessed(tmp_path: Path) -> None:
+    files = {"robot.urdf": robot("package://own/a.stl"), "left/a.stl": cube("stl"), "right/a.stl": cube("stl")}
+    assert "A box stands in" in read_upload(packed(tmp_path, files), tmp_path / "kept")["notices"][0]
 
 
 def test_a_missing_mesh_is_a_box_with_a_notice(tmp_path: Path) -> None:
@@ -146,6 +160,16 @@ def test_corners_that_are_no_numbers_are_refused(tmp_path: Path) -> None:
     data = b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
     with pytest.raises(ModelError, match='Link "arm"'):
         read_upload(packed(tmp_path, {"robot.urdf": robot("a.obj"), "a.obj": data}), tmp_path / "kept")
+
+
+def test_a_dae_without_a_shape_is_a_box_with_a_notice(tmp_path: Path) -> None:
+    dae = (
+        '<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><asset/><library_visual_scenes>'
+        '<visual_scene id="s"><node/></visual_scene></library_visual_scenes>'
+        '<scene><instance_visual_scene url="#s"/></scene></COLLADA>'
+    )
+    told = read_upload(packed(tmp_path, {"robot.urdf": robot("a.dae"), "a.dae": dae}), tmp_path / "kept")
+    assert told["notices"] == ['Link "arm": no triangles were found in "a.dae". A box stands in for it.']
 
 
 def test_a_model_in_millimetres_is_told_about_its_scale(tmp_path: Path) -> None:

@@ -107,3 +107,10 @@ def test_deep_nesting_is_refused() -> None:
 def test_what_is_no_urdf_is_refused(data: bytes) -> None:
     with pytest.raises(ModelError):
         parse_urdf(data)
+
+
+def test_slashes_in_the_names_of_links_are_read_as_simulators_write_them() -> None:
+    links = '<link name="base"/><link name="iris/imu/link"/>'
+    model = parse_urdf(urdf(links + joint("imu", "base", "iris/imu/link", "fixed")))
+    assert list(model.links) == ["base", "iris_imu_link"]
+    assert model.joints[0].child == "iris_imu_link"
