@@ -58,7 +58,10 @@ class Neighbour:
 
 @dataclass(slots=True)
 class Machine:
-    """Truth about one machine; the fields from ``is_*`` on are switched by people and faults."""
+    """Truth about one machine; the fields from ``is_*`` on are switched by people and faults.
+
+    ``aside_m`` is how far right of its line it is led, past another machine; negative to the left.
+    """
 
     rng: random.Random
     base: Base = field(default_factory=Base)
@@ -71,6 +74,7 @@ class Machine:
     load_w: float = 0.0
     person: tuple[float, float] | None = None
     neighbour: Neighbour | None = None
+    aside_m: float = 0.0
     is_hardware_stop: bool = False
     is_cover_open: bool = False
     is_rtk_float: bool = False

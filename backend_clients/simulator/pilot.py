@@ -137,7 +137,7 @@ class Pilot:
             self.followed = tracker
             self.doing = self._brain.work.guide(self._brain.run, STOPPED, dt_s)
             return STOPPED
-        wanted = tracker.steer(*self._brain.machine.measured_pose(), dt_s)
+        wanted = tracker.steer(*self._pose_on(tracker), dt_s)
         if tracker.is_done:
             self._arrived(tracker)
             return STOPPED
@@ -146,6 +146,15 @@ class Pilot:
             wanted = self.doing.wanted
         self.followed = tracker
         return wanted
+
+    def _pose_on(self, tracker: Tracker) -> tuple[float, float, float]:
+        """Return the pose as the tracker takes it: led past something, the line lies aside of where it was."""
+        x_m, y_m, theta_rad = self._brain.machine.measured_pose()
+        aside_m = self._brain.machine.aside_m
+        if aside_m:
+            heading = tracker.route.heading_after(tracker.s_m)
+            x_m, y_m = x_m - aside_m * math.sin(heading), y_m + aside_m * math.cos(heading)
+        return x_m, y_m, theta_rad
 
     @property
     def tracker(self) -> Tracker | None:

@@ -17,6 +17,7 @@ LOOK_EVERY_S = 0.25  # at 1.7 m/s that is 0.4 m, a tenth of the protective field
 SIDE_M = 0.3  # of free ground beside the machine
 FREE_AGAIN_M = 1.5  # more than the protective field, so that it does not start and stop by turns
 NEAR_M = 20.0  # farther machines are not looked at
+PASSED_M, BESIDE_M = 4.0, 15.0  # behind it, and the line is its own again; so far apart, and both see each other again
 OVERLAP_M = 1.0  # so near two middles are in one place: they can only drive apart
 WALK_S = (45.0, 120.0)  # until somebody of the farm is there and leads it past
 EDGE = [(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1)]
@@ -50,7 +51,7 @@ class Traffic:
         self._members = [_Member(one, _shift(one, on_ground[0])) for one in on_ground]
         self._clock, self._rng = clock, random.Random(f"traffic/{seed}")  # noqa: S311
         self._looked_s = -math.inf
-        self._led: set[frozenset[str]] = set()
+        self._led: dict[str, str] = {}  # who is led past whom, by id
 
     def look(self) -> None:
         """Look around from each machine; call it as often as you like."""
@@ -58,7 +59,7 @@ class Traffic:
         if now_s - self._looked_s < LOOK_EVERY_S:
             return
         self._looked_s = now_s
-        self._led = {pair for pair in self._led if self._are_near(pair)}
+        self._led = {one: other for one, other in self._led.items() if self._is_before(one, other)}
         for one in self._members:
             one.robot.machine.neighbour = self._before(one)
             self._lead_past(one, now_s)
@@ -101,16 +102,36 @@ class Traffic:
             one.waits_until_s = now_s + self._rng.uniform(*WALK_S)
         elif now_s >= one.waits_until_s:
             one.waits_until_s = None
-            self._led.add(frozenset((one.robot.config.id, neighbour.id)))
+            self._led[one.robot.config.id] = neighbour.id
             one.robot.machine.neighbour = None
+            one.robot.machine.aside_m = _aside_m(one, self._member(neighbour.id))
             boot.brain.note("mission", "Led past", f"Somebody of the farm led it past {neighbour.name}.")
 
     def _is_led(self, one: _Member, other: _Member) -> bool:
-        return bool(self._led) and frozenset((one.robot.config.id, other.robot.config.id)) in self._led
+        ids = one.robot.config.id, other.robot.config.id
+        return bool(self._led) and (self._led.get(ids[0]) == ids[1] or self._led.get(ids[1]) == ids[0])
 
-    def _are_near(self, pair: frozenset[str]) -> bool:
-        [one, other] = [member.place for member in self._members if member.robot.config.id in pair]
-        return math.dist(one[:2], other[:2]) < NEAR_M
+    def _member(self, robot_id: str) -> _Member:
+        return next(one for one in self._members if one.robot.config.id == robot_id)
+
+    def _is_before(self, one_id: str, other_id: str) -> bool:
+        """Say whether who is led still has the other near; behind it, its line is its own again."""
+        one, other = self._member(one_id), self._member(other_id)
+        along_m, beside_m = _seen_from(*one.place, *other.place[:2])
+        is_near = math.hypot(along_m, beside_m) < BESIDE_M
+        if along_m < -PASSED_M or not is_near:
+            one.robot.machine.aside_m = 0.0
+        return is_near
+
+
+def _aside_m(one: _Member, other: _Member) -> float:
+    """Return how far to the right ``one`` has to go to pass ``other``, negative to the left; the shorter of both."""
+    own, its = one.robot.machine.profile.dimensions, other.robot.machine.profile.dimensions
+    turn = other.place[2] - one.place[2]
+    extent_m = (abs(its.length_m * math.sin(turn)) + abs(its.width_m * math.cos(turn)) + own.width_m) / 2
+    _, left_m = _seen_from(*one.place, *other.place[:2])
+    free_m = extent_m + 2 * SIDE_M
+    return free_m - left_m if left_m >= 0 else -free_m - left_m
 
 
 def _shift(robot: SimRobot, first: SimRobot) -> Point:

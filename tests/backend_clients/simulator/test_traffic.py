@@ -105,6 +105,7 @@ def test_two_that_meet_wait_until_somebody_leads_one_past() -> None:
     assert "Led past" in [event.name for event in events]
     assert math.dist(field.place("weeder-01"), (30.0, 0.0)) < 1.0
     assert math.dist(field.place("weeder-02"), (0.0, 0.0)) < 1.0
+    assert field.nearest_m > 2.4, "they went past each other, not through"
 
 
 def test_neighbours_at_its_side_what_flies_and_lean_robots_hold_nobody_up() -> None:
