@@ -15,6 +15,7 @@ from hmi.clock import Clock
 
 LOOK_EVERY_S = 0.25  # at 1.7 m/s that is 0.4 m, a tenth of the protective field
 SIDE_M = 0.3  # of free ground beside the machine
+LARGE_M = 2.0  # a machine is seen from farther than a person: there has to be room to pass it
 FREE_AGAIN_M = 1.5  # more than the protective field, so that it does not start and stop by turns
 NEAR_M = 20.0  # farther machines are not looked at
 PASSED_M, BESIDE_M = 4.0, 15.0  # behind it, and the line is its own again; so far apart, and both see each other again
@@ -67,7 +68,9 @@ class Traffic:
     def _before(self, one: _Member) -> Neighbour | None:
         """Return who stands in its protective field, the nearest of several."""
         machine = one.robot.machine
-        reach_m = machine.profile.protective_field_m + (FREE_AGAIN_M if machine.neighbour is not None else 0.0)
+        reach_m = (
+            machine.profile.protective_field_m + LARGE_M + (FREE_AGAIN_M if machine.neighbour is not None else 0.0)
+        )
         seen = [(free_m, other) for other in self._members if (free_m := self._free_m(one, other)) < reach_m]
         if not seen:
             return None
@@ -108,8 +111,8 @@ class Traffic:
             boot.brain.note("mission", "Led past", f"Somebody of the farm led it past {neighbour.name}.")
 
     def _is_led(self, one: _Member, other: _Member) -> bool:
-        ids = one.robot.config.id, other.robot.config.id
-        return bool(self._led) and (self._led.get(ids[0]) == ids[1] or self._led.get(ids[1]) == ids[0])
+        """Whoever is led past another does not wait for it; that one waits until its way is free."""
+        return self._led.get(one.robot.config.id) == other.robot.config.id
 
     def _member(self, robot_id: str) -> _Member:
         return next(one for one in self._members if one.robot.config.id == robot_id)

@@ -75,10 +75,10 @@ def test_a_machine_waits_behind_one_that_stands_and_says_for_whom() -> None:
     field.send("weeder-01", (40.0, 0.0))
     field.run(30.0)
     assert field.hold("weeder-01") == ("robot_ahead", "Weeder-02 stands in its way.", "")
-    assert field.nearest_m > 5.0
+    assert field.nearest_m > 7.0
     boot = field["weeder-01"].boot
     assert boot is not None
-    assert boot.reporter.telemetry().obstacle_m == pytest.approx(3.5, abs=0.6)
+    assert boot.reporter.telemetry().obstacle_m == pytest.approx(5.3, abs=0.7)
     assert boot.reporter.state().faults == []
 
 
@@ -105,7 +105,7 @@ def test_two_that_meet_wait_until_somebody_leads_one_past() -> None:
     assert "Led past" in [event.name for event in events]
     assert math.dist(field.place("weeder-01"), (30.0, 0.0)) < 1.0
     assert math.dist(field.place("weeder-02"), (0.0, 0.0)) < 1.0
-    assert field.nearest_m > 2.4, "they went past each other, not through"
+    assert field.nearest_m > 2.0, "they went past each other, not through"
 
 
 def test_neighbours_at_its_side_what_flies_and_lean_robots_hold_nobody_up() -> None:
