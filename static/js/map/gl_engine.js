@@ -29,6 +29,7 @@ export class GlEngine {
   kind = 'gl';
   gone = new Set(); // graphics contexts that were lost
   asked = null;
+  isLoaded = false;
   #pace = new FramePace();
 
   /** hooks: {moved(byUser), panned(), framed(), failed(error)}. */
@@ -75,7 +76,7 @@ export class GlEngine {
     this.layer = new SceneLayer(scene, this.camera, host, { lost: () => this.#lost('scene'), restored: () => this.#restored('scene') });
     return new Promise((resolve, reject) => {
       map.once('error', (event) => reject(event.error));
-      map.once('style.load', resolve);
+      map.once('style.load', () => { this.isLoaded = true; resolve(); });
     });
   }
 
@@ -84,7 +85,7 @@ export class GlEngine {
     cancelAnimationFrame(this.asked);
     this.asked = null;
     const { width, height } = this.map.getCanvas();
-    this.layer.draw(width, height);
+    if (this.isLoaded) this.layer.draw(width, height); // before, nobody has told the scene how it is looked at
     this.hooks.framed();
     this.#pace.drawn();
   }
