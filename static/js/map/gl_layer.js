@@ -107,12 +107,16 @@ export class SceneLayer {
     canvas.className = 'hl-map-scene';
     canvas.setAttribute('aria-hidden', 'true');
     const gl = canvas.getContext('webgl2', CONTEXT);
-    if (!gl) throw new Error('no second graphics context');
+    this.canvas = canvas;
+    if (!gl) { // a device may give one context and not two
+      this.isLost = true;
+      return void this.heard.lost();
+    }
     canvas.addEventListener('webglcontextlost', (event) => this.#lost(event));
     canvas.addEventListener('webglcontextrestored', () => { this.isLost = false; this.#build(gl); this.heard.restored(); });
     this.host.append(canvas);
-    this.canvas = canvas;
     this.#build(gl);
+    return undefined;
   }
 
   #lost(event) {
