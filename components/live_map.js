@@ -34,7 +34,7 @@ export default {
     async begin() {
       const base = window.path_prefix ?? "";
       this.$el.textContent = "Loading map";
-      await window.headlandStop?.whenReady(); // nothing of a map may delay STOP
+      await window.HL?.port?.firstPicture(); // nothing of a map may delay STOP or the values
       if (this.isGone) return;
       try {
         const [code] = await Promise.all([

@@ -4,7 +4,6 @@
   const { el, alarm, attr, LiveElement, define } = HL;
   const EMPTY = Object.freeze({});
   const OLD_MS = 10000; // five missed rounds of the supervision
-  const LATE_MS = 3000; // the bell comes after STOP, at the latest then
   const LEVELS = [1, 2, 3, 4];
 
   const topic = () => window.headland.state("alarms") || EMPTY;
@@ -51,9 +50,9 @@
     if (worst) link.append(el("span", { class: "h-badge" }, alarm(worst, 24, "unacknowledged")));
   }
 
-  // sound, spoken words and the strip on Operate: after STOP is ready, so that nothing of it delays STOP
+  // sound, spoken words and the strip on Operate come after the first picture
   async function lateScripts() {
-    await HL.afterStop(LATE_MS);
+    await HL.port.firstPicture();
     const code = document.querySelector("hl-alarms")?.dataset.code;
     if (code) HL.load(code);
   }

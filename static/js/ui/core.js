@@ -83,12 +83,10 @@ window.HL = (() => {
     paint() {} // at most once a frame: compare and write
   }
 
-  // what STOP does not need comes after it, so that no byte of it delays STOP
-  const afterStop = (limitMs) => window.headlandStop?.whenReady(limitMs) ?? Promise.resolve();
   const define = (tag, kind) => customElements.get(tag) || customElements.define(tag, kind);
   const emit = (name, detail) => window.dispatchEvent(new CustomEvent(name, { detail }));
   // ages run on; without asking for a frame, because often nothing differs and then none is drawn
   setInterval(() => isAsked || document.hidden || performance.now() - paintedAt < REPAINT_MS / 2 || paintAll(), REPAINT_MS);
 
-  return { config, el, text, attr, style, toggle, repaint, LiveElement, define, emit, afterStop };
+  return { config, el, text, attr, style, toggle, repaint, LiveElement, define, emit };
 })();

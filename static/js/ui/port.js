@@ -154,5 +154,16 @@
   window.addEventListener("headland:dropped", () => HL.toast("Not sent: no connection. Try again when it is back.", "cloud_off"));
   setInterval(here, HERE_MS);
 
-  HL.port = { robot, inside, fleet, ids, age, server, delayMs, watch, follow, command, lease, reset, seen, sendMission, drive, api, tickInfo: () => lane.state("tick") };
+  // What the first picture does not need comes after it, so that no byte of it delays STOP or a robot's values: when STOP
+  // is ready and the values have had two frames to be drawn. At the latest so long after the page began, because a
+  // gateway or a server may not answer at all.
+  async function firstPicture(limitMs = 6000) {
+    await window.headlandStop?.whenReady(limitMs);
+    while (!hasValues() && performance.now() < limitMs) await pause(50);
+    await pause(100);
+  }
+  const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+  const hasValues = () => !config.user || (server().isKnown && (!HL.view?.robot || robot(HL.view.robot) !== EMPTY));
+
+  HL.port = { firstPicture, robot, inside, fleet, ids, age, server, delayMs, watch, follow, command, lease, reset, seen, sendMission, drive, api, tickInfo: () => lane.state("tick") };
 })();

@@ -18,7 +18,7 @@
     HL.repaint();
   }
 
-  // scripts that only this screen needs, those of data-late after STOP is ready; its elements come to life when they have arrived
+  // scripts that only this screen needs, those of data-late after the first picture; its elements come to life when they have arrived
   const loaded = new Set();
   function load(src) {
     if (loaded.has(src)) return;
@@ -43,7 +43,7 @@
       if (this.querySelector("[data-tab]")) this.addEventListener("click", pressEarly);
       const sources = (list) => (list || "").split(" ").filter(Boolean);
       for (const src of sources(this.dataset.code)) load(src);
-      if (this.dataset.late) HL.afterStop().then(() => sources(this.dataset.late).forEach(load));
+      if (this.dataset.late) HL.port.firstPicture().then(() => sources(this.dataset.late).forEach(load));
     }
   }
 
