@@ -2,8 +2,8 @@
 
 Prints ``map_update_ms_1000`` and ``map_update_ms_5000``: the whole screen with map, list, figures and the live lane,
 every robot reporting twice a second. CPU time of the page's main thread and not elapsed time, so that a busy machine
-does not change it. The naive way adds one DOM marker and one DOM row a robot to the same page, brought up to date with
-the same data; what the screen itself takes is subtracted.
+does not change it; in a browser that no test driver listens to. The naive way adds one DOM marker and one DOM row a
+robot to the same page, brought up to date with the same data; what the screen itself takes is subtracted.
 """
 
 from __future__ import annotations
@@ -11,19 +11,18 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from typing import Any
 
-from playwright.sync_api import CDPSession, Page, sync_playwright
-
+from bench.bare_browser import BareBrowser
 from tests.conftest import BROWSER_FLAGS, SOFTWARE_GL
-from tests.find_browser import find_browser
 
 COUNTS = (1000, 5000)
 RATE_HZ, SECONDS, MEDIAN_OF = 2, 8, 3
 CONDITIONS = "Chromium, WebGL in software, 1280x800, 2 reports/s of every robot, whole fleet screen, live lane included"
 
-NAIVE = """async () => {
+NAIVE = """(async () => {
   const { engine: { map }, options } = document.querySelector('.f-map .hl-map').hlMap;
   const { Marker } = await import(`${options.vendorUrl}/maplibre-gl.mjs`);
   const table = document.body.appendChild(document.createElement('div'));
@@ -46,23 +45,15 @@ NAIVE = """async () => {
     const robots = headland.state('fleet')?.robots ?? {};
     for (const [id, place] of Object.entries(state.robots)) if (robots[id]) write(id, robots[id], place);
   });
-}"""
+})()"""
 
 
-def _spent_ms(session: CDPSession) -> float:
-    metrics = session.send("Performance.getMetrics")["metrics"]
-    return 1000 * next(float(metric["value"]) for metric in metrics if metric["name"] == "ThreadTime")
-
-
-def _per_update(page: Page) -> float:
-    session = page.context.new_cdp_session(page)
-    session.send("Performance.enable")
+def _per_update(page: BareBrowser) -> float:
     runs = []
     for _ in range(MEDIAN_OF):
-        before = _spent_ms(session)
-        page.wait_for_timeout(SECONDS * 1000)
-        runs.append((_spent_ms(session) - before) / (SECONDS * RATE_HZ))
-    session.detach()
+        before = page.thread_ms()
+        time.sleep(SECONDS)
+        runs.append((page.thread_ms() - before) / (SECONDS * RATE_HZ))
     return sorted(runs)[MEDIAN_OF // 2]
 
 
@@ -74,20 +65,15 @@ def measure(count: int) -> dict[str, Any]:
     assert stage.stdout is not None
     try:
         url = stage.stdout.readline().strip()
-        with sync_playwright() as playwright:
-            browser = playwright.chromium.launch(executable_path=find_browser(), args=[*BROWSER_FLAGS, *SOFTWARE_GL])
-            context = browser.new_context(viewport={"width": 1280, "height": 800}, base_url=url)
-            context.add_cookies([{"name": "stage", "value": "operator", "url": url}])
-            page = context.new_page()
-            page.goto("/fleet")
-            page.wait_for_function(f"document.querySelector('[data-testid=map]')?.dataset.robots === '{count}'")
-            page.wait_for_timeout(8000)  # warm: compiled code, the map's list of robots complete
+        with BareBrowser((*BROWSER_FLAGS, *SOFTWARE_GL), (1280, 800)) as page:
+            page.open(f"{url}/fleet", ("stage", "operator"))
+            page.wait_for(f"document.querySelector('[data-testid=map]')?.dataset.robots === '{count}'")
+            time.sleep(8)  # warm: compiled code, the map's list of robots complete
             ours = _per_update(page)
-            rows = page.locator("hl-fleet [data-testid^=fleet-row-]").count()
+            rows = page.evaluate("document.querySelectorAll('hl-fleet [data-testid^=fleet-row-]').length")
             page.evaluate(NAIVE)
-            page.wait_for_timeout(6000)
+            time.sleep(6)
             naive = max(0.0, _per_update(page) - ours)
-            browser.close()
     finally:
         stage.terminate()
         stage.wait(10)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from enum import StrEnum
+from functools import lru_cache
 from typing import NamedTuple
 
 from backend_clients.errors import WrongIdentity
@@ -67,6 +68,7 @@ def check_id(text: str) -> str:
     return text
 
 
+@lru_cache(maxsize=32_768)  # a thousand robots of some twenty kinds each: checking an id costs as much as a message
 def topic(robot: str, kind: Up | Down) -> str:
     """Return the topic of one robot and kind; raises ``WrongIdentity`` for a bad id."""
     return f"{PREFIX}/{check_id(robot)}/{kind.value}"

@@ -16,6 +16,7 @@ from backend_clients.edge.messages_down import Mission
 from backend_clients.simulator.action_log import ActionLog
 from backend_clients.simulator.config import RobotConfig
 from backend_clients.simulator.enu import EnuFrame, Point
+from backend_clients.simulator.farm_ways import FarmWays
 from backend_clients.simulator.faults import Faults
 from backend_clients.simulator.guard import Guard
 from backend_clients.simulator.journal import EventKind, Journal
@@ -64,6 +65,7 @@ class Brain:
         faults: faults switched on by a tester.
         boot: id of this boot.
         make_challenge: source of challenges.
+        ways: of the farm, for what drives home; ``None`` where there is no map, then it is a straight line.
     """
 
     def __init__(
@@ -75,9 +77,10 @@ class Brain:
         faults: Faults,
         boot: str,
         make_challenge: Callable[[], str],
+        ways: FarmWays | None = None,
     ) -> None:
         self.config, self.machine, self.clock, self.faults, self.boot = config, machine, clock, faults, boot
-        self.profile = config.profile
+        self.profile, self._ways = config.profile, ways
         self.memory = Memory(store)
         self.work = work_of(self.profile, machine)
         self._boot_s = clock.mono_s()
@@ -282,15 +285,15 @@ class Brain:
         self.save()
 
     def go_home(self, by: str = "return_home") -> None:
-        """Drive straight home with the tool off; a running mission is paused where it is, ``by`` is the reason."""
+        """Drive home with the tool off; a running mission is paused where it is, ``by`` is the reason."""
         is_supervised = self.run.is_supervised if self.run is not None and self.run.is_open else True
         self.pause(by)
-        self._travel("return-home", self.home, is_supervised=is_supervised)
+        self._travel("return-home", self._way_home(), is_supervised=is_supervised)
         self.note("mission", "Returning home")
 
     def go_to(self, point: Point) -> None:
         """Drive straight to a place with the tool off; somebody has to look on."""
-        self._travel("go-to", point, is_supervised=True)
+        self._travel("go-to", [self.place, point], is_supervised=True)
         self.note("mission", "Going to a place")
 
     def move_crane(self, task: CraneTask) -> None:
@@ -306,10 +309,16 @@ class Brain:
         self.actions.close("finished")
         self.pilot.horn_left_s = START_HORN_S  # before a mission goes on
 
-    def _travel(self, errand: str, point: Point, *, is_supervised: bool) -> None:
+    def _travel(self, errand: str, way: list[Point], *, is_supervised: bool) -> None:
         self.errand_name, self.errand_is_supervised = errand, is_supervised
-        self.home_run = tracker_on(straight([self.place, point], self.profile.home_speed_mps, self.profile.motion))
+        self.home_run = tracker_on(straight(way, self.profile.home_speed_mps, self.profile.motion))
         self._set_off()
+
+    def _way_home(self) -> list[Point]:
+        """Along roads and round what is closed, if it drives and knows the farm."""
+        if self._ways is None or self.profile.motion.is_on_rails:
+            return [self.place, self.home]
+        return self._ways.way(self.frame, self.place, self.home)
 
     @property
     def home(self) -> Point:

@@ -42,6 +42,11 @@ _HOLDS: dict[str, tuple[str, str, str]] = {
         "Clear the way; it goes on by itself after the horn.",
         "person at the machine",
     ),
+    "robot_ahead": (
+        "Another robot stands in its way.",
+        "It goes on by itself after the horn when the other has left; else somebody of the farm leads it past.",
+        "",
+    ),
     "rtk_float": ("Its position is not exact enough to work.", "It goes on by itself when RTK is fixed.", ""),
     "tool_interlock": ("The {cover} is open.", "Close it at the machine.", "person at the machine"),
     "weed_unsure": (

@@ -47,9 +47,21 @@ class Drift:
         self.value_m = min(max(moved, -self.limit_m), self.limit_m)
 
 
+@dataclass(frozen=True, slots=True)
+class Neighbour:
+    """Another machine in the protective field."""
+
+    id: str
+    name: str
+    free_m: float
+
+
 @dataclass(slots=True)
 class Machine:
-    """Truth about one machine; the fields from ``is_*`` on are switched by people and faults."""
+    """Truth about one machine; the fields from ``is_*`` on are switched by people and faults.
+
+    ``aside_m`` is how far right of its line it is led, past another machine; negative to the left.
+    """
 
     rng: random.Random
     base: Base = field(default_factory=Base)
@@ -61,6 +73,8 @@ class Machine:
     still_s: float = STANDSTILL_S
     load_w: float = 0.0
     person: tuple[float, float] | None = None
+    neighbour: Neighbour | None = None
+    aside_m: float = 0.0
     is_hardware_stop: bool = False
     is_cover_open: bool = False
     is_rtk_float: bool = False
@@ -119,6 +133,10 @@ class Machine:
 
     def obstacle_m(self) -> float | None:
         """Return the free distance to what stands in front, ``None`` if nothing is in its way."""
+        seen = [self._person_m(), self.neighbour.free_m if self.neighbour is not None else None]
+        return min((free_m for free_m in seen if free_m is not None), default=None)
+
+    def _person_m(self) -> float | None:
         if self.person is None:
             return None
         dx, dy = self.person[0] - self.base.x_m, self.person[1] - self.base.y_m
@@ -130,10 +148,8 @@ class Machine:
         return max(ahead - size.base_to_front_m, 0.0)
 
     def is_way_blocked(self) -> bool:
-        """Whether something stands inside the protective field."""
-        if self.person is None:
-            return False
-        free_m = self.obstacle_m()
+        """Whether somebody stands inside the protective field; other machines are ``neighbour``."""
+        free_m = self._person_m()
         return free_m is not None and free_m < self.profile.protective_field_m
 
     def put_person_ahead(self, distance_m: float) -> None:

@@ -77,6 +77,9 @@ class Pilot:
         if v > 0 and self._brain.machine.is_way_blocked():
             self._brain.hold_code = "person_ahead"
             return STOPPED
+        if v > 0 and self._brain.machine.neighbour is not None:
+            self._brain.hold_code = "robot_ahead"
+            return STOPPED
         return Setpoint(v, drive.yaw_rate_radps, is_pivoting=v == 0 and drive.yaw_rate_radps != 0)
 
     def _jog(self, dt_s: float) -> None:
@@ -112,11 +115,17 @@ class Pilot:
     def _waiting_for(self) -> str:
         if self._brain.machine.is_way_blocked():
             return "person_ahead"
+        if self._brain.machine.neighbour is not None and not self._is_turning():
+            return "robot_ahead"
         if self._brain.home_run is not None:
             return self._brain.work.waits_for() if self._brain.work.waits_for() == "person_inside" else ""
         if self._brain.machine.is_rtk_float and self._brain.profile.needs_rtk:
             return "rtk_float"
         return "tool_interlock" if self._brain.machine.is_cover_open else self._brain.work.waits_for()
+
+    def _is_turning(self) -> bool:
+        """Whether it turns on the spot: it may turn away from what stands before it."""
+        return self.tracker is not None and self.tracker.is_turning
 
     def _follow(self, dt_s: float) -> Setpoint:
         tracker, rig = self.tracker, self._brain.machine.rig
@@ -128,7 +137,7 @@ class Pilot:
             self.followed = tracker
             self.doing = self._brain.work.guide(self._brain.run, STOPPED, dt_s)
             return STOPPED
-        wanted = tracker.steer(*self._brain.machine.measured_pose(), dt_s)
+        wanted = tracker.steer(*self._pose_on(tracker), dt_s)
         if tracker.is_done:
             self._arrived(tracker)
             return STOPPED
@@ -137,6 +146,15 @@ class Pilot:
             wanted = self.doing.wanted
         self.followed = tracker
         return wanted
+
+    def _pose_on(self, tracker: Tracker) -> tuple[float, float, float]:
+        """Return the pose as the tracker takes it: led past something, the line lies aside of where it was."""
+        x_m, y_m, theta_rad = self._brain.machine.measured_pose()
+        aside_m = self._brain.machine.aside_m
+        if aside_m:
+            heading = tracker.route.heading_after(tracker.s_m)
+            x_m, y_m = x_m - aside_m * math.sin(heading), y_m + aside_m * math.cos(heading)
+        return x_m, y_m, theta_rad
 
     @property
     def tracker(self) -> Tracker | None:

@@ -23,16 +23,20 @@ from backend_clients.simulator.cameras.web import camera_web
 from backend_clients.simulator.config import CloudConfig, SimulatorConfig
 from backend_clients.simulator.director import Director
 from backend_clients.simulator.edge_session import TICK_S, EdgeSession
+from backend_clients.simulator.enu import EnuFrame
+from backend_clients.simulator.farm_ways import FarmWays
 from backend_clients.simulator.foreman import Foreman
 from backend_clients.simulator.http_server import RobotEndpoint, application
 from backend_clients.simulator.late_sensors import LateSensors
 from backend_clients.simulator.links import LinkMaker, SharedLink, own_links
 from backend_clients.simulator.loop_mail import LoopMail
+from backend_clients.simulator.traffic import Traffic
 from backend_clients.simulator.world import LEAN_TICKS, World
 from hmi.clock import Clock, SystemClock
 
 MAX_CATCH_UP_S = 0.25  # after a longer freeze the world does not jump to make up for it
 LEAN_PER_LINK = 250
+WAYS_LATER_S = 25.0  # whoever sends a robot home before waits a second for its way
 AGENTS_LATER_S = 6.0  # a little after the demo's broker, which starts when everything else serves
 LINK_STOP_S = 0.6  # together with HTTP this keeps the promise of ending within one second
 OnReady = Callable[[int], None]
@@ -70,7 +74,11 @@ class Simulator:
         config = self._config
         self._loop, self._stopping = asyncio.get_running_loop(), asyncio.Event()
         listener = _listen(config.host, config.port)
-        world = World(config.robots, self._clock, seed=config.seed, speed=config.speed, state_dir=config.state_dir)
+        ways = FarmWays(config.features) if config.features else None
+        world = World(
+            config.robots, self._clock, seed=config.seed, speed=config.speed, state_dir=config.state_dir, ways=ways
+        )
+        traffic = Traffic(world.robots.values(), self._clock, seed=config.seed)
         foreman = Foreman(world.robots, config.jobs, self._clock, seed=config.seed)
         players = frozenset(config.jobs) if config.opening is not None else frozenset()
         director = Director(world.robots, self._clock, players=players, opening=config.opening, seed=config.seed)
@@ -87,12 +95,14 @@ class Simulator:
         server = _Server(_server_config(endpoint, tester_http.routes(world, director, sensors)))
         serving = asyncio.create_task(server.serve(sockets=[listener]), name="simulator-http")
         living = asyncio.create_task(
-            self._live(world, (foreman, director), list(sessions.values())), name="simulator-world"
+            self._live(world, (foreman, director, traffic), list(sessions.values())), name="simulator-world"
         )
         aside = [asyncio.create_task(sensors.run(), name="simulator-sensors")]
         if config.are_cameras_ready:
             preparing = endpoint.cameras.prepare(world.robots.values())
             aside.append(asyncio.create_task(preparing, name="simulator-cameras"))
+        if ways is not None:
+            aside.append(asyncio.create_task(_look_around(ways, config), name="simulator-ways"))
         if config.cloud is not None:
             running = _run_agents(config.cloud, world, self._clock, on_ack)
             aside.append(asyncio.create_task(running, name="simulator-cloud"))
@@ -116,7 +126,7 @@ class Simulator:
             if isinstance(result, Exception):
                 raise result
 
-    async def _live(self, world: World, people: tuple[Foreman, Director], sessions: list[EdgeSession]) -> None:
+    async def _live(self, world: World, people: tuple[Foreman, Director, Traffic], sessions: list[EdgeSession]) -> None:
         """Step the world and its sessions at 20 Hz; lean sessions have their turn twice a second."""
         if not sessions:
             await asyncio.Event().wait()  # field sensors alone: there is nothing to step
@@ -156,6 +166,13 @@ async def _run_agents(cloud: CloudConfig, world: World, clock: Clock, on_ack: On
     await asyncio.sleep(AGENTS_LATER_S)
     agent = await asyncio.to_thread(importlib.import_module, "backend_clients.simulator.cloud_agent")
     await agent.agents_of(cloud, dict(world.robots), clock, on_ack).run()
+
+
+async def _look_around(ways: FarmWays, config: SimulatorConfig) -> None:
+    """Learn the farm's ways beside the world, when everything else has started."""
+    await asyncio.sleep(WAYS_LATER_S)
+    for lat_deg, lon_deg in {(one.datum_lat_deg, one.datum_lon_deg) for one in config.robots if not one.is_lean}:
+        await asyncio.to_thread(ways.prepare, EnuFrame(lat_deg, lon_deg))
 
 
 def _has_turn(session: EdgeSession, number: int, turn: int) -> bool:

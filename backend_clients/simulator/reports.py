@@ -180,6 +180,8 @@ class Reporter:
 
     def _order(self, run: MissionRun) -> up.OrderState:
         order, work = run.order_state(), self._brain.work
+        if self._brain.machine.rig is None:
+            return order  # asking whether its work has sites is a tenth of what a lean robot costs
         if not isinstance(work, Sites) or order.remaining_s is None or order.status == "done":
             return order
         return replace(order, remaining_s=round(order.remaining_s + work.work_left_s(run), 1))

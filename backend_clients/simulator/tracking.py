@@ -48,6 +48,11 @@ class Tracker:
         """Cross-track error, left positive; ``None`` while it turns on the spot."""
         return None if self._must_align else self.left_m
 
+    @property
+    def is_turning(self) -> bool:
+        """Whether it has to turn on the spot before it drives on."""
+        return self._must_align
+
     def go_on_as(self, other: Tracker) -> None:
         """Take over how the machine lies on the line from a tracker of the same stretch."""
         self.left_m, self._must_align = other.left_m, other._must_align

@@ -21,6 +21,7 @@ RESERVE_NEAR = 0.05
 FIND_ROW_M = 1.0  # so far before a row its cameras look for the plants
 _WAIT_WORDS = {
     "person_ahead": "Person ahead",
+    "robot_ahead": "Robot ahead",
     "rtk_float": "Waiting for RTK",
     "tool_interlock": "Cover open",
     "weed_unsure": "Weed unsure",
@@ -212,7 +213,10 @@ def waiting_reason(brain: Brain) -> up.Hold | None:
     if brain.machine.soc <= 0:
         return hold("battery_empty")
     if brain.hold_code:
-        return hold(brain.hold_code, brain.profile.words)
+        neighbour = brain.machine.neighbour
+        is_met = brain.hold_code == "robot_ahead" and neighbour is not None
+        detail = f"{neighbour.name} stands in its way." if is_met and neighbour is not None else ""
+        return hold(brain.hold_code, brain.profile.words, detail=detail)
     run = brain.run
     if brain.drive is None and brain.home_run is None and run is not None and run.status == "paused":
         moved_m = run.moved_m(brain.place)

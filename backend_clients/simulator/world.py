@@ -13,6 +13,7 @@ from backend_clients.simulator import faults as fault_kinds
 from backend_clients.simulator.brain import Brain
 from backend_clients.simulator.cameras.sight import Sight
 from backend_clients.simulator.config import RobotConfig
+from backend_clients.simulator.farm_ways import FarmWays
 from backend_clients.simulator.faults import Fault, Faults
 from backend_clients.simulator.journal import Happening
 from backend_clients.simulator.kinematics import Base
@@ -46,10 +47,19 @@ class SimRobot:
         clock: its clocks.
         seed: makes its noise repeatable.
         state_dir: its folder on disk, ``None`` to keep state in memory only.
+        ways: of the farm it drives on, if it knows them.
     """
 
-    def __init__(self, config: RobotConfig, clock: Clock, *, seed: int = 1, state_dir: Path | None = None) -> None:
-        self.config, self.clock = config, clock
+    def __init__(
+        self,
+        config: RobotConfig,
+        clock: Clock,
+        *,
+        seed: int = 1,
+        state_dir: Path | None = None,
+        ways: FarmWays | None = None,
+    ) -> None:
+        self.config, self.clock, self._ways = config, clock, ways
         self.faults = Faults()
         self.store = StateFolder(state_dir)
         noise = random.Random(f"noise/{config.id}/{seed}")  # noqa: S311
@@ -199,7 +209,7 @@ class SimRobot:
         """Return the software as it starts on the machine as it stands."""
         # never from the seed: a replayed order of an earlier run must find neither its boot nor its challenge
         boot_id = secrets.token_hex(8)
-        brain = Brain(self.config, self.machine, self.clock, self.store, self.faults, boot_id, _challenge)
+        brain = Brain(self.config, self.machine, self.clock, self.store, self.faults, boot_id, _challenge, self._ways)
         return Boot(brain)
 
     def _first_place(self) -> Base:
@@ -227,6 +237,7 @@ class World:
         robots: the robots.
         clock: shared by all; only ``mono_s`` decides anything.
         seed, speed, state_dir: see ``SimulatorConfig``.
+        ways: of the farm they share, if they know them.
     """
 
     def __init__(
@@ -237,10 +248,13 @@ class World:
         seed: int = 1,
         speed: float = 1.0,
         state_dir: Path | None = None,
+        ways: FarmWays | None = None,
     ) -> None:
         self.clock, self.speed, self._count, self._lived_s = clock, speed, 0, 0.0
         self.robots = {
-            config.id: SimRobot(config, clock, seed=seed, state_dir=state_dir / config.id if state_dir else None)
+            config.id: SimRobot(
+                config, clock, seed=seed, state_dir=state_dir / config.id if state_dir else None, ways=ways
+            )
             for config in robots
         }
 

@@ -29,8 +29,9 @@ TICK_S = 0.1
 # is one picture in the browser. Rests of 4 ms tripled the delay to the screen: it painted each part alone.
 FLUSH_S = 0.04
 FLEET_S = 0.5  # lists are read by people
-CROWD, CROWD_POSES_S = 100, 0.5  # of so many robots nobody follows one: places go out at the rate of the lists
+CROWD = 100  # of so many robots nobody follows one: places go out at the rate of the lists
 REVIEW_S = 5.0  # battery and accuracy drift slowly: an entry that only moved is looked at again this often
+_LISTS = frozenset({frames.FLEET, frames.ALARMS, frames.POSES})
 _FAST_PARTS = frozenset({Part.TELEMETRY, Part.LINK})
 TitleOf = Callable[[str], MissionTitle | None]
 FactsOf = Callable[[str], MissionFacts | None]
@@ -92,7 +93,7 @@ class LiveHub:
         *,
         crowd: int = CROWD,
     ) -> None:
-        self._crowd, self._poses_due_s = crowd, float("-inf")
+        self._crowd = crowd
         self._store, self._ticks, self._clock, self._title_of = store, ticks, clock, title_of
         self._facts_of = facts_of
         self._lanes: set[Outbox] = set()
@@ -108,7 +109,7 @@ class LiveHub:
         self._alarms, self._alarm_source = AlarmsTopic(), alarms or NoAlarms()
         self._listeners: dict[str, set[Outbox]] = {}
         self._seen = self._fleet_seen = self._poses_seen = self._alarms_seen = 0
-        self._fleet_due_s = self._alarms_due_s = float("-inf")
+        self._lists_due_s = float("-inf")
         self._revision = 0
         self._changed = asyncio.Event()
         self._tasks: list[asyncio.Task[None]] = []
@@ -211,16 +212,15 @@ class LiveHub:
         now_s = self._clock.mono_s()
         for robot_id, inside in self._insides.items():
             self._send(inside.name, inside.update(self._store.robot(robot_id), now_s))
-        if frames.FLEET in self._listeners and now_s >= self._fleet_due_s:
-            self._fleet_due_s = now_s + FLEET_S - TICK_S / 2  # a beat that comes a little early still counts
+        are_due = now_s >= self._lists_due_s and not self._listeners.keys().isdisjoint(_LISTS)
+        if are_due:  # all at once: a browser draws once for list, map and figures
+            self._lists_due_s = now_s + FLEET_S - TICK_S / 2  # a beat that comes a little early still counts
+        if are_due and frames.FLEET in self._listeners:
             self._send(frames.FLEET, self._update_fleet(now_s))
             self._send_beats(now_s)
-        if frames.ALARMS in self._listeners and now_s >= self._alarms_due_s:
-            self._alarms_due_s = now_s + FLEET_S - TICK_S / 2
+        if are_due and frames.ALARMS in self._listeners:
             self._send(frames.ALARMS, self._update_alarms())
-        if frames.POSES in self._listeners and now_s >= self._poses_due_s:
-            if len(self._numbers) > self._crowd:
-                self._poses_due_s = now_s + CROWD_POSES_S - TICK_S / 2
+        if frames.POSES in self._listeners and (are_due or len(self._numbers) <= self._crowd):
             self._send_poses(now_s)
 
     def _update_fleet(self, now_s: float) -> str | None:

@@ -22,6 +22,7 @@ from hmi.notifications.message import Message
 
 LIMIT_S = 10.0
 SIGNATURE = "X-Headland-Signature"
+EXPIRED, OTHER_NAME = 10, 62  # of OpenSSL: X509_V_ERR_CERT_HAS_EXPIRED, X509_V_ERR_HOSTNAME_MISMATCH
 TRY_LATER = frozenset({408, 425, 429})
 
 
@@ -61,6 +62,8 @@ async def _post(url: str, secret: str, body: bytes, rules: AddressRules) -> None
     except httpx.TimeoutException as error:
         raise NotDelivered(f"{host} did not answer within {LIMIT_S:.0f} s.") from error
     except httpx.HTTPError as error:
+        if distrust := _distrust(error):
+            raise NotDelivered(_not_trusted(host, distrust), is_lasting=True) from error
         raise NotDelivered(f"{host} cannot be reached: {type(error).__name__}.") from error
     _judge(host, answer.status_code)
 
@@ -98,10 +101,31 @@ def _mail(mail: Mail, password: str, message: Message, rules: AddressRules) -> N
     except smtplib.SMTPResponseException as error:
         text = f"{mail.host} answered {error.smtp_code}."
         raise NotDelivered(text, is_lasting=error.smtp_code >= 500) from error
+    except ssl.SSLCertVerificationError as error:
+        raise NotDelivered(_not_trusted(mail.host, error), is_lasting=True) from error
     except ssl.SSLError as error:
-        raise NotDelivered(f"{mail.host} has no certificate that can be trusted.", is_lasting=True) from error
+        text = f"{mail.host} does not speak TLS as expected. Check the port, and tls or starttls."
+        raise NotDelivered(text, is_lasting=True) from error
     except (OSError, smtplib.SMTPException) as error:
         raise NotDelivered(f"{mail.host} cannot be reached: {type(error).__name__}.") from error
+
+
+def _distrust(error: BaseException | None) -> ssl.SSLCertVerificationError | None:
+    """Return why a certificate was not trusted, however deep in what a client raised."""
+    while error is not None:
+        if isinstance(error, ssl.SSLCertVerificationError):
+            return error
+        error = error.__cause__ or error.__context__
+    return None
+
+
+def _not_trusted(host: str, error: ssl.SSLCertVerificationError) -> str:
+    """Say what is wrong with a certificate, and what mends it."""
+    if error.verify_code == EXPIRED:
+        return f"The certificate of {host} has expired. Renew it there."
+    if error.verify_code == OTHER_NAME:
+        return f"The certificate of {host} is for another name. Use the name that stands in it."
+    return f"The certificate of {host} cannot be trusted. An own authority goes into SSL_CERT_FILE of the console."
 
 
 def _connected(mail: Mail, target: Target) -> smtplib.SMTP:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from datetime import datetime
+from datetime import datetime, timedelta
 from typing import Any, Protocol
 
 from hmi.domain.alarm.journal import Line
 from hmi.domain.event import RobotEvent
 
 MOST = 60
+REPEATED = timedelta(seconds=2)
 _EVENT_KINDS = frozenset({"state_entered", "alarm_raised", "alarm_cleared", "mission", "safety", "mode"})
 
 
@@ -66,7 +67,21 @@ def sequence(
         *(_Entry(one.at_utc, one.kind, one.text or one.name) for one in events if _is_told(one)),
         *(_Entry(one.at, one.kind, _done(one)) for one in deeds if one.kind != "alarm"),
     ]
-    return [_shown(one, first) for one in sorted(entries, key=lambda one: one.at)][:MOST]
+    return [_shown(one, first) for one in _once(sorted(entries, key=lambda one: one.at))][:MOST]
+
+
+def _once(entries: Sequence[_Entry]) -> list[_Entry]:
+    """Leave out what was just said: a state is told as an event and by the console's own watching, too."""
+    kept: list[_Entry] = []
+    for one in entries:
+        recent = (other for other in kept[-4:] if one.at - other.at < REPEATED)
+        if one.is_alarm or all(_words(one) != _words(other) for other in recent):
+            kept.append(one)
+    return kept
+
+
+def _words(entry: _Entry) -> str:
+    return entry.text.replace(" > ", " / ").casefold()
 
 
 def _is_told(event: RobotEvent) -> bool:

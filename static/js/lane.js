@@ -311,6 +311,7 @@
 
   function look() {
     const t = performance.now();
+    if (isOpen() && t - tickAt < 1.5 * CHECK_MS) return; // looked at with its newest tick
     if (socket === null) {
       if (!isEnded && t >= retryAt) connect();
     } else if (!isOpen()) {

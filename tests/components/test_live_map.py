@@ -261,6 +261,23 @@ def test_graphics_that_fail_while_running_are_replaced_by_the_canvas(the_map: Ma
 
 
 @pytest.mark.long
+def test_graphics_that_come_back_go_on_and_those_of_robots_alone_are_replaced_too(the_map: MapPage) -> None:
+    the_map.open()
+    the_map.on_row()
+    lose = (
+        "window.lost = document.querySelector('.hl-map-scene').getContext('webgl2').getExtension('WEBGL_lose_context')"
+    )
+    the_map.page.evaluate(f"({lose}).loseContext()")
+    the_map.page.wait_for_function("map.engine.gone.size === 1")
+    the_map.page.evaluate("lost.restoreContext()")
+    the_map.page.wait_for_function("map.engine.gone.size === 0")
+    the_map.settle()
+    assert the_map.state()["engine"] == "gl"
+    the_map.page.evaluate("lost.loseContext()")
+    the_map.page.wait_for_function("map.engine?.kind === 'canvas'")
+
+
+@pytest.mark.long
 def test_nothing_is_asked_of_another_origin(the_map: MapPage) -> None:
     the_map.open()
     the_map.on_row()

@@ -122,3 +122,10 @@ test('a place in the list moves by level and group, and by waiting only where so
   assert.equal(isMoved(calm, of('a', { help_s: 600 }).verdict), true);
   assert.equal(isMoved(of('a', { level: 2, since: 5 }).verdict, of('a', { level: 2, since: 6 }).verdict), true);
 });
+
+test('what an alarm says besides its title is told, its title is not told twice', () => {
+  const line = (title, text) => of('a', {}, { alarm: { ...alarm('a', 3), title, text } }).verdict.line;
+  assert.equal(line('Crane outside its limit', 'The crane is outside its limit: joint 3 at 97 %.'), 'Joint 3 at 97 %.');
+  assert.equal(line('Position not exact', 'Position not exact.'), '');
+  assert.equal(line('Cover open', 'RTK: float.'), 'RTK: float.');
+});

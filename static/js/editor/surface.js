@@ -186,7 +186,7 @@ export class Surface {
   }
 
   redraw() {
-    this.engine?.redraw();
+    this.engine?.repaint();
   }
 
   /** While a corner is dragged, the map itself must not move. */

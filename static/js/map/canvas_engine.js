@@ -89,6 +89,11 @@ export class CanvasEngine {
     this.jump(view); // no animation: this engine serves slow devices
   }
 
+  /** Here the farm and what moves on it are one picture. */
+  repaint() {
+    this.redraw();
+  }
+
   setFollowing(isFollowing) {
     this.isFollowing = isFollowing;
   }

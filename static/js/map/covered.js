@@ -15,10 +15,16 @@ export class Covered {
     if (now - this.lookedAt < EVERY_MS) return this.known;
     this.lookedAt = now;
     const place = this.host.getBoundingClientRect();
-    const over = this.host.parentElement?.querySelectorAll(':scope > .h-card, :scope > .f-over > *') ?? [];
-    const nodes = [...this.host.querySelectorAll('.hl-map-buttons > *, .hl-map-foot'), ...over];
-    this.known = nodes.map((node) => node.getBoundingClientRect()).filter((box) => box.width)
+    this.known = this.#nodes().map((node) => node.getBoundingClientRect()).filter((box) => box.width)
       .map((box) => [box.left - place.left, box.top - place.top, box.right - place.left, box.bottom - place.top].map(Math.round));
     return this.known;
+  }
+
+  /** By way of children: asking for selectors looks at every robot in the list that is read aloud. */
+  #nodes() {
+    this.controls ??= this.host.querySelector('.hl-map-buttons')?.parentElement;
+    const own = [...(this.controls?.children ?? [])].flatMap((node) => (node.matches('.hl-map-buttons') ? [...node.children] : node.matches('.hl-map-foot') ? [node] : []));
+    const beside = [...(this.host.parentElement?.children ?? [])].flatMap((node) => (node.matches('.h-card') ? [node] : node.matches('.f-over') ? [...node.children] : []));
+    return [...own, ...beside];
   }
 }

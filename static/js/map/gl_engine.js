@@ -27,6 +27,9 @@ async function load(base) {
 /** True where WebGL 2 works. */
 export class GlEngine {
   kind = 'gl';
+  gone = new Set(); // graphics contexts that were lost
+  asked = null;
+  isLoaded = false;
   #pace = new FramePace();
 
   /** hooks: {moved(byUser), panned(), framed(), failed(error)}. */
@@ -65,21 +68,38 @@ export class GlEngine {
     this.#sync();
     map.on('move', (event) => { this.#sync(); hooks.moved(Boolean(event.originalEvent)); });
     map.on('dragstart', () => hooks.panned());
-    map.on('render', () => { this.#sync(); hooks.framed(); this.#pace.drawn(); });
+    map.on('render', () => { this.#sync(); this.#frame(); });
     map.on('resize', () => { this.#measure(); this.#sync(); hooks.moved(false); });
     map.on('click', (event) => hooks.tapped(event.point.x, event.point.y));
-    map.on('webglcontextlost', () => hooks.lost());
-    map.on('webglcontextrestored', () => { this.#addScene(); hooks.restored(); });
+    map.on('webglcontextlost', () => this.#lost('map'));
+    map.on('webglcontextrestored', () => this.#restored('map'));
+    this.layer = new SceneLayer(scene, this.camera, host, { lost: () => this.#lost('scene'), restored: () => this.#restored('scene') });
     return new Promise((resolve, reject) => {
       map.once('error', (event) => reject(event.error));
-      map.once('style.load', () => { this.#addScene(); resolve(); });
+      map.once('style.load', () => { this.isLoaded = true; resolve(); });
     });
   }
 
-  #addScene() {
-    if (this.map.getLayer('headland-scene')) return;
-    this.layer = new SceneLayer(this.scene, this.camera, () => this.#sync());
-    this.map.addLayer(this.layer);
+  /** A picture: the farm's, if it was drawn, lies below already. */
+  #frame() {
+    cancelAnimationFrame(this.asked);
+    this.asked = null;
+    const { width, height } = this.map.getCanvas();
+    if (this.isLoaded) this.layer.draw(width, height); // before, nobody has told the scene how it is looked at
+    this.hooks.framed();
+    this.#pace.drawn();
+  }
+
+  /** Both contexts go together as a rule; the map is whole again when both are back. */
+  #lost(which) {
+    this.gone.add(which);
+    if (this.gone.size === 1) this.hooks.lost();
+  }
+
+  #restored(which) {
+    this.gone.delete(which);
+    if (!this.gone.size) this.hooks.restored();
+    this.repaint();
   }
 
   /** Only when the size changed: asking the page for it forces a layout. */
@@ -122,8 +142,14 @@ export class GlEngine {
     }
   }
 
+  /** Draw what moves; the farm below stays as it is. */
   redraw() {
     this.#pace.asked();
+    this.asked ??= requestAnimationFrame(() => this.#frame());
+  }
+
+  /** Draw the farm, too. */
+  repaint() {
     this.map.triggerRepaint();
   }
 
@@ -155,6 +181,8 @@ export class GlEngine {
   }
 
   destroy() {
+    cancelAnimationFrame(this.asked);
+    this.layer.destroy();
     this.map.remove();
   }
 }

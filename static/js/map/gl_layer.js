@@ -1,4 +1,5 @@
-// Our own layer inside MapLibre: mission lines, trail, marks and machines, all instanced, a handful of draw calls.
+// Our own picture over MapLibre's: mission lines, trail, marks and machines, all instanced, a handful of draw calls.
+// It has a canvas of its own: robots move all the time, and the farm below them need not be drawn again for that.
 // The view is flat (no pitch), so the shaders use the camera of geometry.js and not MapLibre's matrices.
 
 import { DEG, mercPerMetre } from './geometry.js';
@@ -88,18 +89,44 @@ function program(gl, vertex, fragment) {
   };
 }
 
-/** MapLibre custom layer drawing `scene.drawList()`; `camera` is kept equal to MapLibre's by the engine. */
+const CONTEXT = { alpha: true, premultipliedAlpha: true, antialias: false, depth: false, stencil: false };
+
+/** Draws `scene.drawList()` on a canvas of its own in `host`; `camera` is kept equal to MapLibre's by the engine. */
 export class SceneLayer {
-  constructor(scene, camera, sync) {
-    this.sync = sync;
-    this.id = 'headland-scene';
-    this.type = 'custom';
-    this.renderingMode = '2d';
+  /** heard: {lost(), restored()} of its graphics context. */
+  constructor(scene, camera, host, heard) {
     this.scene = scene;
     this.camera = camera;
+    this.host = host;
+    this.heard = heard;
   }
 
-  onAdd(map, gl) {
+  /** Where nothing was ever drawn there is no canvas: an editor has none. */
+  #open() {
+    const canvas = document.createElement('canvas');
+    canvas.className = 'hl-map-scene';
+    canvas.setAttribute('aria-hidden', 'true');
+    const gl = canvas.getContext('webgl2', CONTEXT);
+    this.canvas = canvas;
+    if (!gl) { // a device may give one context and not two
+      this.isLost = true;
+      return void this.heard.lost();
+    }
+    canvas.addEventListener('webglcontextlost', (event) => this.#lost(event));
+    canvas.addEventListener('webglcontextrestored', () => { this.isLost = false; this.#build(gl); this.heard.restored(); });
+    this.host.append(canvas);
+    this.#build(gl);
+    return undefined;
+  }
+
+  #lost(event) {
+    if (this.isGone) return;
+    event.preventDefault(); // or it never comes back
+    this.isLost = true;
+    this.heard.lost();
+  }
+
+  #build(gl) {
     this.gl = gl;
     this.lines = program(gl, LINE_VERTEX, LINE_FRAGMENT);
     this.stamps = program(gl, STAMP_VERTEX, STAMP_FRAGMENT);
@@ -108,6 +135,8 @@ export class SceneLayer {
     gl.bufferData(gl.ARRAY_BUFFER, new Float32Array([0, -1, 1, -1, 0, 1, 1, 1]), gl.STATIC_DRAW);
     this.lineBuffers = new Map();
     this.meshes = {};
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     for (const [name, mesh] of Object.entries(buildMeshes())) this.meshes[name] = this.#mesh(gl, mesh);
   }
 
@@ -140,19 +169,18 @@ export class SceneLayer {
     return { array, records, count: indices.length };
   }
 
-  onRemove() {
-    this.lineBuffers?.clear(); // the context goes with the map and takes the buffers along
-  }
-
-  render(gl) {
-    this.sync();
-    const ratio = gl.drawingBufferWidth / this.camera.width;
-    gl.enable(gl.BLEND);
-    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    gl.disable(gl.DEPTH_TEST);
-    gl.disable(gl.STENCIL_TEST);
-    gl.disable(gl.CULL_FACE);
+  /** Draw everything as large as `width` x `height` device px. */
+  draw(width, height) {
     const { lines, stamps } = this.scene.drawList();
+    if (!this.canvas && !lines.length && !stamps.length) return;
+    if (!this.canvas) this.#open();
+    if (this.isLost) return;
+    const { gl, canvas } = this;
+    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+    const ratio = gl.drawingBufferWidth / this.camera.width;
+    gl.viewport(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT);
     gl.useProgram(this.lines.made);
     this.#view(gl, this.lines.uniforms, ratio);
     for (const line of lines) this.#line(gl, line, ratio);
@@ -217,5 +245,12 @@ export class SceneLayer {
     gl.bindBuffer(gl.ARRAY_BUFFER, mesh.records);
     gl.bufferData(gl.ARRAY_BUFFER, batch.floats.subarray(0, batch.count * STAMP_WORDS), gl.DYNAMIC_DRAW);
     gl.drawElementsInstanced(gl.TRIANGLES, mesh.count, gl.UNSIGNED_SHORT, 0, batch.count);
+  }
+
+  destroy() {
+    this.isGone = true;
+    this.lineBuffers?.clear();
+    this.gl?.getExtension('WEBGL_lose_context')?.loseContext(); // browsers keep few of them
+    this.canvas?.remove();
   }
 }

@@ -25,7 +25,7 @@ export class LabelLayer {
     this.canvas = document.createElement('canvas');
     this.canvas.className = 'hl-map-labels';
     this.canvas.setAttribute('aria-hidden', 'true');
-    host.append(this.canvas);
+    host.insertBefore(this.canvas, host.querySelector(':scope > .hl-map-controls')); // never over a button
     this.context = this.canvas.getContext('2d');
     this.blocked = [];
   }
@@ -138,25 +138,47 @@ export class LabelLayer {
 const SIGN_PX = 9;
 const SIGNS = { 1: [[-1, -1], [1, -1], [1, 1], [-1, 1]], 2: [[0, -1.15], [1.15, 1], [-1.15, 1]], 3: [[0, -1.3], [1.3, 0], [0, 1.3], [-1.3, 0]] };
 
+const MOST_DISCS = 400;
+const discs = new Map(); // what it says and how it looks -> its picture: the same few are drawn again and again
+
 /** A disc with its count; the sign of the worst inside it sits on its shoulder, as shape, number and colour. */
 function drawCluster(context, { cluster, lines }, x, y, palette, taken, texts) {
   const radius = (cluster.px / 2) * palette.scale;
   taken.push([x - radius, y - radius, x + radius, y + radius]);
+  const [line] = lines;
+  texts.push(line.text);
+  const ratio = window.devicePixelRatio || 1;
+  const key = [line.text, cluster.px, cluster.level, cluster.isAsking, cluster.fill, palette.halo, palette.scale, ratio, document.fonts.status].join();
+  let picture = discs.get(key);
+  if (!picture) {
+    if (discs.size >= MOST_DISCS) discs.clear();
+    discs.set(key, (picture = discPicture(cluster, line, radius, palette, ratio)));
+  }
+  const half = picture.width / 2 / ratio;
+  context.drawImage(picture, Math.round(x * ratio) / ratio - half, Math.round(y * ratio) / ratio - half, 2 * half, 2 * half);
+  return true;
+}
+
+function discPicture(cluster, line, radius, palette, ratio) {
+  const half = Math.ceil(radius * 1.8 + (SIGN_PX + 4) * palette.scale);
+  const picture = document.createElement('canvas');
+  picture.width = picture.height = Math.round(2 * half * ratio);
+  const context = picture.getContext('2d');
+  context.scale(ratio, ratio);
+  context.translate(half, half);
   context.beginPath();
-  context.arc(x, y, radius, 0, 7);
+  context.arc(0, 0, radius, 0, 7);
   context.fillStyle = cluster.fill;
   context.fill();
   context.lineWidth = 2.5;
   context.strokeStyle = palette.halo;
   context.stroke();
-  const [line] = lines;
-  texts.push(line.text);
   context.font = `${line.weight} ${line.size * palette.scale}px ${palette.font}`;
   context.fillStyle = cluster.ink;
   const wide = context.measureText(line.text).width;
-  context.fillText(line.text, x - wide / 2, y + line.size * palette.scale * 0.36);
-  if (cluster.level) drawSign(context, cluster, x + radius * 0.78, y - radius * 0.78, palette);
-  return true;
+  context.fillText(line.text, -wide / 2, line.size * palette.scale * 0.36);
+  if (cluster.level) drawSign(context, cluster, radius * 0.78, -radius * 0.78, palette);
+  return picture;
 }
 
 function drawSign(context, { level, isAsking }, x, y, palette) {

@@ -34,10 +34,20 @@
       this.story = el("div", { class: "h-t14 h-2" });
       this.body = el("div", { class: "al-body" });
       this.said = el("div", { class: "h-t14 h-b al-said", role: "status", "data-testid": "alarm-said" });
+      this.scroll = el("div", { class: "al-scroll", tabindex: "-1" }, this.now, this.story, this.body);
+      this.scroll.addEventListener("scroll", () => this.edge(), { passive: true });
+      const watch = new ResizeObserver(() => this.edge());
+      [this.scroll, this.body].forEach((node) => watch.observe(node));
       this.makeActs();
       this.node = el("aside", { class: "h-card al-detail", "aria-label": "Alarm in detail", "data-testid": "alarm-detail", hidden: true },
         el("div", { class: "al-head" }, this.sign, el("div", { class: "al-titles" }, this.title, this.where), this.lasting, this.close),
-        el("div", { class: "al-scroll" }, this.now, this.story, this.body), this.said, this.acts);
+        this.scroll, this.said, this.acts);
+    }
+
+    // what goes on below fades out: a line cut in half looks like a mistake, and one cut between lines like the end
+    edge() {
+      const { scrollTop, scrollHeight, clientHeight } = this.scroll;
+      toggle(this.scroll, "more", scrollHeight - scrollTop - clientHeight > 4);
     }
 
     makeActs() {

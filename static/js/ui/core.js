@@ -5,6 +5,7 @@ window.HL = (() => {
   const REPAINT_MS = 200; // ages are shown to a tenth of a second below 10 s, and nobody reads faster
   const views = new Set();
   let isAsked = false;
+  let paintedAt = -Infinity;
 
   // el("b", {class: "x", "data-a": 1, onclick: f}, "text", node): text is always text, never markup
   function el(tag, props, ...children) {
@@ -52,6 +53,7 @@ window.HL = (() => {
 
   function paintAll() {
     isAsked = false;
+    paintedAt = performance.now();
     for (const view of [...views]) {
       try {
         view.paint();
@@ -84,7 +86,7 @@ window.HL = (() => {
   const define = (tag, kind) => customElements.get(tag) || customElements.define(tag, kind);
   const emit = (name, detail) => window.dispatchEvent(new CustomEvent(name, { detail }));
   // ages run on; without asking for a frame, because often nothing differs and then none is drawn
-  setInterval(() => isAsked || document.hidden || paintAll(), REPAINT_MS);
+  setInterval(() => isAsked || document.hidden || performance.now() - paintedAt < REPAINT_MS / 2 || paintAll(), REPAINT_MS);
 
   return { config, el, text, attr, style, toggle, repaint, LiveElement, define, emit };
 })();

@@ -4,6 +4,8 @@
   const DAY_MS = 10000; // today's sums grow slowly
   const LOOK_MS = 500; // the list is put in order as often as the lane brings it
   const MANY = 2000; // beyond it every second time: nobody reads so many twice a second
+  const EARLY_MS = 60; // a list that came a little before its time is looked at with it
+  const QUIET_MS = 1000; // ages run on also while the lane brings nothing
   const FILTER_KEY = "headland.fleet.filter";
   const NO_FILTER = { q: "", sort: "attention", families: [], group: "", mine: false, state: "" };
 
@@ -42,12 +44,21 @@
     return worst.found;
   }
 
+  // Looked at when the lane has brought something, in the same frame in which the map draws it: a frame more costs as much again.
+  let lookedAt = -Infinity;
+  let due = null;
+  function soon() {
+    const pause = (data.items.length > MANY ? 2 : 1) * LOOK_MS - EARLY_MS;
+    due ??= setTimeout(() => ((due = null), users && look()), Math.max(0, pause - (performance.now() - lookedAt)));
+  }
+
   // one look at everything: what the list, the map and the strip show from now on
   function look() {
     const robots = HL.port.fleet();
     const alarms = worstAlarms();
     const stops = stopStates();
     const now = window.headland.now();
+    lookedAt = performance.now();
     data.looks += 1;
     data.items = [];
     for (const id of HL.port.ids) if (robots[id]) data.items.push(seen(known.get(id) ?? begun(id, robots[id]), robots[id], now, stops.get(id), alarms[id]));
@@ -131,9 +142,8 @@
   function begin() {
     users += 1;
     if (users > 1) return;
-    let round = 0;
-    timers = [setInterval(() => (data.items.length > MANY && (round += 1) % 2) || look(), LOOK_MS), setInterval(loadDay, DAY_MS)];
-    offs.push(window.headland.on("alarms", () => {}), window.headland.on("event", event));
+    timers = [setInterval(() => performance.now() - lookedAt > QUIET_MS && look(), LOOK_MS), setInterval(loadDay, DAY_MS)];
+    offs.push(...["fleet", "alarms"].map((topic) => window.headland.on(topic, soon)), window.headland.on("event", event));
     loadGroups();
     loadViews();
     loadDuty();

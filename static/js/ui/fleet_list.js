@@ -7,7 +7,8 @@
   const LATE_MS = 5000;
   const ALARMS_OLD_MS = 10000; // the supervision looks every second or so
   const WIDE_PX = 600;
-  const HEIGHTS = { head: 40, fold: 56, "needs-you": [92, 66], row: [76, 56], cells: 56 };
+  const HEIGHTS = { head: 40, fold: 56, "needs-you": [100, 66], row: [76, 56], cells: 56 };
+  const LARGER = 1.125; // type in the sun
   const GAP = 4;
 
   class Head {
@@ -116,7 +117,7 @@
       const key = JSON.stringify([filter, [...open]]);
       const isHeld = Boolean(this.isHeld() && key === this.key && this.held.length);
       const isAnyWay = HL.fleet.isNarrowed(filter) || filter.sort === "group"; // what they go by is not counted
-      const made = [key, order, this.scroll.width, isAnyWay && HL.fleet.looks].join("|");
+      const made = [key, order, this.scroll.width, isInSun(), isAnyWay && HL.fleet.looks].join("|");
       if (made === this.made && groups === this.groups && (isHeld || !this.wasHeld)) return this.refresh();
       [this.made, this.groups, this.wasHeld] = [made, groups, isHeld];
       const items = HL.fleet.visible();
@@ -225,9 +226,11 @@
     }
   }
 
+  const isInSun = () => document.documentElement.dataset.theme === "sunlight";
+
   function rowLine(section, item, isWide) {
     const [narrow, wide] = section.key === "needs-you" ? HEIGHTS["needs-you"] : HEIGHTS.row;
-    return { key: `row ${item.id}`, kind: "row", height: isWide ? wide : narrow, gap: GAP, item, isTall: section.key === "needs-you" };
+    return { key: `row ${item.id}`, kind: "row", height: Math.round((isWide ? wide : narrow) * (isInSun() ? LARGER : 1)), gap: GAP, item, isTall: section.key === "needs-you" };
   }
 
   HL.FleetList = FleetList;

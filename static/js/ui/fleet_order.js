@@ -48,15 +48,21 @@
     if (robot.is_online === false || ageMs > LOST_MS) return lost(robot, ageMs, alarm, words);
     if (alarm) {
       const level = alarm.priority;
-      return { level, head: alarm.title, line: [isSaid(alarm) ? "" : alarm.text, level <= 2 || robot.waits ? advice(robot) : ""].filter(Boolean).join(" ") || robot.why, since: alarm.t ?? null, look: alarm.state, waits: Boolean(robot.waits), alarm: alarm.id };
+      return { level, head: alarm.title, line: [news(alarm), level <= 2 || robot.waits ? advice(robot) : ""].filter(Boolean).join(" ") || robot.why, since: alarm.t ?? null, look: alarm.state, waits: Boolean(robot.waits), alarm: alarm.id };
     }
     if (robot.waits || robot.level) return { level: robot.level ?? 3, head: robot.why || robot.fault || robot.text, line: advice(robot), since: robot.since ?? null, look: "acknowledged", waits: Boolean(robot.waits) };
     return { level: null, head: robot.task || robot.text || "–", line: robot.why || "", since: robot.since ?? null, waits: false };
   }
 
-  // a text that only says the title again is no news
-  const plain = (words) => (words || "").toLowerCase().replace(/[.…\s]+$/, "");
-  const isSaid = ({ title, text }) => plain(text).startsWith(plain(title)) && plain(text).length < plain(title).length + 4;
+  // What a text adds to its title: one that only says the title again is no news, nor is its beginning if that does.
+  const plain = (words) => (words || "").toLowerCase().replace(/^(the|its|it) /, "").replace(/\b(is|has|are) /g, "").replace(/[.…\s]+$/, "");
+  const starts = (text, title) => plain(text).startsWith(plain(title)) && plain(text).length < plain(title).length + 4;
+  function news({ title, text }) {
+    if (!text || starts(text, title)) return "";
+    const [first, ...rest] = text.split(": ");
+    const more = rest.join(": ");
+    return more && starts(first, title) ? more[0].toUpperCase() + more.slice(1) : text;
+  }
 
   function lost(robot, ageMs, alarm, words) {
     const isKnown = Number.isFinite(ageMs);

@@ -1,7 +1,7 @@
 // Over the map: figures of the fleet now and today, and what became of STOP at each robot.
 (() => {
   "use strict";
-  const { el, icon, text, attr, LiveElement } = HL;
+  const { el, icon, text, attr, toggle, LiveElement } = HL;
   const OLD_MS = 30000; // today's sums come every ten seconds
 
   class Figure {
@@ -22,7 +22,17 @@
   class FleetKpis extends LiveElement {
     build() {
       this.figures = Object.fromEntries(KPIS.map(([key, label]) => [key, new Figure(key, label)]));
-      this.append(...Object.values(this.figures).map((one) => one.node));
+      this.more = el("button", { type: "button", class: "h-btn q ico f-kpimore", "data-testid": "fleet-kpi-more", onclick: () => this.unfold(!this.isOpen) }, icon("chevron_right", "m"));
+      this.append(...Object.values(this.figures).map((one) => one.node), this.more);
+      this.unfold(false);
+    }
+    // on a tablet the map has the room until somebody asks for every figure
+    unfold(isOpen) {
+      this.isOpen = isOpen;
+      toggle(this, "all", isOpen);
+      attr(this.more, "aria-expanded", String(isOpen));
+      attr(this.more, "aria-label", isOpen ? "Fewer figures" : "All figures");
+      text(this.more.firstChild, isOpen ? "keyboard_arrow_down" : "chevron_right");
     }
     paint() {
       if (this.looked === HL.fleet.looks && this.day === HL.fleet.day) return;

@@ -5,6 +5,7 @@
   const { config } = HL;
   const CONNECTING_MS = 5000; // a page that has never heard the server says "connecting" this long, then "lost"
   const HERE_MS = 1000;
+  const MANY = 100; // robots beyond which a change of one waits for the next round of the ages
   const MOST_TOPICS = 40; // control of more robots than this is followed by lease events alone
   const bornAt = performance.now();
   const INSIDE = ["supervisor", "twin"]; // screens that look into the machine
@@ -91,6 +92,7 @@
       if (topic.startsWith("robot/") && "lease" in state) noteLease(topic.slice(6), state.lease?.owner);
       if (topic === "fleet" && changed?.length === 0) return; // beats alone only make the list younger
       if (topic === "fleet") note(state.robots ?? EMPTY, changed);
+      if (topic === "fleet" && changed && ids.size > MANY) return;
       HL.repaint();
     });
   }

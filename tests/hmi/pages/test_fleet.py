@@ -205,3 +205,21 @@ def test_the_wall_shows_who_is_needed_in_big_type_and_nothing_to_press_but_stop(
     expect(page.get_by_test_id("wall-row-weeder-01")).to_contain_text("Never heard")
     expect(page.get_by_test_id("stop")).to_be_visible()
     assert page.locator(".w-screen button:visible").count() == 0
+
+
+@pytest.mark.long
+def test_on_a_tablet_every_figure_is_a_tap_away_and_no_disc_lies_on_a_button(
+    look: Look, fleet: Callable[..., dict[str, Any]]
+) -> None:
+    page = look("/fleet", size="landscape")
+    expect(page.get_by_test_id("fleet-kpi-slowest")).to_be_visible()
+    expect(page.get_by_test_id("fleet-kpi-utilisation")).to_be_hidden()
+    page.get_by_test_id("fleet-kpi-more").click()
+    expect(page.get_by_test_id("fleet-kpi-utilisation")).to_contain_text("67")
+    expect(page.get_by_test_id("fleet-kpi-interventions")).to_be_visible()
+    page.wait_for_function("document.querySelectorAll('.f-map .hl-map-labels').length === 2")
+    assert page.evaluate(
+        """() => [...document.querySelectorAll('.f-map .hl-map-labels')].every((canvas) =>
+            canvas.compareDocumentPosition(document.querySelector('.f-map .hl-map-controls'))
+              & Node.DOCUMENT_POSITION_FOLLOWING)"""
+    )

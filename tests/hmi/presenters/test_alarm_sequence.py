@@ -23,3 +23,12 @@ def test_of_the_states_a_robot_enters_at_once_only_the_innermost_is_told() -> No
         entered("Mission > Treat row", 9, path=["Mission", "Treat row"]),
     ]
     assert [one["text"] for one in sequence([], events, [], "")] == ["Lower", "Mission > Treat row"]
+
+
+def test_what_is_told_twice_at_one_time_stands_there_once() -> None:
+    events = [
+        entered("Mission > Plant row > Planting", 0),
+        entered("Mission / Plant row / Planting", 1),
+        entered("Mission / Plant row / Planting", 30),
+    ]
+    assert [one["at"] % 60_000 for one in sequence([], events, [], "")] == [0, 30_000]
