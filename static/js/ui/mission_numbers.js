@@ -22,7 +22,7 @@
     return el("div", { class: "h-stats" },
       card("length", "Path", km(s.length_m), `${s.rows} rows, ${s.headland_passes} ${s.headland_passes === 1 ? "lap" : "laps"}`, s.length_m),
       card("time", "Time", [words.left(s.duration_s), ""], `${words.left(s.working_s)} work, ${words.left(turning)} turns and ways`, s.duration_s),
-      card("turns", "Turns", [String(s.turns), ""], s.pivots ? `${s.pivots} on the spot` : "none on the spot", s.turns),
+      card("turns", "Turns", [String(s.turns), ""], HL.words.stops(s), s.turns),
       card("coverage", "Covered", [share(s.covered_m2, s.area_m2).toFixed(1), "%"], `${area.text} ${area.unit} of the field`, share(s.covered_m2, s.area_m2) / 100),
       card("overlap", "Overlap", [share(s.overlap_m2, s.area_m2).toFixed(1), "%"], "worked twice", share(s.overlap_m2, s.area_m2) / 100),
       card("energy", "Energy", [kwh(s.energy_j), "kWh"], s.battery_share <= 0.85 ? `${Math.round(100 * s.battery_share)} % of a full ${s.is_tank ? "tank" : "battery"}` : `${Math.ceil(s.battery_share / 0.85)} ${s.is_tank ? "tanks" : "battery charges"}`, s.energy_j),
