@@ -95,4 +95,4 @@ def _points(points: Sequence[Sequence[float]]) -> list[list[float]]:
 
 def drives_backward(document: Mapping[str, Any]) -> bool:
     """Say whether a part of the path is driven backwards."""
-    return any(segment.get("backward") for segment in document["segments"])
+    return any(segment.get("backward") for segment in document.get("segments", ()))
