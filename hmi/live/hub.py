@@ -25,8 +25,8 @@ from hmi.store.robot_record import ALL_PARTS, Part
 log = logging.getLogger(__name__)
 
 TICK_S = 0.1
-# A change is sent at once, the next one after this: 10 Hz telemetry is never held back, and what comes close together is one
-# picture in the browser. Rests of 4 ms tripled the delay to the screen there, because it painted each part alone.
+# A change is sent at once, the next one after this: 10 Hz telemetry is never held back, and what comes close together
+# is one picture in the browser. Rests of 4 ms tripled the delay to the screen: it painted each part alone.
 FLUSH_S = 0.04
 FLEET_S = 0.5  # lists are read by people
 CROWD, CROWD_POSES_S = 100, 0.5  # of so many robots nobody follows one: places go out at the rate of the lists

@@ -30,6 +30,7 @@ from hmi.pages import (
     twin,
     wall,
 )
+from hmi.pages.routed import RoutedScreens
 from hmi.pages.services import PageServices
 from hmi.security.session_info import SessionInfo
 
@@ -62,7 +63,7 @@ def _screens(services: PageServices, session: SessionInfo | None) -> None:
     if session is None:
         login.build(services)
         return
-    ui.sub_pages(
+    RoutedScreens(
         {
             "/": lambda: operate.pick(services, session),
             "/operate": lambda: operate.pick(services, session),

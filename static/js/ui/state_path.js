@@ -10,6 +10,7 @@
       this.since.style.color = "var(--hl-ink)";
       this.age = el("span");
       this.path = el("div", { class: "h-path" });
+      new ResizeObserver(() => ((this.drawn = null), HL.repaint())).observe(this);
       this.addEventListener("click", () => HL.view.robot && HL.go(`/supervisor/${HL.view.robot}`));
       this.addEventListener("keydown", (event) => event.key === "Enter" && this.click());
       for (const [name, value] of [["role", "link"], ["tabindex", "0"], ["title", "Open the supervisor"]]) attr(this, name, value);
@@ -38,10 +39,14 @@
       const key = `${path.join("|")}|${look}`;
       if (key === this.drawn) return;
       this.drawn = key;
-      const last = path.length - 1;
-      this.path.replaceChildren(
-        ...path.flatMap((name, i) => (i === last ? [el("span", { class: "leaf h-ell", "data-look": look || null, title: name }, name)] : [el("span", { title: name }, name), icon("chevron_right", "m")])),
-      );
+      const leaf = el("span", { class: "leaf h-ell", "data-look": look || null, title: path.at(-1) }, path.at(-1));
+      // outer states that have no room become one sign: what is cut in half tells nothing
+      for (let from = 0; from < path.length; from += 1) {
+        const outer = path.slice(from, -1).flatMap((name) => [el("span", {}, name), icon("chevron_right", "m")]);
+        const hidden = from ? [el("span", { title: path.slice(0, from).join(", ") }, "…"), icon("chevron_right", "m")] : [];
+        this.path.replaceChildren(...hidden, ...outer, leaf);
+        if (leaf.scrollWidth <= leaf.clientWidth) return;
+      }
     }
   }
 

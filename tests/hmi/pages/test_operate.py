@@ -55,6 +55,12 @@ def test_every_value_is_shown_with_its_age_and_in_si(look: Look, theatre: Theatr
     expect(page.get_by_test_id("link-banner")).to_have_attribute("data-state", "ok")
 
 
+CUT = """() => [...document.querySelectorAll('.h-tile, .h-tile .sub, .h-facts b, .h-path .leaf')]
+  .filter((one) => getComputedStyle(one).display !== 'inline')
+  .filter((one) => one.scrollHeight > one.clientHeight + 1 || one.scrollWidth > one.clientWidth + 1)
+  .map((one) => one.textContent)"""
+
+
 @pytest.mark.parametrize("size", SIZES)
 def test_nothing_scrolls_sideways_and_all_actions_are_in_reach(look: Look, theatre: Theatre, size: str) -> None:
     theatre.play("paused")
@@ -67,6 +73,11 @@ def test_nothing_scrolls_sideways_and_all_actions_are_in_reach(look: Look, theat
         assert box["y"] + box["height"] <= SIZES[size][1] + 1, f"{hook} is below the glass"
         assert min(box["width"], box["height"]) >= 64
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    theatre.play("running")
+    page.evaluate("HL.preferences.set('theme', 'sunlight')")  # its letters are the largest
+    expect(page.locator(".h-path .leaf")).to_have_text("Laser firing")
+    expect(page.get_by_test_id("mission-change")).to_be_visible()
+    assert page.evaluate(CUT) == []
 
 
 def test_old_values_turn_stale_and_then_the_link_is_lost(look: Look, theatre: Theatre) -> None:

@@ -36,6 +36,9 @@ def test_only_screens_that_a_role_may_open_are_in_the_rail(look: Look, theatre: 
     expect(page.get_by_test_id("nav-admin")).to_have_count(0)
     page.goto("/admin")
     expect(page.get_by_test_id("notice")).to_contain_text("Admins only")
+    page.goto("/nowhere/at-all")
+    expect(page.get_by_test_id("notice")).to_contain_text("There is no such screen")
+    expect(page.get_by_test_id("stop")).to_be_visible()
 
 
 @pytest.mark.parametrize("size", SIZES)
