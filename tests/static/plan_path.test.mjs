@@ -7,6 +7,8 @@ import vm from 'node:vm';
 const context = vm.createContext({ HL: { planner: {} } });
 vm.runInContext(fs.readFileSync(new URL('../../static/js/ui/plan_path.js', import.meta.url), 'utf8'), context);
 const { Path } = context.HL.planner;
+vm.runInContext(fs.readFileSync(new URL('../../static/js/ui/mission_numbers.js', import.meta.url), 'utf8'), context);
+const { stops } = context.HL.plan;
 const leg = (t, xy, more = {}) => ({ kind: 'turn', row: 0, on: false, dose: 1, pivot: false, t, xy, ...more });
 const degrees = (rad) => Math.round((Math.atan2(Math.sin(rad), Math.cos(rad)) * 180) / Math.PI);
 
@@ -22,4 +24,11 @@ test('where it backs up it looks against its way, and its nose does not turn whi
 test('a turn on the spot turns the nose from where it came to where it goes', () => {
   const path = new Path({ legs: [leg([0, 10], [0, 0, 10, 0]), leg([12, 22], [10, 0, 10, 10], { pivot: true })] });
   assert.deepEqual([9, 11, 13].map((t) => degrees(path.at(t).heading)), [0, 45, 90]);
+});
+
+test('turns say how they stop, and nothing of what they never do', () => {
+  assert.equal(stops({ pivots: 0 }), 'none on the spot');
+  assert.equal(stops({ pivots: 3, reversals: 0 }), '3 on the spot');
+  assert.equal(stops({ pivots: 0, reversals: 8 }), '4 backing up');
+  assert.equal(stops({ pivots: 1, reversals: 2 }), '1 on the spot, 1 backing up');
 });

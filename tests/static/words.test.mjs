@@ -6,7 +6,7 @@ import vm from 'node:vm';
 
 const context = vm.createContext({ HL: {}, Date });
 vm.runInContext(fs.readFileSync(new URL('../../static/js/ui/words.js', import.meta.url), 'utf8'), context);
-const { day, stops } = context.HL.words;
+const { day } = context.HL.words;
 const inDays = (days) => { const date = new Date(); date.setDate(date.getDate() + days); date.setHours(7, 5, 0, 0); return date; };
 
 test('an hour of another day says which day', () => {
@@ -15,11 +15,4 @@ test('an hour of another day says which day', () => {
   assert.equal(day(tomorrow), `${['Sun', 'Mon', 'Tue', 'Wed', 'Thu', 'Fri', 'Sat'][tomorrow.getDay()]} 07:05`);
   const later = inDays(9);
   assert.equal(day(later), `${later.getDate()}.${later.getMonth() + 1}. 07:05`);
-});
-
-test('turns say how they stop, and nothing of what they never do', () => {
-  assert.equal(stops({ pivots: 0 }), 'none on the spot');
-  assert.equal(stops({ pivots: 3, reversals: 0 }), '3 on the spot');
-  assert.equal(stops({ pivots: 0, reversals: 8 }), '4 backing up');
-  assert.equal(stops({ pivots: 1, reversals: 2 }), '1 on the spot, 1 backing up');
 });

@@ -21,12 +21,6 @@
   }
 
   // 3 h 26 min
-  // how the turns of a plan stop on their way
-  function stops(s) {
-    const parts = [[s.pivots, "on the spot"], [Math.round((s.reversals ?? 0) / 2), "backing up"]].filter(([count]) => count);
-    return parts.length ? parts.map(([count, how]) => `${count} ${how}`).join(", ") : "none on the spot";
-  }
-
   function left(s) {
     if (s === null || s === undefined) return "–";
     const minutes = Math.max(0, Math.round(s / 60));
@@ -44,5 +38,5 @@
   const wallSeconds = (date) => `${wall(date)}:${pad(date.getSeconds())}`;
   const initials = (name) => name.split(/\s+/).filter(Boolean).map((part) => part[0]).slice(0, 2).join("").toUpperCase() || "?";
 
-  Object.assign(HL, { words: { age, since, clock, left, stops, wall, day, wallSeconds, initials } });
+  Object.assign(HL, { words: { age, since, clock, left, wall, day, wallSeconds, initials } });
 })();
