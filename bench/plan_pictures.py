@@ -37,8 +37,9 @@ NAMES = {
     Pattern.SKIP_ROWS: "Skip rows",
     Pattern.SPIRAL: "Spiral",
 }
-INK, PATH, TURN, IDLE, GROUND, EDGE, HOLE, TWICE, MISSED, GUIDE = (
+INK, PATH, TURN, IDLE, GROUND, EDGE, HOLE, TWICE, MISSED, GUIDE, BACK = (
     "#12181b", "#23414f", "#8a3f00", "#9aa5aa", "#e9eae3", "#737970", "#c9ccc4", "#9db4c0", "#f2c500", "#8fc3e8",
+    "#1672c4",
 )  # fmt: skip
 
 
@@ -63,6 +64,10 @@ def _sheets() -> Iterator[tuple[str, list[tuple[str, Job]]]]:
     wet, weedy = shapely.box(-5, -5, 45, 40), shapely.Point(85, 80).buffer(22)
     dosed = Job(holes, 3.0, machine, doses=DoseMap(((wet, 0.0), (weedy, 2.0)), 1.0, 0.3, 0.1))
     only = replace(dosed, doses=DoseMap(((weedy, 1.0),), 0.0, 0.3, 0.1))
+    planter = RobotProfile(6.4, 2.6, 4.0, turning_radius_m=5.0, can_pivot=False, yaw_rate_radps=0.35)
+    wide = Job(shapely.Polygon([(0, 0), (95, 14), (100, 92), (-8, 84)]), 4.0, planter, angle_rad=np.pi / 2)
+    backing = replace(wide, machine=replace(planter, reverse_mps=0.6))
+    yield "backing", [("Driving on in each turn", wide), ("Backing up in turns (blue)", backing)]
     yield "curved", list(_curved(holes, machine))
     yield "treatment", [("A wet corner off, a weedy patch twice", dosed), ("Only the patch", only)]
 
@@ -106,6 +111,7 @@ def _panel(title: str, job: Job) -> Image.Image:
     for leg in drawn["legs"]:
         points = list(zip(leg["xy"][::2], leg["xy"][1::2], strict=True))
         colour = (PATH if leg["on"] else IDLE) if leg["kind"] in ("row", "headland") else TURN
+        colour = BACK if leg.get("back") else colour
         width = round((1.4 if leg["on"] else 1) * max(1.0, leg["dose"])) * FINER
         pen.line([at(*point) for point in points], fill=colour, width=width, joint="curve")
     _ends(pen, drawn, at)

@@ -131,6 +131,9 @@ class Segment(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     segments the later one says ``pivot``: stop, turn on the spot to its first direction, drive on.
     ``jump``: it begins where the robot stood when the rest was planned, not where the segment before ends;
     nothing drives from one to the other.
+    ``backward``: its rear leads; only in a ``turn``, with the tool off, and only for a robot whose factsheet has
+    ``path_reverse_mps``. Where it changes between two segments the robot stops and drives the other way: its heading
+    goes on, the line turns back.
     ``dose`` is times the tool's usual one where the tool works; left out it is 1 and is no part of the hash.
     """
 
@@ -141,6 +144,7 @@ class Segment(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     row: Count = 0
     pivot: bool = False
     jump: bool | UnsetType = UNSET
+    backward: bool | UnsetType = UNSET
     dose: Annotated[float, Meta(ge=0, le=2)] | UnsetType = UNSET
 
 

@@ -69,8 +69,12 @@ class Limits(Struct, frozen=True, kw_only=True):
     decel_mps2: Annotated[float, Meta(gt=0, le=100, description="braking on STOP")]
     max_yaw_rate_radps: Positive
     turning_radius_m: Positive = 0.0
-    can_reverse: bool = True
+    can_reverse: Annotated[bool, Meta(description="driven by hand")] = True
     can_pivot: bool = False
+    path_reverse_mps: (
+        Annotated[float, Meta(gt=0, le=20, description="speed at which it follows a path backwards; left out: never")]
+        | None
+    ) = None
 
 
 class Tool(Struct, frozen=True, kw_only=True):

@@ -8,9 +8,9 @@ from __future__ import annotations
 import hashlib
 import json
 from enum import StrEnum
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, SerializerFunctionWrapHandler, model_serializer
 
 VERSION: Literal[1] = 1
 MAX_REQUEST = 4 * 2**20
@@ -36,6 +36,17 @@ class Message(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
 
+class Brief(Message):
+    """Leaves out what a later edition added where it says nothing: an older partner refuses what it does not know."""
+
+    LATER: ClassVar[frozenset[str]] = frozenset()
+
+    @model_serializer(mode="wrap")
+    def _brief(self, handler: SerializerFunctionWrapHandler) -> dict[str, object]:
+        whole: dict[str, object] = handler(self)
+        return {name: value for name, value in whole.items() if value or name not in self.LATER}
+
+
 class Told(Message):
     """What a service says about itself and its work: unknown fields are left alone, newer services may say more."""
 
@@ -49,9 +60,10 @@ class Datum(Message):
     lon_deg: Lon
 
 
-class Machine(Message):
+class Machine(Brief):
     """Outline and motion limits of the robot. Its base follows the path; ``margin_m`` stays free around it."""
 
+    LATER = frozenset({"reverse_mps"})
     length_m: Annotated[float, Field(gt=0, le=50)]
     width_m: Annotated[float, Field(gt=0, le=50)]
     base_to_front_m: Metres
@@ -63,6 +75,9 @@ class Machine(Message):
     accel_mps2: Annotated[float, Field(gt=0, le=20)]
     yaw_rate_radps: Annotated[float, Field(gt=0, le=20)]
     margin_m: Metres
+    reverse_mps: Annotated[
+        float, Field(ge=0, le=20, description="speed backwards in turns between rows or laps; 0: no path backwards")
+    ] = 0.0
 
 
 class Ground(Message):
@@ -117,9 +132,13 @@ class PlanRequest(Message):
     wish: Wish
 
 
-class Segment(Message):
-    """One smooth piece of path. ``pivot``: stop before it and turn on the spot to its first direction."""
+class Segment(Brief):
+    """One smooth piece of path. ``pivot``: stop before it and turn on the spot to its first direction.
 
+    ``is_backward``: the rear leads, in a turn with the tool off; where it changes the machine stops, its heading stays.
+    """
+
+    LATER = frozenset({"is_backward"})
     kind: Literal["approach", "row", "turn", "headland", "exit"]
     points: Annotated[list[tuple[float, float]], Field(min_length=2, max_length=MAX_POINTS)]
     speed_mps: Speed
@@ -128,6 +147,7 @@ class Segment(Message):
     pivot: bool = False
     dose: Annotated[float, Field(gt=0, le=2)] = 1.0
     is_continued: Annotated[bool, Field(description="a piece of the row or lap the segment before belongs to")] = False
+    is_backward: bool = False
 
 
 class PlanPath(Message):

@@ -14,6 +14,7 @@ class Motion:
 
     ``planned_decel_mps2`` is gentler than the brakes, so that it stops where it should. With ``is_on_rails`` the body
     is put on the line it follows instead of being steered to it: for what flies, and for load tests.
+    ``path_reverse_mps``: as fast as that it follows a path backwards; ``None``: never.
     """
 
     max_speed_mps: float
@@ -27,6 +28,7 @@ class Motion:
     turning_radius_m: float = 0.0
     can_reverse: bool = True
     is_on_rails: bool = False
+    path_reverse_mps: float | None = None
 
     def limits(self) -> Limits:
         """Return them as the factsheet says them."""
@@ -38,6 +40,7 @@ class Motion:
             turning_radius_m=self.turning_radius_m,
             can_reverse=self.can_reverse,
             can_pivot=self.can_pivot,
+            path_reverse_mps=self.path_reverse_mps,
         )
 
     def stopping_distance_m(self, speed_mps: float) -> float:
@@ -64,6 +67,7 @@ WHEELED = Motion(
     planned_decel_mps2=0.4,
     can_pivot=False,
     turning_radius_m=5.0,
+    path_reverse_mps=0.6,
 )
 FLYING = Motion(
     max_speed_mps=8.0,

@@ -132,7 +132,8 @@ class MissionRun:
     def rejoin(self, pose: Point) -> None:
         """Go on from the nearest point of the path ahead."""
         s = self.tracker.s_m
-        self.tracker.s_m = max(self.route.locate(pose[0], pose[1], s, s + REJOIN_AHEAD_M), s)
+        until = min(s + REJOIN_AHEAD_M, self.route.next_cusp(s))  # beyond it the line comes back over the same ground
+        self.tracker.s_m = max(self.route.locate(pose[0], pose[1], s, until), s)
 
     def advance(
         self,

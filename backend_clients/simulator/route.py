@@ -45,6 +45,7 @@ class Leg:
     own_start_m: float  # where its first point lies; before it is the way over from the segment before
     is_jump: bool = False  # nobody drives that way over
     dose: float = 1.0
+    is_backward: bool = False
 
     @property
     def drive_from_m(self) -> float:
@@ -75,6 +76,7 @@ class Route:
 
     def __init__(self, segments: Sequence[Segment], motion: Motion = TRACKED) -> None:
         self.motion = motion
+        _check_backward(segments, motion)
         points, bounds = _join(segments)
         if len(points) < 2:
             raise RouteError("the path has no length")
@@ -91,7 +93,10 @@ class Route:
         declared = [entry for seg, (entry, _, _) in zip(segments, bounds, strict=True) if seg.pivot and entry > 0]
         for seg, (entry, own, _) in zip(segments, bounds, strict=True):
             declared += [i for i in (entry, own) if seg.jump is True and i > 0]
-        pivots, slow_s, slow_v = _corners(steps, s, declared, motion)
+        back = np.repeat([seg.backward is True for seg in segments], [b - a for a, _, b in bounds])
+        cusps = (np.flatnonzero(np.diff(back)) + 1).tolist()
+        self._cusps = array("d", s[cusps])
+        pivots, slow_s, slow_v = _corners(steps, s, back, [*declared, *cusps], motion)
         self.pivots = array("d", pivots)
         self._slow_s, self._slow_v = array("d", slow_s), array("d", slow_v)
         self._times = self._leg_times()
@@ -115,18 +120,28 @@ class Route:
         return self._x[i] + t * (self._x[i + 1] - self._x[i]), self._y[i] + t * (self._y[i + 1] - self._y[i])
 
     def heading_after(self, s_m: float) -> float:
-        """Return the direction of the line just after ``s_m``."""
+        """Return how the machine looks just after ``s_m``: along the line, or against it."""
         x0, y0 = self.point_at(s_m)
         x1, y1 = self.point_at(min(s_m + SMOOTH_M / 2, self.next_pivot(s_m + 1e-6)))
-        return math.atan2(y1 - y0, x1 - x0)
+        return wrap_rad(math.atan2(y1 - y0, x1 - x0) + math.pi * self.leg_at(s_m).is_backward)
+
+    def is_cusp(self, s_m: float) -> bool:
+        """Say whether the machine stops there to drive the other way."""
+        i = bisect_left(self._cusps, s_m - 1e-6)
+        return i < len(self._cusps) and self._cusps[i] <= s_m + 1e-6
+
+    def next_cusp(self, s_m: float) -> float:
+        """Return where it next drives the other way, or the end of the line."""
+        i = bisect_right(self._cusps, s_m)
+        return self._cusps[i] if i < len(self._cusps) else self.length_m
 
     def next_pivot(self, s_m: float) -> float:
-        """Return where the next turn on the spot is, or the end of the line."""
+        """Return where it next turns on the spot or drives the other way, or the end of the line."""
         i = bisect_left(self.pivots, s_m)
         return self.pivots[i] if i < len(self.pivots) else self.length_m
 
     def previous_pivot(self, s_m: float) -> float:
-        """Return the newest turn on the spot at or before ``s_m``, or the start of the line."""
+        """Return the newest such place at or before ``s_m``, or the start of the line."""
         i = bisect_right(self.pivots, s_m)
         return self.pivots[i - 1] if i else 0.0
 
@@ -205,10 +220,29 @@ def straight(points: Sequence[Point], speed_mps: float, motion: Motion = TRACKED
 
 def _leg(index: int, segment: Segment, top_mps: float, bounds_m: tuple[float, float, float]) -> Leg:
     start_m, own_start_m, end_m = bounds_m
-    speed = min(segment.speed_mps, top_mps)
-    is_jump = segment.jump is True
-    dose = segment.dose if isinstance(segment.dose, float) else 1.0
-    return Leg(index, segment.kind, segment.row, segment.tool_on, speed, start_m, end_m, own_start_m, is_jump, dose)
+    return Leg(
+        index,
+        segment.kind,
+        segment.row,
+        segment.tool_on,
+        min(segment.speed_mps, top_mps),
+        start_m,
+        end_m,
+        own_start_m,
+        is_jump=segment.jump is True,
+        dose=segment.dose if isinstance(segment.dose, float) else 1.0,
+        is_backward=segment.backward is True,
+    )
+
+
+def _check_backward(segments: Sequence[Segment], motion: Motion) -> None:
+    for number, segment in enumerate(segments, 1):
+        if segment.backward is not True:
+            continue
+        if motion.path_reverse_mps is None:
+            raise RouteError("this machine follows no path backwards")
+        if segment.tool_on or segment.kind != "turn" or segment.speed_mps > motion.path_reverse_mps + 1e-6:
+            raise RouteError(f"segment {number} is driven backwards, with the tool on, too fast, or where no turn is")
 
 
 def _join(segments: Sequence[Segment]) -> tuple[list[Point], list[tuple[int, int, int]]]:
@@ -229,10 +263,17 @@ def _join(segments: Sequence[Segment]) -> tuple[list[Point], list[tuple[int, int
 
 
 def _corners(
-    steps: NDArray[np.float64], s: NDArray[np.float64], declared: Sequence[int], motion: Motion
+    steps: NDArray[np.float64],
+    s: NDArray[np.float64],
+    back: NDArray[np.bool_],
+    declared: Sequence[int],
+    motion: Motion,
 ) -> tuple[list[float], list[float], list[float]]:
-    """Return pivots (found and ``declared`` by point index), and places with their speed limit where the line bends."""
-    headings = np.arctan2(steps[:, 1], steps[:, 0])
+    """Return pivots (found and ``declared`` by point index), and places with their speed limit where the line bends.
+
+    ``back``: which steps are driven backwards.
+    """
+    headings = np.arctan2(steps[:, 1], steps[:, 0]) + np.pi * back
     turns = (np.diff(headings) + np.pi) % (2 * np.pi) - np.pi
     bends = np.abs(turns)
     at = s[1:-1]

@@ -16,6 +16,7 @@ PIVOT_DONE_RAD = math.radians(2.0)
 PIVOT_START_RAD = math.radians(30)
 YAW_DECEL_RADPS2 = 1.5
 RAIL_PIVOT_MPS = 0.5  # what runs on rails does not turn on the spot, but slows for it
+CUSP_STAND_S = 1.5  # it has come to rest, and its drive is engaged the other way
 RAIL_TURN_SHARE = 0.3  # of the way to the new heading in one step
 
 
@@ -42,11 +43,14 @@ class Tracker:
         self.left_m = 0.0
         self.is_done = False
         self._must_align = True
+        self._stand_s = 0.0
 
     @property
     def left_of_line_m(self) -> float | None:
-        """Cross-track error, left positive; ``None`` while it turns on the spot."""
-        return None if self._must_align else self.left_m
+        """Cross-track error, left of the machine positive; ``None`` while it turns on the spot."""
+        if self._must_align:
+            return None
+        return -self.left_m if self.route.leg_at(self.s_m).is_backward else self.left_m
 
     @property
     def is_turning(self) -> bool:
@@ -55,7 +59,7 @@ class Tracker:
 
     def go_on_as(self, other: Tracker) -> None:
         """Take over how the machine lies on the line from a tracker of the same stretch."""
-        self.left_m, self._must_align = other.left_m, other._must_align
+        self.left_m, self._must_align, self._stand_s = other.left_m, other._must_align, other._stand_s
 
     def align(self) -> None:
         """Turn to the line before driving on, e.g. after a pause."""
@@ -63,11 +67,16 @@ class Tracker:
 
     def steer(self, x_m: float, y_m: float, theta_rad: float, dt_s: float) -> Setpoint:
         """Return the speeds for the pose as measured."""
+        if self._stand_s > 0:
+            self._stand_s -= dt_s
+            return Setpoint(0.0, 0.0)
         if self._must_align:
             error = wrap_rad(self.route.heading_after(self.s_m) - theta_rad)
             if abs(error) > PIVOT_DONE_RAD:
                 return Setpoint(0.0, self._pivot_rate(error), is_pivoting=True)
             self._must_align = False
+        # backwards it is steered as if its rear were its nose; only the speed has the other sign
+        is_backward = self.route.leg_at(self.s_m).is_backward
         line = self.route.reference(x_m, y_m, self.s_m)
         self.s_m, self.left_m = max(self.s_m, line.s_m), line.left_m
         corner = self.route.next_pivot(self.s_m + 1e-6)
@@ -75,7 +84,7 @@ class Tracker:
         if ahead <= ARRIVED_M:
             self._arrive(corner)
             return Setpoint(0.0, 0.0)
-        error = wrap_rad(theta_rad - line.heading_rad)
+        error = wrap_rad(theta_rad + math.pi * is_backward - line.heading_rad)
         if abs(error) > PIVOT_START_RAD:
             return Setpoint(0.0, self._pivot_rate(-error), is_pivoting=True)
         v = min(self._speed(ahead), max(ahead / dt_s * 0.5, CREEP_MPS))
@@ -84,7 +93,7 @@ class Tracker:
         pull = STIFFNESS_1PM**2 * min(max(line.left_m, -0.5), 0.5) * _sinc(error)
         turn = v * (bend * math.cos(error) - pull) - 2 * DAMPING * STIFFNESS_1PM * v * error
         most = self.route.motion.yaw_rate_radps
-        return Setpoint(v, min(max(turn, -most), most))
+        return Setpoint(-v if is_backward else v, min(max(turn, -most), most))
 
     def carry(self, base: Base, moved_m: float) -> None:
         """Take note of how far the machine moved; one that is steered follows the line by itself."""
@@ -103,7 +112,8 @@ class Tracker:
             self.is_done = True
         else:
             self.s_m = corner_m + 1e-5  # past the corner, so that the next stretch is looked at
-            self._must_align = True
+            is_cusp = self.route.is_cusp(corner_m)  # there its heading goes on
+            self._must_align, self._stand_s = not is_cusp, CUSP_STAND_S if is_cusp else 0.0
 
 
 class RailTracker(Tracker):
@@ -123,7 +133,8 @@ class RailTracker(Tracker):
         v = min(self._speed(ahead), max(ahead / dt_s * 0.5, CREEP_MPS))
         corner = self.route.next_pivot(self.s_m + 1e-6) - self.s_m
         slow = math.sqrt(RAIL_PIVOT_MPS**2 + 2 * self.route.motion.planned_decel_mps2 * corner)
-        return Setpoint(min(v, slow), 0.0)
+        v = min(v, slow)
+        return Setpoint(-v if self.route.leg_at(self.s_m).is_backward else v, 0.0)
 
     def carry(self, base: Base, moved_m: float) -> None:
         """Put the machine ``moved_m`` further along the line."""

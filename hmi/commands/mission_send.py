@@ -12,8 +12,9 @@ from typing import Any, Protocol
 from hmi.commands.audit_line import audit_line
 from hmi.commands.gate import Gate
 from hmi.commands.ports import AuditSink, LaneEvent, MissionSource, MissionStore, StoredMission
-from hmi.commands.refusal import BUSY, HAS_PROGRESS, HASH_MISMATCH, NO_CLOUD, UNKNOWN_MISSION, OrderRefused
+from hmi.commands.refusal import BUSY, HAS_PROGRESS, HASH_MISMATCH, NO_CLOUD, NO_REVERSE, UNKNOWN_MISSION, OrderRefused
 from hmi.domain.command import Acknowledgement, OrderFailed, OrderSender, Outcome
+from hmi.domain.mission_document import drives_backward
 from hmi.domain.robot import Robot
 from hmi.domain.role import Permission
 from hmi.security.session_info import SessionInfo
@@ -119,6 +120,7 @@ class MissionSender:
             stored = await source.stored(actor.farm_id, mission_id, robot.id)
             if stored is None:
                 return MissionSent(Outcome.REJECTED, UNKNOWN_MISSION, "There is no such mission.")
+            _check_fits(robot, stored)
             document = {**stored.document, **({} if proof is None else {"proof": proof()})}
             answer = await self._by(way).upload_mission(robot.id, document)
         except OrderRefused as refused:
@@ -176,6 +178,14 @@ class _Careful:
             )
             raise OrderRefused(HAS_PROGRESS, text)
         return await self._source.stored(farm_id, mission_id, robot_id)
+
+
+def _check_fits(robot: Robot, stored: StoredMission) -> None:
+    """Refuse what the robot would refuse, in words that say the way out."""
+    sheet = robot.factsheet
+    if sheet is not None and sheet.path_reverse_mps is None and drives_backward(stored.document):
+        text = f"{robot.name} follows no path backwards, and this one does in its turns. Plan the mission for it."
+        raise OrderRefused(NO_REVERSE, text)
 
 
 def _sent_text(robot: Robot, stored: StoredMission) -> str:

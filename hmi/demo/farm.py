@@ -29,7 +29,8 @@ class DemoFeature:
 @cache
 def features() -> tuple[DemoFeature, ...]:
     """Return every feature of the demo farm; parcels last, so that a list of fields begins with the large one."""
-    return (*_placed("surroundings.geojson"), *_placed("polder-farm.geojson"), _parcel(), *_sections())
+    polder = (one for name in ("surroundings", "polder-farm", "kromme-akker") for one in _placed(f"{name}.geojson"))
+    return (*polder, _parcel(), *_sections())
 
 
 def feature(feature_id: str) -> DemoFeature:

@@ -74,7 +74,8 @@ def _continues(given: Mapping[str, Any]) -> Document:
 
 
 def _segment(segment: Mapping[str, Any]) -> Document:
-    jump = {"jump": True} if segment.get("jump") else {}
+    # left out where they say nothing: a document of a robot that knows neither has the hash it always had
+    marks = {name: True for name in ("jump", "backward") if segment.get(name)}
     whole: Document = {
         "kind": segment["kind"],
         "points": _points(segment["points"]),
@@ -82,7 +83,7 @@ def _segment(segment: Mapping[str, Any]) -> Document:
         "tool_on": bool(segment.get("tool_on", False)),
         "row": int(segment.get("row", 0)),
         "pivot": bool(segment.get("pivot", False)),
-        **jump,
+        **marks,
     }
     # the contract leaves out a dose that nobody gave
     return {**whole, "dose": float(segment["dose"])} if "dose" in segment else whole
@@ -90,3 +91,8 @@ def _segment(segment: Mapping[str, Any]) -> Document:
 
 def _points(points: Sequence[Sequence[float]]) -> list[list[float]]:
     return [[float(x), float(y)] for x, y in points]
+
+
+def drives_backward(document: Mapping[str, Any]) -> bool:
+    """Say whether a part of the path is driven backwards."""
+    return any(segment.get("backward") for segment in document.get("segments", ()))

@@ -235,6 +235,8 @@ class Factsheet:
     cameras: tuple[CameraInfo, ...] = ()
     battery_wh: float | None = None
     charge_w: float | None = None
+    path_reverse_mps: float | None = None
+    """Speed at which it follows a path backwards in a turn; ``None``: never."""
 
 
 @dataclass(frozen=True, slots=True)

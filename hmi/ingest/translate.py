@@ -108,6 +108,7 @@ def factsheet(m: up.Factsheet) -> domain.Factsheet:
         turning_radius_m=m.limits.turning_radius_m,
         can_reverse=m.limits.can_reverse,
         can_pivot=m.limits.can_pivot,
+        path_reverse_mps=m.limits.path_reverse_mps,
         tool_kind=m.tool.kind if m.tool else "",
         tool_label=m.tool.label if m.tool else "",
         tool_width_m=m.tool.width_m if m.tool else 0.0,

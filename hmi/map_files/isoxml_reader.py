@@ -25,7 +25,8 @@ EXTERNAL_ROOT = "XFC"
 # attribute A of PLN, LSG and PNT
 KIND_OF_POLYGON = {"1": "parcel", "2": "parcel", "3": "water", "4": "building", "5": "road", "6": "obstacle",
                    "9": "parcel", "10": "parcel", "11": "no-go", "12": "hedge"}  # fmt: skip
-KIND_OF_LINE = {"3": "road", "4": "road", "6": "water", "7": "hedge", "8": "road", "9": "tree"}
+# tramline, drain, fence and obstacle; a sampling route (4) and a line of remarks (8) are no things on the ground
+KIND_OF_LINE = {"3": "road", "6": "water", "7": "hedge", "9": "tree"}
 KIND_OF_POINT = {"1": "obstacle", "2": "tree", "3": "gate", "4": "home", "5": "obstacle", "11": "home"}
 EXTERIOR, INTERIOR = "1", "2"  # attribute A of an LSG in a PLN
 GUIDANCE = "5"  # attribute A of an LSG in a GPN

@@ -29,8 +29,11 @@ _POLYGON = {"water": "3", "building": "4", "road": "5", "obstacle": "6", "farm":
             "treatment": "8", "hedge": "12", "tree": "12"}  # fmt: skip
 _LINE = {"road": "3", "water": "6", "hedge": "7", "tree": "9"}
 _POINT = {"gate": "3", "tree": "2", "home": "11"}
-_GUIDANCE = {"a-b": "1", "curve": "3", "recorded": "3"}
+_AB, _CURVE = "1", "3"  # attribute C of a GPN; an A-B line has these two points and no more
+_GUIDANCE = {"curve": _CURVE, "recorded": _CURVE}
 _A, _B, _BETWEEN = "6", "7", "9"  # attribute A of the PNT of a guidance line
+_BOTH_SIDES, _NO_SIDE = "1", "4"  # attribute E of a GPN: on which side its parallels lie
+_BOTH_ENDS, _NO_END = "1", "4"  # attribute F of a GPN: at which ends it is driven on straight
 
 
 def write(features: Sequence[MapFeature], farm_id: str, farm_name: str) -> MapFile:
@@ -167,9 +170,13 @@ def _line(partfield: Element, feature: MapFeature, numbers: _Numbers) -> None:
 def _guidance(partfield: Element, rows: MapFeature, numbers: _Numbers) -> None:
     name = designator(rows.title)
     group = SubElement(partfield, "GGP", A=numbers.of("GGP", rows, name), B=name)
-    for line in paths(rows.geometry):
-        kind = _GUIDANCE.get(str(rows.properties.get("type", "")), "1" if len(line) == 2 else "3")
-        pattern = SubElement(group, "GPN", A=numbers.next("GPN"), C=kind)
+    lines = paths(rows.geometry)
+    is_recorded = rows.properties.get("type") == "recorded"  # each row stands for itself
+    reach = {"E": _NO_SIDE, "F": _NO_END} if is_recorded else {"E": _BOTH_SIDES, "F": _BOTH_ENDS}
+    for line in lines:
+        kind = _CURVE if len(line) > 2 else _GUIDANCE.get(str(rows.properties.get("type", "")), _AB)
+        told = {"A": numbers.next("GPN"), "B": name if len(lines) == 1 else "", "C": kind, **reach}
+        pattern = SubElement(group, "GPN", {key: value for key, value in told.items() if value})
         told = {"A": GUIDANCE, "C": _millimetres(rows, "swath_m")}
         drawn = SubElement(pattern, "LSG", {key: value for key, value in told.items() if value})
         for i, position in enumerate(line):

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
@@ -27,9 +26,9 @@ from hmi.planning.plan import GENTLE_RAD, Figures, Leg, LegKind, Plan, headings,
 from hmi.planning.projection import Floats
 from hmi.planning.swaths import Swath, strips
 from hmi.planning.tour import by_part
+from hmi.planning.turns import Turns, way_speed
 
 _GAP_M = 0.04
-_LONG_WAY_M = 10.0  # ways longer than this are driven at transit speed
 _MORE_PASSES = "Choose more headland passes."
 _DEEPER_RADII = (0.0, 1.0, 2.0)  # a border that slants more than usual needs a deeper headland to turn in
 
@@ -97,6 +96,7 @@ class _Course:
         self.field, self.inner = field, inner
         self.wanted = job.doses.wanted(field)
         self.linker = Linker(ground)
+        self.turns = Turns(self.linker)
         self.cells = cells
         self.legs: list[Leg] = []
         self.notes: list[str] = list(notes)
@@ -212,30 +212,21 @@ class _Course:
     def _go(self, goal: Pose, speed_mps: float) -> bool:
         if not self.legs:
             return True
-        pieces = self.linker.link(self._pose(), goal)
-        if pieces is None:
+        legs = self.turns.between(self._pose(), goal, speed_mps)
+        if legs is None:
             return False
-        self.legs += [Leg(LegKind.TURN, piece, self._way_speed(piece, speed_mps)) for piece in pieces]
+        self.legs += legs
         return True
-
-    def _way_speed(self, points: Floats, slow_mps: float) -> float:
-        """Long ways go at transit speed, as far as their bends allow."""
-        machine = self.job.machine
-        length = float(np.hypot(*np.diff(points, axis=0).T).sum())
-        if length < _LONG_WAY_M:
-            return slow_mps
-        bend_mps = machine.transit_speed_mps if len(points) == 2 else machine.yaw_rate_radps * machine.turning_radius_m
-        return max(slow_mps, min(machine.transit_speed_mps, bend_mps))
 
     def _home(self) -> None:
         """Put the way from home before the path, and the way back after it if it is wanted."""
         assert self.job.home is not None
-        ground = self.ground
+        ground, machine = self.ground, self.job.machine
         if self.job.roads is not None:
             together = shapely.union_all([ground.allowed, self.job.roads])
             # neighbouring features drawn by hand leave hairline gaps; closing them costs less than the margin
             closed = together.buffer(_GAP_M, join_style="mitre").buffer(-_GAP_M, join_style="mitre")
-            ground = Ground(closed, self.job.machine, ground.crop)
+            ground = Ground(closed, machine, ground.crop)
         linker = Linker(ground)
         first = self.legs[0]
         start: Pose = (float(first.points[0][0]), float(first.points[0][1]), first.first_heading_rad)
@@ -243,7 +234,7 @@ class _Course:
         if away is None:
             self.notes.append("No known way leads from home to this field. Drive the robot to the start.")
             return
-        self.legs = [Leg(LegKind.APPROACH, p, self._way_speed(p, 0.6)) for p in away] + self.legs
+        self.legs = [Leg(LegKind.APPROACH, p, way_speed(p, machine, machine.way_mps)) for p in away] + self.legs
         if not self.job.returns_home:
             return
         here = self._pose()
@@ -251,7 +242,7 @@ class _Course:
         if back is None:
             self.notes.append("No known way leads back home. The robot stays at the end.")
             return
-        self.legs += [Leg(LegKind.EXIT, p, self._way_speed(p, 0.6)) for p in back]
+        self.legs += [Leg(LegKind.EXIT, p, way_speed(p, machine, machine.way_mps)) for p in back]
 
     def _figures(self, legs: list[Leg], angle: float) -> Figures:
         passes = len(self.division.offsets_m)

@@ -30,7 +30,8 @@ Ring = list[list[float]]
 def drawing(job: Job, plan: Plan, frame: LocalFrame) -> dict[str, Any]:
     """Return the drawing: ``legs`` in driving order, ``ground`` with its share of the field, ``places`` around.
 
-    A leg is ``kind``, ``row``, ``on``, ``dose``, ``pivot``, ``t`` (from, to) and its points ``xy``, flat.
+    A leg is ``kind``, ``row``, ``on``, ``dose``, ``pivot``, ``t`` (from, to) and its points ``xy``, flat;
+    ``back`` where it is driven backwards.
     ``frame`` says where on earth the metres are, see ``_frame``.
     """
     field = shapely.difference(job.parcel, shapely.union_all(job.obstacles)) if job.obstacles else job.parcel
@@ -79,6 +80,7 @@ def _legs(job: Job, plan: Plan) -> list[dict[str, Any]]:
             "pivot": leg.pivot,
             "t": [round(begin, 1), round(end, 1)],
             "xy": np.round(leg.points, 2).ravel().tolist(),
+            **({"back": True} if leg.is_backward else {}),
         }
         for leg, (begin, end) in zip(plan.legs, times, strict=True)
     ]

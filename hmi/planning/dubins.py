@@ -55,7 +55,7 @@ class DubinsPath:
                 continue
             span = part * self.radius_m / step_m
             count = max(1, math.ceil(max(span, part / step_rad) if kind != "S" else span))
-            pieces.append(_along(kind, x, y, heading, part * np.arange(1, count + 1) / count))
+            pieces.append(along(kind, x, y, heading, part * np.arange(1, count + 1) / count))
             x, y, heading = _advance(kind, x, y, heading, part)
         poses = np.concatenate(pieces)
         poses[:, :2] = poses[:, :2] * self.radius_m + np.array(self.start[:2])
@@ -129,8 +129,8 @@ def _advance(kind: str, x: float, y: float, heading: float, part: float) -> Pose
     return x - math.sin(turned) + math.sin(heading), y + math.cos(turned) - math.cos(heading), turned
 
 
-def _along(kind: str, x: float, y: float, heading: float, parts: Floats) -> Floats:
-    """Return the (N, 3) poses of ``_advance`` for N lengths of one piece."""
+def along(kind: str, x: float, y: float, heading: float, parts: Floats) -> Floats:
+    """Return the (N, 3) poses at N lengths of a unit-radius piece; negative ones lie behind its start."""
     if kind == "S":
         return np.column_stack([x + parts * math.cos(heading), y + parts * math.sin(heading), parts * 0 + heading])
     sign = 1.0 if kind == "L" else -1.0
@@ -138,3 +138,12 @@ def _along(kind: str, x: float, y: float, heading: float, parts: Floats) -> Floa
     east = x + sign * (np.sin(turned) - math.sin(heading))
     north = y - sign * (np.cos(turned) - math.cos(heading))
     return np.column_stack([east, north, turned])
+
+
+def distinct(points: Floats) -> Floats:
+    """Drop points on top of the one before; the last one is kept exactly."""
+    keep = np.append(True, np.hypot(*np.diff(points, axis=0).T) > 1e-4)
+    kept: Floats = points[keep]
+    if len(kept) > 1:
+        kept[-1] = points[-1]
+    return kept

@@ -8,7 +8,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from hmi.planning.machine import RobotProfile
-from hmi.planning.plan import Leg, LegKind, turn_between
+from hmi.planning.plan import Leg, LegKind, is_cusp, turn_between
+
+CUSP_S = 2.0
+"""Seconds a machine stands to drive the other way: it comes to rest, and its drive is engaged anew."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,14 +25,16 @@ class Effort:
     turns: int
     pivots: int
     energy_j: float
+    reversals: int = 0
 
 
 def effort(legs: Sequence[Leg], machine: RobotProfile) -> Effort:
-    """Add up a path: speeds change no faster than the machine accelerates, and it stands still to pivot."""
+    """Add up a path: speeds change no faster than the machine accelerates; it stops to pivot and to turn back."""
     lengths = [leg.length_m for leg in legs]
     times = [*_times(legs, lengths, machine)]
     pivoting = [abs(turn_between(a, b)) for a, b in pairwise(legs) if b.pivot]
-    duration = sum(times) + sum(pivot_time(angle, machine) for angle in pivoting)
+    reversals = sum(is_cusp(a, b) for a, b in pairwise(legs))
+    duration = sum(times) + sum(pivot_time(angle, machine) for angle in pivoting) + reversals * CUSP_S
     working = sum(t for t, leg in zip(times, legs, strict=True) if leg.tool_on)
     # a lower dose takes less power; a higher one takes more time, and so the legs are slower
     dosed = sum(t * min(leg.dose, 1.0) for t, leg in zip(times, legs, strict=True) if leg.tool_on)
@@ -42,17 +47,20 @@ def effort(legs: Sequence[Leg], machine: RobotProfile) -> Effort:
         turns=_turns(legs),
         pivots=len(pivoting),
         energy_j=length * energy.drive_j_per_m + duration * energy.idle_w + dosed * energy.tool_w,
+        reversals=reversals,
     )
 
 
 def timeline(legs: Sequence[Leg], machine: RobotProfile) -> list[tuple[float, float]]:
-    """Return when each leg begins and ends, seconds from the start; a turn on the spot lies before its leg."""
+    """Return when each leg begins and ends, seconds from the start; a turn on the spot or stop lies before its leg."""
     times = _times(legs, [leg.length_m for leg in legs], machine)
     found: list[tuple[float, float]] = []
     now = 0.0
     for number, (leg, time) in enumerate(zip(legs, times, strict=True)):
         if leg.pivot and number > 0:
             now += pivot_time(turn_between(legs[number - 1], leg), machine)
+        if number > 0 and is_cusp(legs[number - 1], leg):
+            now += CUSP_S
         found.append((now, now + time))
         now += time
     return found
@@ -76,7 +84,8 @@ def _times(legs: Sequence[Leg], lengths: Sequence[float], machine: RobotProfile)
     n = len(legs)
     joints = [0.0] * (n + 1)
     for k in range(1, n):
-        joints[k] = 0.0 if legs[k].pivot else min(legs[k - 1].speed_mps, legs[k].speed_mps)
+        is_stop = legs[k].pivot or is_cusp(legs[k - 1], legs[k])
+        joints[k] = 0.0 if is_stop else min(legs[k - 1].speed_mps, legs[k].speed_mps)
     for k in range(n):
         joints[k + 1] = min(joints[k + 1], math.sqrt(joints[k] ** 2 + 2 * accel * lengths[k]))
     for k in range(n - 1, -1, -1):

@@ -60,6 +60,7 @@ def figures_of(
         headland_passes=passes,
         wanted_m2=float(wanted.area),
         missed_m2=max(0.0, float(wanted.area - treated.area)),
+        reversals=work.reversals,
     )
 
 

@@ -28,7 +28,8 @@ def checked_mission(wish: PlanWish, segments: Sequence[Mapping[str, Any]], notes
     """Return a mission that drives this path.
 
     Args:
-        segments: kind, points, speed_mps, tool_on, row, pivot, dose, is_continued; metres in the wish's plane.
+        segments: kind, points, speed_mps, tool_on, row, pivot, dose, is_continued, is_backward; metres in the
+            wish's plane.
         notes: sentences of whoever planned it.
 
     Raises:
@@ -92,6 +93,7 @@ def _leg(one: Mapping[str, Any]) -> Leg:
         pivot=bool(one["pivot"]),
         dose=float(one["dose"]),
         is_continued=bool(one["is_continued"]),
+        is_backward=bool(one.get("is_backward")),
     )
 
 
@@ -117,6 +119,7 @@ def segments_of(legs: Sequence[Leg]) -> list[dict[str, Any]]:
             "pivot": leg.pivot,
             "dose": leg.dose,
             "is_continued": leg.is_continued,
+            "is_backward": leg.is_backward,
         }
         for leg in legs
     ]

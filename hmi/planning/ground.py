@@ -63,7 +63,7 @@ class Ground:
         """Say quickly whether there may be a heading at which the machine fits there."""
         return bool(shapely.covers(self._drivable, Point(xy)))
 
-    def fits(self, points: Floats, *, is_crop_free: bool = False) -> bool:
+    def fits(self, points: Floats, *, is_crop_free: bool = False, is_backward: bool = False) -> bool:
         """Say whether the outline stays on the ground along a polyline, and the polyline off the standing rows."""
         if len(points) < 2:
             return True
@@ -74,7 +74,7 @@ class Ground:
             return False
         if shapely.covers(self._free, line):
             return True
-        outlines = self.machine.outline_polygons(poses_along(points, CHECK_STEP_M))
+        outlines = self.machine.outline_polygons(poses_along(points, CHECK_STEP_M, is_backward=is_backward))
         return bool(shapely.covers(self._kept, outlines).all())
 
     def outside_m(self, points: Floats, step_m: float = CHECK_STEP_M) -> float:

@@ -78,9 +78,11 @@ def _turn_depth(machine: RobotProfile, width_m: float, *, is_wide: bool) -> floa
     """Return how far beyond the row ends a turn into the next row reaches, the border slanting by some 25 degrees.
 
     A half circle where the rows are two radii apart; nearer than that, a bulb, which a machine that can turn on
-    the spot does without.
+    the spot does without, and one that may back up in a turn too.
     """
-    if width_m >= 2 * machine.turning_radius_m or (is_wide and machine.can_pivot):
+    is_half_circle = width_m >= 2 * machine.turning_radius_m or (is_wide and machine.can_pivot)
+    backs_up = machine.reverse_mps > 0 and not machine.can_pivot
+    if is_half_circle or backs_up:
         return machine.turning_radius_m + 0.5 * width_m
     return 0.0 if machine.can_pivot else 3.2 * machine.turning_radius_m
 

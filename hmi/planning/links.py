@@ -14,7 +14,7 @@ from itertools import pairwise
 import numpy as np
 
 from hmi.planning import dubins
-from hmi.planning.dubins import DubinsPath, Pose
+from hmi.planning.dubins import DubinsPath, Pose, distinct
 from hmi.planning.ground import Ground
 from hmi.planning.plan import GENTLE_RAD, headings
 from hmi.planning.projection import Floats
@@ -59,7 +59,7 @@ class Linker:
     def curve(self, start: Pose, end: Pose, *, is_crop_free: bool = True) -> Floats | None:
         """Return the shortest Dubins turn between two poses that stays on the ground, ``None`` if there is none."""
         for path in self._hopeful(start, end):
-            points = _distinct(path.sample(2.0)[:, :2])
+            points = distinct(path.sample(2.0)[:, :2])
             if len(points) < 2:
                 continue
             if self.ground.fits(points, is_crop_free=is_crop_free):
@@ -78,7 +78,7 @@ class Linker:
         from_pose = (start[0] + out * ux, start[1] + out * uy, start[2])
         to_pose = (end[0] - back * math.cos(end[2]), end[1] - back * math.sin(end[2]), end[2])
         for path in self._hopeful(from_pose, to_pose):
-            points = _distinct(np.vstack([start[:2], path.sample(2.0)[:, :2], end[:2]]))
+            points = distinct(np.vstack([start[:2], path.sample(2.0)[:, :2], end[:2]]))
             if self.ground.fits(points, is_crop_free=True):
                 return points
         return None
@@ -101,7 +101,7 @@ class Linker:
             if piece is None or _length(piece) > math.hypot(b[0] - a[0], b[1] - a[1]) * 1.5 + self._radius:
                 return None
             pieces.append(piece)
-        return _distinct(np.vstack(pieces))
+        return distinct(np.vstack(pieces))
 
     def _cornered(self, way: Floats) -> list[Floats]:
         """Follow a way, rounding the corners that can be rounded and turning on the spot in the others."""
@@ -118,9 +118,9 @@ class Linker:
             elif _turn(directions[k - 1], directions[k]) <= GENTLE_RAD:
                 current.append(way[k])
             else:
-                done.append(_distinct(np.array([*current, way[k]])))
+                done.append(distinct(np.array([*current, way[k]])))
                 current = [way[k]]
-        done.append(_distinct(np.array([*current, way[-1]])))
+        done.append(distinct(np.array([*current, way[-1]])))
         return [piece for piece in done if len(piece) > 1]
 
     def _off_and_on(self, start: Pose, end: Pose) -> list[Floats] | None:
@@ -165,19 +165,10 @@ def _fused(parts: list[Floats]) -> list[Floats]:
     fused = [parts[0]]
     for part in parts[1:]:
         if _turn(float(headings(fused[-1])[-1]), float(headings(part)[0])) <= GENTLE_RAD:
-            fused[-1] = _distinct(np.vstack([fused[-1], part]))
+            fused[-1] = distinct(np.vstack([fused[-1], part]))
         else:
             fused.append(part)
     return fused
-
-
-def _distinct(points: Floats) -> Floats:
-    """Drop points on top of the one before; the last one is kept exactly."""
-    keep = np.append(True, np.hypot(*np.diff(points, axis=0).T) > 1e-4)
-    kept: Floats = points[keep]
-    if len(kept) > 1:
-        kept[-1] = points[-1]
-    return kept
 
 
 def _length(points: Floats) -> float:

@@ -18,6 +18,7 @@ PLANT_S = 71.0
 """Seconds a planter stands for one tree: of the published 375 s for five trees and two moves, without the driving."""
 SEEDLINGS_PER_M2 = 0.25
 """2,500 a hectare, the usual density of planted forest."""
+_WAY_MPS = 0.6
 _LEAD_OUT_M = {"laser": 0.1, "planter": 0.0}
 PIVOTING_RADIUS_M = 1.0  # arcs planned for a machine that could also turn on the spot
 
@@ -29,7 +30,8 @@ class RobotProfile:
     ``margin_m`` is kept between outline and border: RTK noise, tracking error and the sampling of curves.
     The tool is switched on
     ``lead_in_m`` before ground to be treated and off ``lead_out_m`` after it. ``stand_s_per_m`` is how long it stands
-    for a metre of worked path: a planter plants where it stands.
+    for a metre of worked path: a planter plants where it stands. ``reverse_mps`` is its speed backwards in turns, 0 if
+    it follows no path backwards.
     """
 
     length_m: float = 2.6
@@ -48,6 +50,7 @@ class RobotProfile:
     lead_in_m: float = 0.5
     lead_out_m: float = 0.2
     stand_s_per_m: float = 0.0
+    reverse_mps: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuse a machine that cannot be."""
@@ -57,6 +60,8 @@ class RobotProfile:
                 raise PlanRefused("bad_machine", f"The machine's {name} is {value}; it must be positive.", name)
         if not (math.isfinite(self.turning_radius_m) and 0 <= self.turning_radius_m <= 100):
             raise PlanRefused("bad_machine", "The machine's turning radius must be 0 to 100 m.", "turning_radius_m")
+        if not (math.isfinite(self.reverse_mps) and self.reverse_mps >= 0):
+            raise PlanRefused("bad_machine", "The machine's speed backwards must be 0 m/s or more.", "reverse_mps")
         if not 0 <= self.base_to_front_m <= self.length_m:
             raise PlanRefused("bad_machine", "The machine's base lies outside its outline.", "base_to_front_m")
 
@@ -83,12 +88,18 @@ class RobotProfile:
             battery_j=energy.store_j if sheet.battery_wh is None else sheet.battery_wh * 3600,
             lead_in_m=_LEAD_IN_M.get(sheet.tool_kind, base.lead_in_m),
             lead_out_m=_LEAD_OUT_M.get(sheet.tool_kind, base.lead_out_m),
+            reverse_mps=min(sheet.path_reverse_mps or 0.0, top),
         )
 
     def planting(self, width_m: float, spacing_m: float | None) -> RobotProfile:
         """Return the machine with the time it stands to plant, a tree each ``spacing_m`` or at the usual density."""
         per_m = 1 / spacing_m if spacing_m else SEEDLINGS_PER_M2 * width_m
         return replace(self, stand_s_per_m=PLANT_S * per_m)
+
+    @property
+    def way_mps(self) -> float:
+        """Speed of a short or bent way between field and home."""
+        return min(_WAY_MPS, self.transit_speed_mps)
 
     @property
     def reach_m(self) -> float:

@@ -172,6 +172,8 @@ def _segment(leg: Leg) -> Document:
         "row": leg.row,
         "pivot": leg.pivot,
     }
+    if leg.is_backward:
+        segment["backward"] = True
     # left out where it is the usual one: robots that know no doses take such missions too
     return segment if leg.dose == 1.0 else {**segment, "dose": round(leg.dose, 3)}
 

@@ -18,7 +18,7 @@ from hmi.domain.mission_plan import PathUnfit
 from hmi.planning.figures import GRID_M, worked_strips
 from hmi.planning.ground import CHECK_STEP_M, erode
 from hmi.planning.job import Job
-from hmi.planning.plan import GENTLE_RAD, Leg, LegKind, poses_along, turn_between
+from hmi.planning.plan import GENTLE_RAD, Leg, LegKind, is_cusp, poses_along, turn_between
 from hmi.planning.projection import Floats
 
 SLACK_M = 0.02  # millimetres told, centimetres known; the machine's own margin is wider
@@ -27,7 +27,6 @@ SAME_M = 0.05  # millimetres told over less than this make degrees of direction
 HOME_M = 0.5
 GAP_M = 0.04  # hairline gaps between road and field, as our own plans close them
 TWICE = 0.02  # share of the rows' ground that may lie under two rows
-SLOW_MPS = 0.6  # of ways, as our own plans drive them
 MOST_OUTLINES = 500_000
 WORK = (LegKind.ROW, LegKind.HEADLAND)
 
@@ -58,6 +57,7 @@ def _steerable(job: Job, legs: Sequence[Leg]) -> None:
     machine = job.machine
     if not machine.can_pivot and any(leg.pivot for leg in legs[1:]):
         raise PathUnfit("pivot", "It turns on the spot, which this robot cannot.")
+    _backwards(job, legs)
     most = max((abs(turn_between(a, b)) for a, b in pairwise(legs) if not b.pivot), default=0.0)
     pieces = _drives(legs)
     most = max([most, *(_sharpest(points) for points in pieces)])
@@ -68,11 +68,21 @@ def _steerable(job: Job, legs: Sequence[Leg]) -> None:
         raise PathUnfit("bend", f"It bends tighter than the robot's turning radius of {machine.turning_radius_m:g} m.")
 
 
+def _backwards(job: Job, legs: Sequence[Leg]) -> None:
+    backward = [leg for leg in legs if leg.is_backward]
+    if backward and job.machine.reverse_mps <= 0:
+        raise PathUnfit("backward", "It drives backwards, which this robot does on no path.")
+    if any(leg.kind is not LegKind.TURN or leg.tool_on for leg in backward):
+        raise PathUnfit("backward", "It drives backwards where no turn is, or with the tool on.")
+    if any(leg.is_backward for leg in (legs[0], legs[-1])):
+        raise PathUnfit("backward", "It begins or ends backwards.")
+
+
 def _drives(legs: Sequence[Leg]) -> list[Floats]:
-    """Return the path in pieces as they are driven without turning on the spot, corners some centimetres apart."""
+    """Return the path in pieces as they are driven without a stop to turn, corners some centimetres apart."""
     pieces: list[list[Floats]] = []
-    for leg in legs:
-        if leg.pivot or not pieces:
+    for number, leg in enumerate(legs):
+        if not pieces or leg.pivot or is_cusp(legs[number - 1], leg):
             pieces.append([leg.points])
         else:
             pieces[-1].append(leg.points[1:])
@@ -115,10 +125,11 @@ def _bend_excess(points: Floats, radius_m: float) -> float:
 
 def _speeds(job: Job, legs: Sequence[Leg]) -> None:
     machine = job.machine
-    bent = max(machine.turn_speed_mps, SLOW_MPS, machine.yaw_rate_radps * machine.turning_radius_m)
+    in_bends = min(machine.transit_speed_mps, machine.yaw_rate_radps * machine.turning_radius_m)
+    bent = max(machine.turn_speed_mps, machine.way_mps, in_bends, machine.reverse_mps)
     straight = max(bent, machine.transit_speed_mps)
     for leg in legs:
-        most = straight if len(leg.points) == 2 else min(straight, bent)
+        most = machine.reverse_mps if leg.is_backward else straight if len(leg.points) == 2 else min(straight, bent)
         if leg.tool_on:
             most = machine.row_speed_mps / max(1.0, leg.dose)
         elif leg.kind in WORK:
@@ -170,7 +181,7 @@ def _inside(job: Job, field: BaseGeometry, legs: Sequence[Leg]) -> None:
 
 def _stays(job: Job, ground: BaseGeometry, legs: Sequence[Leg], pivots: Sequence[Leg], name: str) -> None:
     machine, allowed = job.machine, ground.buffer(SLACK_M, join_style="mitre")
-    pieces = np.concatenate([np.stack([leg.points[:-1], leg.points[1:]], axis=1) for leg in legs])
+    pieces = np.concatenate([_pieces_nose_first(leg) for leg in legs])
     far_inside = erode(allowed, machine.reach_m)  # there the outline fits at any heading
     for area in (allowed, far_inside):
         shapely.prepare(area)
@@ -189,6 +200,12 @@ def _stays(job: Job, ground: BaseGeometry, legs: Sequence[Leg], pivots: Sequence
         circles = shapely.buffer(spots, machine.reach_m)
         if not shapely.covers(allowed, circles).all():
             raise PathUnfit("outside", f"The robot would leave {name} where it turns on the spot.")
+
+
+def _pieces_nose_first(leg: Leg) -> Floats:
+    """Return the (N, 2, 2) pieces of a leg, each in the direction in which the machine looks."""
+    ends = (leg.points[1:], leg.points[:-1]) if leg.is_backward else (leg.points[:-1], leg.points[1:])
+    return np.stack(ends, axis=1)
 
 
 def _tool(job: Job, field: BaseGeometry, legs: Sequence[Leg]) -> None:

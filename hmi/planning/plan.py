@@ -25,12 +25,25 @@ class LegKind(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Drive:
+    """A smooth (N, 2) line driven one way; backwards, the machine's rear leads."""
+
+    points: Floats
+    is_backward: bool = False
+
+    @property
+    def length_m(self) -> float:
+        """Length of the line."""
+        return float(np.hypot(*np.diff(self.points, axis=0).T).sum())
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Leg:
-    """One smooth piece of path. ``points`` is (N, 2) metres in the plan's plane, N >= 2.
+    """One smooth piece of path. ``points`` is (N, 2) metres in the plan's plane, N >= 2, in driving order.
 
     ``row`` counts from 1 in driving order and is 0 off the rows. ``pivot``: stop before this leg and turn on
     the spot to its first direction. ``dose`` is times the usual one. ``is_continued``: a piece of the row or lap
-    that the leg before it belongs to.
+    that the leg before it belongs to. ``is_backward``: the machine's rear leads; where that changes it stops.
     """
 
     kind: LegKind
@@ -41,6 +54,7 @@ class Leg:
     pivot: bool = False
     dose: float = 1.0
     is_continued: bool = False
+    is_backward: bool = False
 
     @property
     def length_m(self) -> float:
@@ -49,13 +63,13 @@ class Leg:
 
     @property
     def first_heading_rad(self) -> float:
-        """Direction in which the leg begins."""
-        return _heading(self.points[0], self.points[1])
+        """Heading of the machine where the leg begins."""
+        return _heading(self.points[0], self.points[1]) + math.pi * self.is_backward
 
     @property
     def last_heading_rad(self) -> float:
-        """Direction in which the leg ends."""
-        return _heading(self.points[-2], self.points[-1])
+        """Heading of the machine where the leg ends."""
+        return _heading(self.points[-2], self.points[-1]) + math.pi * self.is_backward
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +98,8 @@ class Figures:
     headland_passes: int
     wanted_m2: float
     missed_m2: float
+    reversals: int = 0
+    """Stops to drive the other way."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,19 +116,28 @@ def turn_between(before: Leg, after: Leg) -> float:
     return math.remainder(after.first_heading_rad - before.last_heading_rad, 2 * math.pi)
 
 
+def is_cusp(before: Leg, after: Leg) -> bool:
+    """Say whether the machine stops between two legs to drive the other way."""
+    return before.is_backward is not after.is_backward
+
+
 def headings(points: Floats) -> Floats:
     """Return the heading of each of the N-1 pieces of an (N, 2) polyline."""
     steps = np.diff(points, axis=0)
     return np.arctan2(steps[:, 1], steps[:, 0])
 
 
-def poses_along(points: Floats, step_m: float) -> Floats:
-    """Return (M, 3) poses along a polyline, every vertex with both its headings, no further apart than ``step_m``."""
+def poses_along(points: Floats, step_m: float, *, is_backward: bool = False) -> Floats:
+    """Return (M, 3) poses along a polyline, every vertex with both its headings, no further apart than ``step_m``.
+
+    Headings are the machine's: driven backwards, against the line.
+    """
     parts = []
+    against = math.pi * is_backward
     for (x0, y0), (x1, y1), heading in zip(points[:-1], points[1:], headings(points), strict=True):
         count = max(1, math.ceil(math.hypot(x1 - x0, y1 - y0) / step_m))
         t = np.linspace(0.0, 1.0, count + 1)
-        parts.append(np.column_stack([x0 + t * (x1 - x0), y0 + t * (y1 - y0), np.full(count + 1, heading)]))
+        parts.append(np.column_stack([x0 + t * (x1 - x0), y0 + t * (y1 - y0), np.full(count + 1, heading + against)]))
     return np.vstack(parts)
 
 

@@ -19,7 +19,7 @@ from hmi.domain.mission_rest import PlannedRest, RestWish, cut, is_work, length_
 from hmi.planning.dubins import Pose
 from hmi.planning.estimate import effort
 from hmi.planning.machine import RobotProfile
-from hmi.planning.plan import GENTLE_RAD, LegKind, headings, turn_between
+from hmi.planning.plan import GENTLE_RAD, Leg, LegKind, headings, turn_between
 from hmi.planning.projection import Floats, LocalFrame
 from hmi.planning.rest_ground import RestGround
 from hmi.planning.rest_work import (
@@ -94,7 +94,7 @@ class _Rest:
 
     def _check_ahead(self, ahead: Sequence[Document], works: Sequence[Work]) -> None:
         """Say what can no longer be changed; raise if the robot would meet a drawn obstacle before the new path."""
-        if any(self.ground.is_new_in_the_way(np.asarray(one["points"], dtype=float)) for one in ahead):
+        if any(self.ground.is_new_in_the_way(leg.points, is_backward=leg.is_backward) for leg in map(leg_of, ahead)):
             text = "The obstacle is on the path before the new one begins. Pause the robot, then change the rest."
             raise PlanRefused("obstacle_ahead", text, "areas")
         for work in works:
@@ -175,7 +175,7 @@ class _Rest:
             if not is_there and not work.is_joined:
                 rest += self._way(pose, before, work, is_first=not rest)
             rest.append(self._at_speed(work.segment))
-            pose, before = _end_pose(work.points), work
+            pose, before = _end_pose(work.segment), work
         rest += self._exit(pose, before, is_first=not rest)
         if self.wish.stand is not None and rest:
             rest[0] = {**rest[0], "jump": True}
@@ -188,9 +188,9 @@ class _Rest:
             x, y = self.frame.to_local([(lon, lat)])[0]
             return round(float(x), 3), round(float(y), 3), heading
         if head:
-            return _end_pose(np.asarray(head[-1]["points"], dtype=float))
-        points = np.asarray(self.left[0]["points"], dtype=float)
-        return float(points[0][0]), float(points[0][1]), float(headings(points)[0])
+            return _end_pose(head[-1])
+        leg = leg_of(self.left[0])
+        return float(leg.points[0][0]), float(leg.points[0][1]), leg.first_heading_rad
 
     def _way(self, pose: Pose, before: Work | None, work: Work, *, is_first: bool) -> list[Document]:
         known = self._known_way(before, work.begins)
@@ -201,16 +201,15 @@ class _Rest:
         points = work.points
         goal: Pose = (float(points[0][0]), float(points[0][1]), float(headings(points)[0]))
         is_back = is_first and self.wish.stand is not None
-        pieces = self.ground.approach(pose, goal, is_free=True) if is_back else self.ground.link(pose, goal)
-        if pieces is None:
+        approach = LegKind.APPROACH
+        legs = self.ground.approach(approach, pose, goal, is_free=True) if is_back else self.ground.turn(pose, goal)
+        if legs is None:
             where = "where it stands" if is_first else "the piece before"
             text = f"No known way leads from {where} to {work.name}. "
             raise PlanRefused(
                 "no_way", text + ("Drive it nearer by hand, then repeat." if is_back else "Choose other rows.")
             )
-        kind = LegKind.APPROACH if is_back else LegKind.TURN
-        slow_mps = 0.6 if is_back else self.machine.turn_speed_mps
-        return [_document(kind, p, self.ground.way_speed(p, slow_mps)) for p in pieces]
+        return [_document(leg) for leg in legs]
 
     def _known_way(self, before: Work | None, number: int | None) -> list[Document] | None:
         """Return the base's own segments between two pieces if nothing was in between and nothing stands there now."""
@@ -241,7 +240,7 @@ class _Rest:
         return [dict(self.left[k - self.first] if k >= self.first else whole[k]) for k in range(first + 1, last)]
 
     def _clear(self, between: list[Document]) -> list[Document] | None:
-        is_clear = all(self.ground.is_clear(np.asarray(s["points"], dtype=float)) for s in between)
+        is_clear = all(self.ground.is_clear(leg.points, is_backward=leg.is_backward) for leg in map(leg_of, between))
         return between if is_clear else None
 
     def _exit(self, pose: Pose, before: Work | None, *, is_first: bool) -> list[Document]:
@@ -254,11 +253,11 @@ class _Rest:
             if known is not None and (known or not is_first):
                 return known
         target: Pose = (self.home[0], self.home[1], math.atan2(pose[1] - self.home[1], pose[0] - self.home[0]))
-        pieces = self.ground.approach(pose, target, is_free=False)
-        if pieces is None:
+        legs = self.ground.approach(LegKind.EXIT, pose, target, is_free=False)
+        if legs is None:
             self.notes.append("No known way leads home. The robot stays at the end.")
             return []
-        return [_document(LegKind.EXIT, p, self.ground.way_speed(p, 0.6)) for p in pieces]
+        return [_document(leg) for leg in legs]
 
     def _home(self) -> tuple[float, float] | None:
         if self.wish.home is not None:
@@ -350,6 +349,7 @@ class _Rest:
             "rows": len({s["row"] for s in segments if s["row"]}),
             "turns": work.turns,
             "pivots": work.pivots,
+            "reversals": work.reversals,
             "energy_j": round(work.energy_j, 1),
             "battery_share": round(work.energy_j / self.machine.battery_j, 4),
             "covered_share": round(share, 4),
@@ -357,22 +357,24 @@ class _Rest:
         }
 
 
-def _document(kind: LegKind, points: Floats, speed_mps: float) -> Document:
-    rounded = np.round(points, 3) + 0.0
+def _document(leg: Leg) -> Document:
+    rounded = np.round(leg.points, 3) + 0.0
     keep = np.append(True, np.any(np.diff(rounded, axis=0) != 0, axis=1))
     kept = rounded[keep] if keep.sum() > 1 else rounded[[0, -1]]
-    return {
-        "kind": kind.value,
+    segment: Document = {
+        "kind": leg.kind.value,
         "points": kept.tolist(),
-        "speed_mps": round(speed_mps, 3),
+        "speed_mps": round(leg.speed_mps, 3),
         "tool_on": False,
         "row": 0,
         "pivot": False,
     }
+    return {**segment, "backward": True} if leg.is_backward else segment
 
 
-def _end_pose(points: Floats) -> Pose:
-    return float(points[-1][0]), float(points[-1][1]), float(headings(points)[-1])
+def _end_pose(segment: Document) -> Pose:
+    leg = leg_of(segment)
+    return float(leg.points[-1][0]), float(leg.points[-1][1]), leg.last_heading_rad
 
 
 def _tool_m(segments: Sequence[Document]) -> float:

@@ -16,13 +16,14 @@ from hmi.planning.dubins import Pose
 from hmi.planning.ground import Ground, erode, polygons_of
 from hmi.planning.links import Linker
 from hmi.planning.machine import RobotProfile
+from hmi.planning.plan import Leg, LegKind
 from hmi.planning.projection import Floats, LocalFrame
 from hmi.planning.treatment import DoseMap
+from hmi.planning.turns import Turns, way_speed
 
 YARD_RADIUS_M = 4.0  # ground around home where a robot can turn
 GAP_M = 0.04  # neighbouring features drawn by hand leave hairline gaps
 LEAST_PART_M = 1.0  # shorter remains of a row are not worth a turn
-LONG_WAY_M = 10.0
 LEAST_DRAWN_M2 = 0.01
 WIDER_THAN_A_FIELD_M = 3e4
 INSIDE_M = 0.01  # a row is cut this far inside the turning ground, so that rounding does not put its end outside
@@ -57,28 +58,31 @@ class RestGround:
         shapely.prepare(self._near)
         self._field = self._parcel.difference(self.obstacles)
 
-    def link(self, start: Pose, end: Pose) -> list[Floats] | None:
-        """Return a way on the field, or ``None``."""
-        return self._linker.link(start, end)
+    def turn(self, start: Pose, end: Pose) -> list[Leg] | None:
+        """Return a turn on the field, or ``None``."""
+        return self._turns.between(start, end, self._machine.turn_speed_mps)
 
-    def approach(self, start: Pose, end: Pose, *, is_free: bool) -> list[Floats] | None:
+    def approach(self, kind: LegKind, start: Pose, end: Pose, *, is_free: bool) -> list[Leg] | None:
         """Return a way over field, roads and yards, or ``None``; ``is_free``: it may turn before it sets off."""
         linker = self._wide_linker(start)
         if is_free and self._machine.can_pivot:
             start = (start[0], start[1], math.atan2(end[1] - start[1], end[0] - start[0]))
-        return linker.link(start, end)
+        pieces = linker.link(start, end)
+        if pieces is None:
+            return None
+        return [Leg(kind, piece, way_speed(piece, self._machine, self._machine.way_mps)) for piece in pieces]
 
-    def is_clear(self, points: Floats) -> bool:
+    def is_clear(self, points: Floats, *, is_backward: bool = False) -> bool:
         """Say whether nothing that stands on the map now is in the way of a path that was planned before."""
         if not shapely.intersects(self._near, shapely.linestrings(points)):
             return True
-        return self._open.fits(points)
+        return self._open.fits(points, is_backward=is_backward)
 
-    def is_new_in_the_way(self, points: Floats) -> bool:
+    def is_new_in_the_way(self, points: Floats, *, is_backward: bool = False) -> bool:
         """Say whether a drawn obstacle stands on a path."""
         if self._new is None or not shapely.intersects(self._near_new, shapely.linestrings(points)):
             return False
-        return not Ground(_all_but(self._new), self._machine).fits(points)
+        return not Ground(_all_but(self._new), self._machine).fits(points, is_backward=is_backward)
 
     def around(self, points: Floats) -> list[Floats] | None:
         """Return the parts of a row that can still be driven, ``None`` if all of it can."""
@@ -92,15 +96,6 @@ class RestGround:
         # the pieces of an intersection may run either way; the row runs as it was planned
         return [np.round(p if _is_along(line, p) else p[::-1], 3) + 0.0 for p in parts]
 
-    def way_speed(self, points: Floats, slow_mps: float) -> float:
-        """Return the speed of a way: long ones go at transit speed, as far as their bends allow."""
-        machine = self._machine
-        length = float(np.hypot(*np.diff(points, axis=0).T).sum())
-        if length < LONG_WAY_M:
-            return slow_mps
-        bend_mps = machine.transit_speed_mps if len(points) == 2 else machine.yaw_rate_radps * machine.turning_radius_m
-        return max(slow_mps, min(machine.transit_speed_mps, bend_mps))
-
     @cached_property
     def _open(self) -> Ground:
         """Everywhere but where something stands: borders were looked at when the path was planned."""
@@ -111,8 +106,8 @@ class RestGround:
         return Ground(self._field, self._machine, self._crop())
 
     @cached_property
-    def _linker(self) -> Linker:
-        return Linker(self._ground)
+    def _turns(self) -> Turns:
+        return Turns(Linker(self._ground))
 
     def _wide_linker(self, start: Pose) -> Linker:
         """Field, roads, the yard at home, and the spot on which the machine stands anyway."""

@@ -76,6 +76,7 @@ def leg_of(segment: Document) -> Leg:
         int(segment.get("row", 0)),
         bool(segment.get("pivot")) and not segment.get("jump"),
         segment.get("dose", 1.0),
+        is_backward=bool(segment.get("backward")),
     )
 
 

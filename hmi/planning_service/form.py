@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from hmi.planning.machine import RobotProfile
 
 LIMITS = ("length_m", "width_m", "base_to_front_m", "turning_radius_m", "can_pivot", "row_speed_mps", "turn_speed_mps",
-          "transit_speed_mps", "accel_mps2", "yaw_rate_radps", "margin_m")  # fmt: skip
+          "transit_speed_mps", "accel_mps2", "yaw_rate_radps", "margin_m", "reverse_mps")  # fmt: skip
 TOLD = frozenset({
     "parcel", "width_m", "datum_lat_deg", "datum_lon_deg", "angle_rad", "headland_passes", "home", "returns_home",
     "surroundings", "pattern", "corner", "overlap", "treatment",

@@ -3,6 +3,7 @@
   "use strict";
   const M = HL.maps;
   const PREVIEW_MS = 15000;
+  const ROAD_M = 4; // as a drawn road, until somebody says otherwise
   const COPY_M = 8; // a copy lies beside its original, not on it
 
   // needs of the screen: client, editor, chosen, tool, changed(), commit(label, changes), operate(op, ids, args, what), open(isTaking)
@@ -82,13 +83,23 @@
       if (answer.ok) this.select((answer.changes ?? []).filter((one) => one.after).map((one) => one.id).slice(0, 1));
     }
 
-    walked(ring, accuracyM, robot) {
-      const id = M.newId("parcel");
-      const name = `Walked with ${robot}`;
-      const after = { type: "Feature", id, properties: { id, kind: "parcel", name, ...(accuracyM === null ? {} : { accuracy_m: Number(accuracyM.toFixed(3)) }) }, geometry: { type: "Polygon", coordinates: [outward(ring)] } };
-      this.commit(`Edge walked with ${robot}`, [{ id, before: null, after }]);
+    // places: a closed ring of an area, or the points of a road or guide line
+    walked(kind, places, accuracyM, robot) {
+      const id = M.newId(kind);
+      const isLine = kind === "road" || kind === "rows";
+      const own = { road: () => ({ width_m: ROAD_M }), rows: () => this.rowsOf(places) }[kind]?.() ?? {};
+      const properties = { id, kind, name: `Walked with ${robot}`, ...own, ...(accuracyM === null ? {} : { accuracy_m: Number(accuracyM.toFixed(3)) }) };
+      const after = { type: "Feature", id, properties, geometry: isLine ? { type: "LineString", coordinates: places } : { type: "Polygon", coordinates: [outward(places)] } };
+      this.commit(`${isLine ? "Line" : "Edge"} walked with ${robot}`, [{ id, before: null, after }]);
       this.select([id]);
       this.editor?.fit([id]);
+    }
+
+    // a guide line belongs to the field that its middle lies in
+    rowsOf(places) {
+      const middle = places[places.length >> 1];
+      const field = [...this.client.features].find(([, one]) => M.kindOf(one) === "parcel" && one.geometry.type === "Polygon" && M.isInRing(middle, one.geometry.coordinates[0]));
+      return { type: places.length > 2 ? "curve" : "a-b", ...(field && { parcel_id: field[0] }) };
     }
 
     copy() {

@@ -69,6 +69,16 @@
     return { ...feature, geometry: { ...feature.geometry, coordinates: move(feature.geometry.coordinates) } };
   }
 
+  // whether a place lies in a ring, by counting the edges to its east
+  function isInRing([x, y], ring) {
+    let isIn = false;
+    for (let i = 1; i < ring.length; i += 1) {
+      const [[x1, y1], [x2, y2]] = [ring[i - 1], ring[i]];
+      if (y1 > y !== y2 > y && x < ((x2 - x1) * (y - y1)) / (y2 - y1) + x1) isIn = !isIn;
+    }
+    return isIn;
+  }
+
   // features around the largest parcel: a farm may have sites in two countries, and a map of both shows neither
   const SITE_M = 20000;
   function mainSite(features) {
@@ -83,5 +93,5 @@
   const length = (m) => (m >= 100 && HL.units.length(0).unit === "m" ? { text: m.toFixed(0), unit: "m" } : HL.units.length(m));
   const place = ([lon, lat]) => `${Math.abs(lat).toFixed(5)}° ${lat < 0 ? "S" : "N"}, ${Math.abs(lon).toFixed(5)}° ${lon < 0 ? "W" : "E"}`;
 
-  Object.assign(HL.maps, { areaM2, lengthM, rowsThatFit, corners, holes, count, moved, area, length, words, place, plane, mainSite });
+  Object.assign(HL.maps, { areaM2, lengthM, rowsThatFit, corners, holes, count, moved, area, length, words, place, plane, mainSite, isInRing });
 })();

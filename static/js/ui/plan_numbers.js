@@ -47,7 +47,7 @@
     return el("div", { class: "p-stats" },
       card("length", "Path", km(s.length_m), `${s.rows} rows${HL.planner.ALONG[s.rows_along] ?? ""}, ${s.headland_passes} ${s.headland_passes === 1 ? "lap" : "laps"}, ${km(s.working_length_m).join(" ")} worked`, s.length_m),
       card("time", "Time", time(s.duration_s), `${words.left(s.working_s)} work, ${words.left(turning)} turns`, s.duration_s),
-      card("turns", "Turns", [String(s.turns), ""], `${s.turns ? `${(turning / s.turns).toFixed(0)} s each with ways, ` : ""}${s.pivots ? `${s.pivots} on the spot` : "none on the spot"}`, s.turns),
+      card("turns", "Turns", [String(s.turns), ""], `${s.turns ? `${(turning / s.turns).toFixed(0)} s each with ways, ` : ""}${HL.plan.stops(s)}`, s.turns),
       card("coverage", "Covered", [share(wanted - missed, wanted).toFixed(1), "%"], el("span", {}, overlap, `, missed ${share(missed, wanted).toFixed(1)}, ${area.text} ${area.unit}`), share(wanted - missed, wanted) / 100),
       ...more);
   }

@@ -6,6 +6,8 @@
   // points of a leg: flat x, y in metres, y to the north
   const pointsOf = (leg) => Array.from({ length: leg.xy.length / 2 }, (_, k) => [leg.xy[2 * k], leg.xy[2 * k + 1]]);
   const angle = ([ax, ay], [bx, by]) => Math.atan2(by - ay, bx - ax);
+  // how the robot looks from a to b: where it backs, against the line
+  const facing = (leg, a, b) => angle(a, b) + (leg.back ? Math.PI : 0);
   const shortest = (rad) => Math.atan2(Math.sin(rad), Math.cos(rad));
 
   class Path {
@@ -39,7 +41,7 @@
       return low;
     }
 
-    // {x, y, heading, row, isOn, driven}: heading in radians, 0 east; row is 0 before the first
+    // {x, y, heading, row, isOn, isBack, driven}: heading in radians, 0 east; row is 0 before the first
     at(t) {
       const number = this.legAt(t);
       const leg = this.legs[number];
@@ -50,8 +52,8 @@
       const [a, b] = [leg.points[k - 1], leg.points[k]];
       const part = (s - leg.along[k - 1]) / Math.max(1e-6, leg.along[k] - leg.along[k - 1]);
       return {
-        x: a[0] + part * (b[0] - a[0]), y: a[1] + part * (b[1] - a[1]), heading: this.heading(number, t, angle(a, b)),
-        row: this.rowAt(number), isOn: leg.on && t >= leg.t[0], driven: this.before[number] + s,
+        x: a[0] + part * (b[0] - a[0]), y: a[1] + part * (b[1] - a[1]), heading: this.heading(number, t, facing(leg, a, b)),
+        row: this.rowAt(number), isOn: leg.on && t >= leg.t[0], isBack: Boolean(leg.back) && t >= leg.t[0], driven: this.before[number] + s,
       };
     }
 
@@ -60,7 +62,7 @@
       const leg = this.legs[number];
       if (t >= leg.t[0] || number === 0) return ahead;
       const came = this.legs[number - 1];
-      const from = angle(came.points.at(-2), came.points.at(-1));
+      const from = facing(came, came.points.at(-2), came.points.at(-1));
       const share = Math.min(1, Math.max(0, (t - came.t[1]) / Math.max(TURN_S, leg.t[0] - came.t[1])));
       return from + share * shortest(ahead - from);
     }

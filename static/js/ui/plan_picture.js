@@ -131,6 +131,7 @@
         svg("path", { class: "idle", d: of((leg) => isWork(leg) && !leg.on) }),
         ...shades,
         svg("path", { class: "only turns", d: of((leg) => leg.kind === "turn") }),
+        svg("path", { class: "only turns back", "data-testid": "plan-back", d: of((leg) => leg.back) }),
         svg("path", { class: "only turns pivot", d: pivots }),
         this.driven,
       ];
@@ -179,7 +180,7 @@
       const percent = (m2) => `${((100 * m2) / Math.max(1, s.area_m2)).toFixed(1)} %`;
       const key = (look, words) => el("span", { class: "h-row" }, el("i", { class: `p-key ${look}` }), words);
       const parts = {
-        turns: () => [key("turns", `${s.turns} turns`), key("pivot", s.pivots ? `${s.pivots} on the spot` : "none on the spot")],
+        turns: () => [key("turns", `${s.turns} turns`), ...(s.reversals && !s.pivots ? [] : [key("pivot", s.pivots ? `${s.pivots} on the spot` : "none on the spot")]), ...(s.reversals ? [key("back", "backing up")] : [])],
         overlap: () => [key("worked", `Worked ${percent(s.covered_m2)}`), key("twice", `Twice ${percent(s.overlap_m2)}`), key("missed", `Missed ${percent(s.missed_m2 ?? 0)}`)],
         time: () => ["0:00", el("span", { class: "p-ramp" }, ...Array.from({ length: TIMES }, (_, k) => el("i", { class: `t${k}` }))), HL.words.left(s.duration_s)],
       };

@@ -13,7 +13,7 @@
   }
 
   class Scrubber {
-    // moved(t) is called with each new time and answers {row} or null
+    // moved(t) is called with each new time and answers {row, isBack} or null
     constructor(moved) {
       this.moved = moved;
       this.duration = 0;
@@ -42,7 +42,7 @@
       this.input.style.setProperty("--share", `${(100 * share).toFixed(1)}%`);
       const pose = this.moved(this.t);
       const unit = this.duration >= 3600 ? "h" : "min";
-      const words = `${clock(this.t, this.duration)} of ${clock(this.duration, this.duration)} ${unit}, ${pose?.row ? `row ${pose.row}` : "on the way"}`;
+      const words = `${clock(this.t, this.duration)} of ${clock(this.duration, this.duration)} ${unit}, ${pose?.row ? `row ${pose.row}` : "on the way"}${pose?.isBack ? ", backing up" : ""}`;
       text(this.words, `Preview ${words}`);
       attr(this.input, "aria-valuetext", words);
       attr(this.node, "data-value", Math.round(this.t));

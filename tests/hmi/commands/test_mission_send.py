@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -12,7 +13,7 @@ from hmi.commands.ports import StoredMission
 from hmi.commands.refusal import OrderRefused
 from hmi.domain.command import Acknowledgement, Outcome
 from hmi.store.errors import DatabaseUnavailable
-from tests.hmi.commands.field import MARTHA, SHA, VERA, Field
+from tests.hmi.commands.field import MARTHA, SHA, VERA, Field, factsheet
 
 
 async def test_a_mission_the_robot_read_back_is_sent() -> None:
@@ -80,6 +81,26 @@ async def test_who_may_not_send_and_what_is_not_there_is_refused() -> None:
     field = Field()
     assert (await field.desk.missions.send(VERA, "weeder-01", "field-1")).code == "not_allowed"
     assert (await field.desk.missions.send(MARTHA, "weeder-01", "field-9")).code == "unknown_mission"
+
+
+async def test_a_path_driven_backwards_is_not_sent_to_a_robot_that_follows_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    field = Field()
+    source = field.missions.stored
+
+    async def backing(farm_id: str, mission_id: str, robot_id: str) -> StoredMission | None:
+        stored = await source(farm_id, mission_id, robot_id)
+        assert stored is not None
+        return replace(stored, document={**stored.document, "segments": [{"kind": "turn", "backward": True}]})
+
+    monkeypatch.setattr(field.missions, "stored", backing)
+    field.weeder.factsheet = factsheet()
+    sent = await field.desk.missions.send(MARTHA, "weeder-01", "field-1")
+    assert (sent.outcome, sent.code) == (Outcome.REJECTED, "no_reverse")
+    assert "Plan the mission for it" in sent.text
+    field.weeder.factsheet = factsheet(path_reverse_mps=0.5)
+    assert (await field.desk.missions.send(MARTHA, "weeder-01", "field-1")).outcome is Outcome.ACCEPTED
 
 
 async def test_the_store_may_refuse_with_a_reason(monkeypatch: pytest.MonkeyPatch) -> None:

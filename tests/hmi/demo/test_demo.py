@@ -28,7 +28,7 @@ from hmi.demo.jobs import jobs_of
 from hmi.demo.seed import AT_ONCE, DemoSeed, SeedParts
 from hmi.demo.work import TASKS, planned_work
 from hmi.domain.mission import MissionStatus
-from hmi.domain.mission_document import renamed
+from hmi.domain.mission_document import drives_backward, renamed
 from hmi.domain.robot import Family
 from hmi.store.database import Database
 from hmi.store.farms import Farms
@@ -243,3 +243,17 @@ def test_a_recorded_run_leaves_samples_and_events_once(tmp_path: Path, monkeypat
     assert events is not None
     assert events > 20
     demo.database.close()
+
+
+def test_one_field_has_a_guide_line_and_recorded_rows_to_try() -> None:
+    field = feature("kromme-akker")
+    outline = shapely.from_geojson(json.dumps(field.geometry))
+    drawn = {one.properties["type"]: one for one in features() if one.properties.get("parcel_id") == field.id}
+    assert drawn.keys() == {"curve", "recorded"}
+    for one in drawn.values():
+        assert outline.covers(shapely.from_geojson(json.dumps(one.geometry)))
+
+
+def test_planters_back_up_in_their_turns_and_nobody_else_does() -> None:
+    backing = {task.robot_id for task in TASKS if drives_backward(planned_work()[task.mission_id].document)}
+    assert backing == {"planter-01", "planter-02", "planter-03"}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import zipfile
+from xml.etree import ElementTree
 
 import pytest
 from hypothesis import given, settings
@@ -74,6 +75,23 @@ def test_names_kinds_and_attributes_of_every_kind_come_back_from_isoxml() -> Non
         MapFeature("rows-1", "rows", "", {"type": "MultiLineString", "coordinates": [[[5.0, 52.0], [5.0, 52.01]]]}, {}),
     ]
     assert as_features(again(written, "isoxml")) == {one.id: one for one in written}
+
+
+def guidance(type_: str, *lines: list[list[float]]) -> list[dict[str, str]]:
+    """Return the attributes of the guidance patterns that rows are written as."""
+    geometry = {"type": "MultiLineString", "coordinates": list(lines)}
+    file = write_map([MapFeature("r", "rows", "Rows", geometry, {"type": type_})], "isoxml", "hof", "Hof")
+    with zipfile.ZipFile(io.BytesIO(file.data)) as archive:
+        root = ElementTree.fromstring(archive.read("TASKDATA/TASKDATA.XML"))
+    return [pattern.attrib for pattern in root.iter("GPN")]
+
+
+def test_guidance_lines_say_to_other_programs_what_they_are() -> None:
+    straight, bent = [[5.0, 52.0], [5.0, 52.01]], [[5.0, 52.0], [5.001, 52.005], [5.0, 52.01]]
+    assert guidance("a-b", straight) == [{"A": "GPN1", "B": "Rows", "C": "1", "E": "1", "F": "1"}]
+    assert guidance("a-b", bent) == [{"A": "GPN1", "B": "Rows", "C": "3", "E": "1", "F": "1"}]
+    rows = guidance("recorded", straight, bent)  # driven as they are: not beside, not beyond their ends
+    assert rows == [{"A": f"GPN{n}", "C": "3", "E": "4", "F": "4"} for n in (1, 2)]
 
 
 def test_what_another_program_changed_in_the_task_data_is_taken_over() -> None:

@@ -101,10 +101,10 @@ def test_the_contract_has_no_field_the_document_lacks() -> None:
     document = canonical({**plan_mission(wish()).document, **more})
     # the proof belongs to the moment of sending, not to the document
     assert set(document) == {f.encode_name for f in msgspec.structs.fields(down.Mission)} - {"proof"}
-    more_of_it = {**document["segments"][0], "jump": True, "dose": 0.5}
+    more_of_it = {**document["segments"][0], "jump": True, "backward": True, "dose": 0.5}
     segment = canonical({**document, "segments": [more_of_it]})["segments"][0]
     assert set(segment) == {f.encode_name for f in msgspec.structs.fields(down.Segment)}
-    left_out = {"jump", "dose"}  # where nobody gave one
+    left_out = {"jump", "backward", "dose"}  # where nobody gave one
     assert set(document["segments"][0]) == set(segment) - left_out
     assert set(document["datum"]) == {f.encode_name for f in msgspec.structs.fields(Datum)}
 

@@ -90,6 +90,26 @@ def test_walking_the_edge_makes_a_parcel_of_positions_heard(show: Show, theatre:
 
 
 @pytest.mark.long
+def test_a_guide_line_is_walked_from_end_to_end_and_says_what_was_left_out(show: Show, theatre: Theatre) -> None:
+    page = editing(show())
+    page.get_by_test_id("editor-walk").click()
+    page.get_by_test_id("walk-what").select_option("rows")
+    page.get_by_test_id("walk-start").click()
+    expect(page.get_by_test_id("walk-note")).to_contain_text("strays less than 10 cm from a straight line is left out")
+    expect(page.get_by_test_id("walk-what")).to_be_disabled()
+    page.evaluate(WALKED, 0.014)
+    page.get_by_test_id("walk-finish").click()
+    expect(page.get_by_test_id("toast")).to_contain_text(
+        "4 points from 5 positions, ±1 cm; strays below 10 cm are left out."
+    )
+    heard = saved(page, theatre, "Line walked with Weeder 07")
+    [walked] = [one for one in heard["draft"].values() if one["properties"]["name"] == "Walked with Weeder 07"]
+    assert (walked["properties"]["kind"], walked["properties"]["type"]) == ("rows", "curve")
+    assert walked["geometry"]["type"] == "LineString"
+    assert len(walked["geometry"]["coordinates"]) == 4
+
+
+@pytest.mark.long
 def test_a_file_of_thousands_of_shapes_stays_usable(show: Show) -> None:
     page = editing(show())
     page.get_by_test_id("import-file").set_input_files(

@@ -17,7 +17,7 @@ from hmi.demo import farm
 from hmi.planning.job import Job
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import GENTLE_RAD, Leg, LegKind, Plan, headings, poses_along, turn_between
-from hmi.planning.projection import LocalFrame
+from hmi.planning.projection import Floats, LocalFrame
 
 FOLDER = Path(__file__).parent / "fields"
 
@@ -70,7 +70,7 @@ def crooked_fields(draw: st.DrawFn) -> Polygon:
 
 def metres_outside(field: BaseGeometry, machine: RobotProfile, plan: Plan, step_m: float = 0.1) -> float:
     """Return how many metres of the path the machine's outline is partly outside."""
-    pieces = np.concatenate([np.stack([leg.points[:-1], leg.points[1:]], axis=1) for leg in plan.legs])
+    pieces = np.concatenate([_nose_first(leg) for leg in plan.legs])
     far_inside = field.buffer(-1.05 * machine.reach_m)  # there the outline fits at any heading
     shapely.prepare(far_inside)
     shapely.prepare(field)
@@ -79,6 +79,12 @@ def metres_outside(field: BaseGeometry, machine: RobotProfile, plan: Plan, step_
         return 0.0
     outlines = machine.outline_polygons(np.concatenate([poses_along(piece, step_m) for piece in near]))
     return float((~shapely.covers(field, outlines)).sum()) * step_m
+
+
+def _nose_first(leg: Leg) -> Floats:
+    """Return the (N, 2, 2) pieces of a leg, each in the direction in which the machine looks."""
+    points = leg.points[::-1] if leg.is_backward else leg.points
+    return np.stack([points[:-1], points[1:]], axis=1)
 
 
 def worked_strips(legs: Sequence[Leg], width_m: float) -> list[BaseGeometry]:
@@ -128,5 +134,6 @@ def assert_drivable(job: Job, plan: Plan) -> None:
     assert rows == list(range(1, len(rows) + 1)), "each row once, counted as driven"
     work = (LegKind.ROW, LegKind.HEADLAND)
     assert all(leg.kind in work for leg in plan.legs if leg.tool_on)
+    assert all(leg.kind is LegKind.TURN and not leg.tool_on for leg in plan.legs if leg.is_backward)
     loops = [leg for leg in plan.legs if leg.kind in work and not leg.tool_on]
     assert all(leg.kind is LegKind.HEADLAND and leg.is_continued for leg in loops)

@@ -12,12 +12,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from shapely.geometry import Polygon
 
-from hmi.domain.mission_plan import Pattern, PlanRefused
+from hmi.domain.mission_plan import PathUnfit, Pattern, PlanRefused
 from hmi.planning import coverage
 from hmi.planning.coverage import plan_coverage
 from hmi.planning.headland import Headland, divide
-from hmi.planning.job import Job
+from hmi.planning.job import Job, checked_field
 from hmi.planning.machine import RobotProfile
+from hmi.planning.path_check import check_path
 from hmi.planning.plan import LegKind, Plan
 from tests.hmi.planning.grounds import assert_drivable, convex_fields, crooked_fields, given_field, square
 
@@ -208,6 +209,19 @@ def test_the_way_from_home_follows_the_road_and_ends_at_home() -> None:
     assert tuple(first.points[0]) == pytest.approx((-35, 10))
     assert tuple(last.points[-1]) == pytest.approx((-35, 10))
     assert_drivable(Job(job.parcel.union(road), 3.0, WEEDER), plan)
+
+
+def test_a_slow_robot_drives_its_ways_no_faster_than_it_can() -> None:
+    road = shapely.LineString([(-40, 10), (1, 10)]).buffer(3)
+    slow = replace(WEEDER, row_speed_mps=0.3, turn_speed_mps=0.3, transit_speed_mps=0.4)
+    job = Job(square(40), 3.0, slow, home=(-35.0, 10.0), roads=road, returns_home=True)
+    plan = plan_coverage(job)
+    assert {leg.kind for leg in plan.legs} >= {LegKind.APPROACH, LegKind.EXIT}
+    assert max(leg.speed_mps for leg in plan.legs) <= 0.4
+    check_path(job, checked_field(job), plan.legs)
+    hasty = [replace(leg, speed_mps=0.6) if leg.kind is LegKind.EXIT else leg for leg in plan.legs]
+    with pytest.raises(PathUnfit, match=r"0\.60 m/s where 0\.40 m/s is the most"):
+        check_path(job, checked_field(job), hasty)
 
 
 def test_a_home_without_a_road_is_said_instead_of_driven_blindly() -> None:

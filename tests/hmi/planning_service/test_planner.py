@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
@@ -10,16 +11,19 @@ from typing import Any
 import pytest
 
 from backend_clients.planner.client import PlannerClient, limited
+from backend_clients.planner.messages import PlanPath
 from backend_clients.service.connection import Service
 from backend_clients.simulator.faulty_http import Fault
 from hmi.cli.services import moved, of_another
 from hmi.domain.mission_plan import PlanRefused, PlanWish, Surroundings, TreatedArea, Treatment
 from hmi.keeper.certificates import make_certificates
+from hmi.planning.given_path import checked_mission
 from hmi.planning.mission import plan_mission
 from hmi.planning_service.application import make_application
 from hmi.planning_service.desk import PlanDesk
 from hmi.planning_service.form import form_of, wish_of
 from hmi.planning_service.planner import ServicePlanner
+from hmi.planning_service.work import planned
 from hmi.service_link import LinkState
 from tests.hmi.missions.rig import farm_map, lon_lat
 from tests.hmi.missions.test_document import wish
@@ -56,6 +60,20 @@ def test_a_wish_survives_the_way_to_the_service_and_back() -> None:
     assert other.document["segments"] == own.document["segments"]
     names = {asked.name, asked.field_name, asked.robot_id, asked.mission_id}
     assert not any(name in form_of(asked).model_dump_json() for name in names)
+
+
+def test_a_robot_that_backs_up_says_so_to_the_service_and_any_other_says_nothing_new() -> None:
+    assert "reverse_mps" not in form_of(wish(robot=SHEET)).model_dump_json()
+    backing = replace(SHEET, turning_radius_m=3.0, can_pivot=False, path_reverse_mps=0.5)
+    asked = wish(robot=backing, width_m=2.0)
+    again, machine = wish_of(form_of(asked))
+    assert machine.reverse_mps == 0.5
+    path = PlanPath.model_validate_json(planned(form_of(asked).model_dump_json().encode(), str(Path(os.devnull))))
+    assert {one.is_backward for one in path.segments} == {False, True}
+    assert all("is_backward" not in one.model_dump() for one in path.segments if not one.is_backward)
+    own = checked_mission(asked, [one.model_dump() for one in path.segments], [])
+    assert own.sha256 == plan_mission(asked).sha256
+    assert plan_mission(again, machine).document["segments"] == own.document["segments"]
 
 
 @dataclass(frozen=True, slots=True)
