@@ -8,7 +8,7 @@ const SIGN_BOX = 24; // units the pictures of the kinds are drawn in
 const PICTURE_SHARE = 0.62; // of the sign's width
 const EDGE_PX = 60;
 const NARROW_PX = 520;
-const BUTTONS_SHARE = 0.9; // of what the stations take up
+const BUTTONS_SHARE = 1.2; // of what the stations take up
 const DASH = [4, 3];
 
 export class View {

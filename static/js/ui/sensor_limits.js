@@ -7,7 +7,7 @@
   const READ_ONLY = "Limits can be changed by planners.";
 
   const title = (row) => row.label || `${HL.sensorRules.QUANTITIES[row.quantity]?.label ?? row.quantity}${U.isNumber(row.depth_m) ? ` ${Math.round(row.depth_m * 100)} cm` : ""}`;
-  const bound = (value, unit) => (U.isNumber(value) ? `${value} ${unit ?? ""}`.trim() : "–");
+  const bound = (value, unit) => (U.isNumber(value) ? `${value} ${unit ?? ""}`.trim().replaceAll(" ", "\u00a0") : "–");
   const who = (row) => (row.by ? `Set by ${row.by}, ${HL.records.when(row.at)}` : "As shipped");
 
   class Limits {
@@ -17,7 +17,7 @@
       this.place = el("div", { class: "h-col" });
       this.form.open({
         title: "Limits",
-        body: [el("p", { class: "h-t16" }, "Treatment waits while a value is beyond its limit, and goes on when the value is back. Leave both fields of a limit empty to take it away."), mayChange ? "" : el("p", { class: "h-row h-t16 h-b", "data-testid": "limits-readonly" }, icon("lock", "m"), READ_ONLY), this.place],
+        body: [el("p", { class: "h-t16" }, `Treatment waits while a value is beyond its limit, and goes on when the value is back.${mayChange ? " Leave both fields of a limit empty to take it away." : ""}`), mayChange ? "" : el("p", { class: "h-row h-t16 h-b", "data-testid": "limits-readonly" }, icon("lock", "m"), READ_ONLY), this.place],
         label: "Save limits",
         save: mayChange ? () => this.order() : null,
       });
@@ -30,7 +30,7 @@
       this.form.rows = [];
       if (!this.mayChange) {
         if (!rows.length) return HL.records.empty("No limits", "Nothing that is measured holds treatment.");
-        return HL.records.table(["Value", "Least", "Most", "Treatment waits", ""], rows.map((row) => ({ cells: [title(row), bound(row.low, row.unit), bound(row.high, row.unit), row.is_treatment ? "yes" : "no", [row.note, who(row)].filter(Boolean).join(" · ")] })));
+        return HL.records.table(["Value", "Least", "Most", "Treatment waits", ""], rows.map((row) => ({ cells: [title(row).replaceAll(" ", "\u00a0"), bound(row.low, row.unit), bound(row.high, row.unit), row.is_treatment ? "yes" : "no", [row.note, who(row)].filter(Boolean).join(" · ")] })));
       }
       this.form.button.disabled = false;
       this.blocks = el("div", { class: "h-col" }, ...rows.map((row) => this.block(row)));
