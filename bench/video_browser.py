@@ -1,7 +1,7 @@
 """Cameras as a person sees them: a real browser in front of the demo, times read from its page.
 
 - ``video_seen_cold_ms``: from the tap that opens the small picture on Operate to the first picture, the first of all:
-  no worker runs and the demo's drawing process was not started.
+  no worker ran yet, and the page has not loaded the camera's script.
 - ``video_seen_ms``: the same once the drawing process is there; the camera was let go of before. Median.
 - ``video_fallback_ms``: from that tap until the page says *Single pictures* where UDP is closed.
 - ``video_stall_ms``: from the kill of the camera process to the grey picture that says frozen.
@@ -71,7 +71,9 @@ def run() -> Iterator[dict[str, Any]]:
 def _measure(browser: Browser, running: Installation) -> Iterator[dict[str, Any]]:
     with _operator(browser, running) as someone, _watching(running) as count:
         page = _operate(someone)
-        yield _figure("video_seen_cold_ms", _tapped(page), "tap to first picture, nothing of it running before")
+        yield _figure(
+            "video_seen_cold_ms", _tapped(page), "tap to first picture, the first since the start of the demo"
+        )
         seen = []
         for _ in range(ROUNDS):
             someone.hook("pip-toggle").click()

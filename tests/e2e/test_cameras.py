@@ -156,20 +156,8 @@ def apart(one: list[float], other: list[float]) -> float:
     return sum(abs(a - b) for a, b in zip(one, other, strict=True)) / len(one)
 
 
-def is_turned(someone: Person, usual: list[float]) -> bool:
-    """Hold a pad until the picture is another; a late answer of a busy machine ends the hold, and she presses again."""
-    someone.hold("camera-move-left")
-    try:
-        wait_for(lambda: apart(usual, light(someone.page)) > 4, within_s=4, what="the camera turns")
-    except AssertionError:
-        return False
-    finally:
-        someone.let_go()
-    return True
-
-
 def test_what_is_done_to_a_camera_is_seen_in_its_picture(person: Come) -> None:
-    """Zoom, lamp, trigger, pan and tilt, each by its button; each ends as it began."""
+    """Zoom and lamp, each by its button; each ends as it began, and the lamp is known after a reload."""
     martha = person("operator")
     page = watch(martha)
     martha.hook("lease-request").click()
@@ -196,22 +184,4 @@ def test_what_is_done_to_a_camera_is_seen_in_its_picture(person: Come) -> None:
     expect(martha.hook("camera-lamp")).to_have_attribute("aria-pressed", "true", timeout=10_000)
     martha.hook("camera-lamp").click()
     wait_for(lambda: apart(usual, light(page)) < 3, within_s=6, what="the lamp off")
-    martha.hook("camera-move").click()
-    expect(martha.hook("camera-move-left")).to_be_visible(timeout=10_000)
-    assert any(is_turned(martha, usual) for _ in range(6)), "the camera does not turn while its pad is held"
-    held = settled()
-    assert apart(held, settled()) < 3, "it stands once it is let go"
-    assert martha.covers_of_stop() == []
-    martha.hook("camera-move-end").click()
-
-
-def test_somebody_in_the_way_is_marked_in_the_picture_that_is_chosen(person: Come, calm: Installation) -> None:
-    martha = person("operator")
-    martha.open("/cameras")
-    tile = martha.hook(f"camera-{ROBOT}-{CAMERA}")
-    expect(tile).to_have_attribute("data-state", re.compile("^(live|stills)$"), timeout=FIRST_S * 1000)
-    calm.fault(ROBOT, "person-ahead")
-    expect(tile).to_have_attribute("data-boxes", "0")
-    tile.click()
-    expect(tile.locator(".c-boxes .k-person rect")).to_have_count(1, timeout=10_000)
     assert martha.covers_of_stop() == []
