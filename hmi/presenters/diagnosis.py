@@ -17,6 +17,7 @@ from hmi.presenters.units import age_text, number, percent
 SLOW_LINK_S = 0.3  # driving by hand ends above it
 OLD_CORRECTIONS_S = 10.0
 FEW_SATELLITES = 8
+BACKWARDS_MPS = 0.02  # below it a standing machine only seems to creep
 
 
 def diagnose(names: Sequence[str], scene: Scene) -> dict[str, Any]:
@@ -164,7 +165,9 @@ def _speed(scene: Scene) -> Look:
     text = "How fast is it?"
     if scene.telemetry is None:
         return unknown(text)
-    return Look(text, f"{number(scene.telemetry.pose.speed_mps, 2)} m/s.", None)
+    speed = scene.telemetry.pose.speed_mps
+    way = " backwards" if speed < -BACKWARDS_MPS else ""
+    return Look(text, f"{number(abs(speed), 2)} m/s{way}.", None)
 
 
 def _fix(scene: Scene) -> Look:
