@@ -75,6 +75,7 @@ def publications(stream: bytes) -> tuple[list[Publication], int]:
         return taken, buffered.pending()
 
 
+@pytest.mark.slow
 @given(messages=st.lists(st.tuples(st.binary(max_size=200), st.binary(max_size=300), st.booleans()), min_size=1))
 def test_whole_publications_are_taken_out_and_a_cut_one_is_left(messages: list[tuple[bytes, bytes, bool]]) -> None:
     packets = [publish(t, p, b"\x31" if kept else b"\x30") for t, p, kept in messages]

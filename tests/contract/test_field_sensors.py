@@ -149,6 +149,7 @@ def test_a_trigger_brings_a_picture_and_a_late_one_an_explanation(ear: Ear) -> N
     assert ear.wait("multispec-01", Up.FRAME)[:3] == b"\xff\xd8\xff"
 
 
+@pytest.mark.slow
 def test_provoked_faults_really_are_on_the_wire(ear: Ear, http: httpx.Client) -> None:
     assert http.post("/_faults/soil-01", json={"fault": "duplicates"}).status_code == 200
     data = ear.wait("soil-01", Up.DATA, lambda one: sum(o.seq == one.seq for o in ear.all("soil-01")) == 2)

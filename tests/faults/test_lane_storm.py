@@ -119,6 +119,7 @@ async def test_a_browser_that_takes_nothing_holds_up_nobody_and_skips_to_the_new
         slow.transport.abort()
 
 
+@pytest.mark.slow
 async def test_a_browser_that_takes_nothing_at_all_is_closed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(lane, "SEND_LIMIT_S", 1.0)
     async with running(ROBOTS) as site, calm_browser(site) as calm:

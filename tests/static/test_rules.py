@@ -12,6 +12,7 @@ NODE = shutil.which("node")
 FILES = sorted(Path(__file__).parent.glob("*.test.mjs"))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(NODE is None, reason="node is not installed")
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.name.partition(".")[0])
 def test_the_rules_of_the_browser_hold(file: Path) -> None:

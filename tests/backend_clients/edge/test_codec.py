@@ -34,6 +34,7 @@ refs = st.text(min_size=8, max_size=64)
 counts = st.integers(0, 2**53)
 
 
+@pytest.mark.slow
 @given(token=counts, seq=counts, challenge=refs, v=numbers, w=numbers)
 def test_a_drive_setpoint_survives_the_wire(token: int, seq: int, challenge: str, v: float, w: float) -> None:
     sent = down.Drive(robot="r", lease_token=token, lease_seq=seq, challenge=challenge, v_mps=v, yaw_rate_radps=w)
@@ -108,6 +109,7 @@ json_values = st.recursive(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(kind=st.sampled_from(KINDS), field=st.text(max_size=12), value=json_values)
 def test_broken_fields_of_honest_messages_raise_wire_errors_or_are_within_range(

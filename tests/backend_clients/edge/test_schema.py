@@ -31,6 +31,7 @@ def test_each_schema_is_a_valid_schema(kind: Up | Down) -> None:
     jsonschema.Draft202012Validator.check_schema(json_schemas()[kind.value])
 
 
+@pytest.mark.slow
 def test_what_the_simulator_says_fits_the_schemas() -> None:
     rig = Rig()
     rig.start()

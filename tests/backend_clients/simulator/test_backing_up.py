@@ -58,6 +58,7 @@ def test_it_backs_up_with_its_nose_behind_and_comes_out_where_it_should() -> Non
     assert abs(math.remainder(base.theta_rad - math.pi, 2 * math.pi)) < 0.1
 
 
+@pytest.mark.slow
 def test_paused_while_it_backs_it_goes_on_backwards_also_after_a_restart(tmp_path: Path) -> None:
     rig = planter(tmp_path)
     rig.start(backing_mission())

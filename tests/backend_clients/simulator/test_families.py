@@ -126,6 +126,7 @@ def planting() -> Rig:
     return rig
 
 
+@pytest.mark.slow
 def test_a_planter_works_a_whole_site_before_it_drives_four_metres_on() -> None:
     rig = planting()
     body = rig.robot.machine.rig
@@ -175,6 +176,7 @@ def test_a_crane_outside_its_limit_waits_until_somebody_moves_it_by_hand() -> No
     assert "crane-limit" not in [fault.code for fault in rig.state.faults]
 
 
+@pytest.mark.slow
 def test_a_planter_reports_each_tree_and_the_trees_of_a_row() -> None:
     rig = Rig(family="planter")
     rig.start(small_mission(rows=2, length_m=6.0, width_m=4.0))

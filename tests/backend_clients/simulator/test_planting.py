@@ -80,6 +80,7 @@ def planter_that(tuning: Tuning) -> Rig:
     return rig
 
 
+@pytest.mark.slow
 def test_what_fails_is_tried_otherwise_and_every_outcome_comes_with_its_code() -> None:
     rig = planter_that(Tuning(fail_dock=0.15, fail_crane=0.2, fail_ground=0.25, fail_scar=0.25))
     wanted = {
@@ -110,6 +111,7 @@ def test_after_three_failed_dockings_it_asks_a_person_and_goes_on_once_the_crane
     until(rig, lambda: "dock-waypoint" in [one.id for one in rig.state.active], 60.0)
 
 
+@pytest.mark.slow
 def test_a_seedling_still_held_goes_to_the_next_point_without_docking() -> None:
     rig = planter_that(Tuning(fail_dock=0, fail_crane=0, fail_ground=0.5, fail_scar=0))
     rig.run(900.0)
@@ -120,6 +122,7 @@ def test_a_seedling_still_held_goes_to_the_next_point_without_docking() -> None:
     assert docked <= lowered - failed + 1
 
 
+@pytest.mark.slow
 def test_a_new_stop_begins_with_an_empty_surface_and_an_interrupted_one_is_kept() -> None:
     rig = Rig(family="planter")
     rig.start(small_mission(rows=1, length_m=12.0, width_m=4.0))

@@ -97,6 +97,7 @@ async def test_a_subscription_deleted_behind_our_back_is_made_anew(
     assert (await subscriptions.ensure(wanted(receiver), now())).how == "made"
 
 
+@pytest.mark.slow
 async def test_cleaning_up_leaves_what_is_kept_and_what_is_somebody_elses(
     client: NgsiClient, subscriptions: Subscriptions, receiver: Receiver
 ) -> None:

@@ -113,6 +113,7 @@ async def test_an_admin_uploads_looks_at_and_removes_a_model(console: Console, m
     await console.written("robot_model")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("role", [Role.VIEWER, Role.SUPERVISOR])
 async def test_only_admins_change_models(console: Console, models: Models, role: Role) -> None:
     client = await console.browser(role)

@@ -54,6 +54,7 @@ async def settled(console: CameraConsole, key: str, wanted: object) -> None:
             await asyncio.sleep(0.05)
 
 
+@pytest.mark.slow
 async def test_pictures_reach_a_page_by_jpeg_and_by_webrtc_and_nothing_runs_before_or_after(
     data: Path, robot: FakeCamera
 ) -> None:
@@ -83,6 +84,7 @@ async def test_pictures_reach_a_page_by_jpeg_and_by_webrtc_and_nothing_runs_befo
         await until(lambda: robot.open == 0)
 
 
+@pytest.mark.slow
 async def test_a_page_that_falls_silent_is_let_go_with_everything_it_watched(data: Path, robot: FakeCamera) -> None:
     async with camera_console(data, robot) as console:
         async with console.socket() as socket:
@@ -125,6 +127,7 @@ async def test_a_robot_of_another_farm_is_neither_listed_nor_shown(data: Path, r
         assert robot.asked == []
 
 
+@pytest.mark.slow
 async def test_a_session_that_ends_ends_its_pictures(data: Path, robot: FakeCamera) -> None:
     async with camera_console(data, robot) as console, live_page(console) as page:
         page.say(k="watch", n=1, robot="weeder-01", camera="front", way="jpeg")

@@ -212,6 +212,7 @@ def test_a_file_that_points_at_others_is_refused_and_drivers_that_fetch_are_gone
     assert done.stdout.split() == ["unreadable", "[]"]
 
 
+@pytest.mark.slow
 async def test_a_photo_is_converted_beside_the_console_and_tells_how_far_it_is(tmp_path: Path) -> None:
     source = write_photo(tmp_path / "upload")
     heard: list[float] = []

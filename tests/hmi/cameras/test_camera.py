@@ -18,6 +18,7 @@ from tests.hmi.cameras.rig import camera_rig
 from tests.hmi.cameras.waiting import until
 
 
+@pytest.mark.slow
 async def test_nothing_is_pulled_until_somebody_looks_and_then_the_robots_own_jpeg_is_passed_on() -> None:
     async with camera_rig() as rig:
         assert (rig.camera.state, rig.robot.asked) == ("idle", [])
@@ -41,6 +42,7 @@ async def test_a_smaller_picture_is_asked_of_the_robot_and_made_here_if_it_sends
         assert (width, height) == (320, 240)
 
 
+@pytest.mark.slow
 async def test_the_source_is_let_go_after_the_last_viewer(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(camera_module, "LINGER_S", 0.3)
     async with camera_rig() as rig:
@@ -52,6 +54,7 @@ async def test_the_source_is_let_go_after_the_last_viewer(monkeypatch: pytest.Mo
         assert rig.camera.state == "idle"
 
 
+@pytest.mark.slow
 async def test_a_killed_worker_loses_one_camera_which_comes_back_and_says_why() -> None:
     async with camera_rig() as rig:
         rig.watch()
@@ -68,6 +71,7 @@ async def test_a_killed_worker_loses_one_camera_which_comes_back_and_says_why() 
         assert struct.unpack("<I", rig.pictures[-1][16:20])[0] > max(sequence), "numbers never begin again"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("instead", "why"),
     [
@@ -103,6 +107,7 @@ async def test_pictures_that_cannot_be_decoded_do_not_stop_those_who_take_jpeg()
         assert rig.camera.restarts == 0
 
 
+@pytest.mark.slow
 async def test_a_camera_that_sends_nothing_new_is_frozen_within_seconds() -> None:
     async with camera_rig() as rig:
         rig.watch()
@@ -113,6 +118,7 @@ async def test_a_camera_that_sends_nothing_new_is_frozen_within_seconds() -> Non
         await until(lambda: rig.camera.state == "live")
 
 
+@pytest.mark.slow
 async def test_a_robot_that_refuses_is_failed_with_its_own_words_and_tried_again() -> None:
     async with camera_rig() as rig:
         rig.robot.refusal = (503, msgspec.json.encode({"code": "camera_down", "text": "The node perception is off."}))
@@ -160,6 +166,7 @@ async def test_another_source_is_opened_as_soon_as_it_is_told() -> None:
         await rig.until_pictures(1)
 
 
+@pytest.mark.slow
 async def test_another_source_is_not_opened_for_nobody() -> None:
     async with camera_rig() as rig:
         rig.watch()

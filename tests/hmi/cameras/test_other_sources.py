@@ -46,6 +46,7 @@ async def whep_endpoint(origin: CameraRig) -> AsyncIterator[str]:
 INFO = CameraInfo("front", "Front", 320, 240)
 
 
+@pytest.mark.slow
 async def test_h264_of_an_rtsp_camera_is_passed_on_bit_for_bit_and_a_viewer_sees_it() -> None:
     async with rtsp_server() as server, camera_rig() as rig:
         await rig.tell(kind=SourceKind.RTSP, url=server.url, camera=INFO)
@@ -65,6 +66,7 @@ async def test_h264_of_an_rtsp_camera_is_passed_on_bit_for_bit_and_a_viewer_sees
         await late.close()
 
 
+@pytest.mark.slow
 async def test_jpeg_of_an_rtsp_camera_is_made_for_who_wants_it() -> None:
     async with rtsp_server() as server, camera_rig() as rig:
         await rig.tell(kind=SourceKind.RTSP, url=server.url, camera=INFO)
@@ -99,6 +101,7 @@ async def test_an_rtsp_camera_that_falls_silent_is_frozen_and_then_opened_anew()
         await until(lambda: rig.camera.state == "live")
 
 
+@pytest.mark.slow
 async def test_a_stream_of_one_headland_is_a_whep_source_of_another() -> None:
     async with camera_rig() as origin, camera_rig() as rig, whep_endpoint(origin) as url:
         await rig.tell(kind=SourceKind.WHEP, url=url)

@@ -17,6 +17,7 @@ from tests.hmi.cameras.rig import CameraRig, camera_rig
 from tests.hmi.cameras.waiting import until
 
 
+@pytest.mark.slow
 async def test_a_viewer_sees_the_picture_and_each_is_named_by_its_rtp_time() -> None:
     async with camera_rig() as rig:
         rig.watch(2, "times")
@@ -33,6 +34,7 @@ async def test_a_viewer_sees_the_picture_and_each_is_named_by_its_rtp_time() -> 
         await viewer.close()
 
 
+@pytest.mark.slow
 async def test_a_small_picture_is_encoded_small_and_a_large_one_large_without_a_new_connection() -> None:
     async with camera_rig(width=1280, height=960) as rig:
         await rig.tell(camera=CameraInfo("front", "Front", 1280, 960))
@@ -161,6 +163,7 @@ async def _cycles(count: int) -> None:
         await viewer.close()
 
 
+@pytest.mark.slow
 async def test_twelve_viewers_that_come_and_go_leave_nothing_behind() -> None:
     await _cycles(12)
 

@@ -84,6 +84,7 @@ def test_robots_missions_and_the_map_are_in_the_cloud_within_a_round(tmp_path: P
     played(tmp_path, story)
 
 
+@pytest.mark.slow
 def test_three_hours_without_the_cloud_lose_no_event_and_no_result_and_the_newest_state_comes_first(
     tmp_path: Path,
 ) -> None:

@@ -255,6 +255,7 @@ async def test_a_cloud_that_fails_is_said_so_and_nothing_is_sent_twice(
     assert await farm.entities(ORDER) == [], "what may have been put is withdrawn"
 
 
+@pytest.mark.slow
 async def test_a_mission_that_is_too_large_goes_directly() -> None:
     farm = Farm("weeder-01")
     await farm.agents.round()

@@ -39,6 +39,7 @@ BARN = MapFeature("barn", "building", "Barn", {"type": "Polygon", "coordinates":
 REF = EntityRef("urn:ngsi-ld:AgriParcel:hof:north", "AgriParcel")
 
 
+@pytest.mark.slow
 @given(written=maps)
 @settings(max_examples=20, deadline=None)
 def test_what_we_wrote_is_never_taken_for_somebody_elses_wish(written: list[MapFeature]) -> None:

@@ -104,6 +104,7 @@ def oauth(url: str, **changes: Any) -> dict[str, Any]:
     return {"cloud_oauth_url": f"{url}/token", "cloud_oauth_client": CLIENT, "cloud_oauth_secret": SECRET, **changes}
 
 
+@pytest.mark.slow
 async def test_tokens_of_a_service_with_the_same_authority_let_the_console_in_behind_a_proxy(tmp_path: Path) -> None:
     made, tokens = make_certificates(["127.0.0.1"], tmp_path / "tls", days=2), TokenService()
     tls = {"cert": made.cert, "key": made.key}
@@ -166,6 +167,7 @@ async def test_a_token_service_nobody_vouches_for_gets_no_secret(tmp_path: Path)
     assert tokens.asked == 0
 
 
+@pytest.mark.slow
 async def test_the_check_of_an_installation_asks_the_broker_and_says_what_to_mend(tmp_path: Path) -> None:
     made, tokens = make_certificates(["127.0.0.1"], tmp_path / "tls", days=2), TokenService()
     tls = {"cert": made.cert, "key": made.key}
@@ -183,6 +185,7 @@ async def test_the_check_of_an_installation_asks_the_broker_and_says_what_to_men
             assert text in found[1]
 
 
+@pytest.mark.slow
 async def test_many_calls_at_once_ask_for_one_token(tmp_path: Path) -> None:
     tokens = TokenService()
     async with (

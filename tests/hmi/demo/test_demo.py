@@ -202,6 +202,7 @@ async def test_a_second_start_changes_nothing_but_addresses(tmp_path: Path) -> N
     again.database.close()
 
 
+@pytest.mark.slow
 async def test_a_smaller_demo_takes_out_the_robots_it_does_not_run_and_no_others(tmp_path: Path) -> None:
     full = Installation(tmp_path, size="full")
     await full.seed.at_once()

@@ -78,6 +78,7 @@ def off(found: Robot) -> set[str]:
     return {name for name, one in evaluate(found, NOW_S).items() if one.ability is Ability.OFF}
 
 
+@pytest.mark.slow
 @given(dags(), conditions)
 def test_exactly_the_functions_that_depend_on_what_is_missing_are_off(
     functions: list[FunctionInfo], states: dict[str, dict[str, object]]
@@ -87,6 +88,7 @@ def test_exactly_the_functions_that_depend_on_what_is_missing_are_off(
     assert off(machine(functions, states)) == expected
 
 
+@pytest.mark.slow
 @given(dags(), conditions, st.sampled_from(NODES))
 def test_stopping_a_node_turns_off_exactly_what_needs_it(
     functions: list[FunctionInfo], states: dict[str, dict[str, object]], name: str

@@ -51,6 +51,7 @@ def test_one_change_that_does_not_fit_refuses_all(change: FeatureChange) -> None
     assert refused.value.ids == (change.id,)
 
 
+@pytest.mark.slow
 @given(st.lists(st.lists(st.tuples(IDS, CONTENT), min_size=1, max_size=4), max_size=8))
 def test_taking_everything_back_gives_the_beginning_and_doing_it_again_the_end(
     steps: list[list[tuple[str, dict[str, Any] | None]]],

@@ -234,6 +234,7 @@ def apply(attempt: StopAttempt, event: tuple[str, Any], now_s: float) -> StopAtt
     return attempt.at(now_s)
 
 
+@pytest.mark.slow
 @settings(max_examples=200)
 @given(st.none() | st.floats(0, 10), events)
 def test_no_story_makes_it_claim_more_than_the_robot_said(

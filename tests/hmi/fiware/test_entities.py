@@ -55,6 +55,7 @@ def sent_and_back(entity: dict[str, Any]) -> dict[str, Any]:
     return key_values(entity_from_wire(normalized(entity).to_wire()))
 
 
+@pytest.mark.slow
 @given(written=maps)
 @settings(max_examples=20, deadline=None)
 def test_a_map_comes_back_from_the_broker_as_it_went(written: list[MapFeature]) -> None:
@@ -120,6 +121,7 @@ def test_a_mission_that_was_aborted_is_not_told_as_finished() -> None:
     assert entity["hasAgriParcel"] == URNS.farm  # drawn free of a parcel
 
 
+@pytest.mark.slow
 @given(
     battery=shares, moisture=shares, humidity=shares, wind=st.one_of(st.none(), st.floats(0, 60)),
     depth=st.floats(0, 3), name=texts,

@@ -60,6 +60,7 @@ def test_a_part_that_is_killed_is_started_again_and_its_absence_is_remembered(da
     assert part.pid is None
 
 
+@pytest.mark.slow
 def test_a_part_that_keeps_falling_waits_longer_each_time(data: Path) -> None:
     part = Part(PartSpec("faller", FALLER), data / "logs")
     part.start()
@@ -70,6 +71,7 @@ def test_a_part_that_keeps_falling_waits_longer_each_time(data: Path) -> None:
     part.wait(time.monotonic() + 5)
 
 
+@pytest.mark.slow
 def test_keeper_says_why_a_part_does_not_start(data: Path) -> None:
     keeper = Keeper([PartSpec("faller", FALLER, is_ready=lambda: False)], data)
     with pytest.raises(StartError, match="the reason"):

@@ -119,6 +119,7 @@ def repacked(data: bytes, replaced: dict[bytes, bytes]) -> bytes:
     return stream.getvalue()
 
 
+@pytest.mark.slow
 @given(written=st.lists(features(is_plain=True), min_size=1, max_size=4, unique_by=lambda f: f.id))
 @settings(max_examples=25, deadline=None)
 def test_isoxml_brings_back_as_many_shapes_where_they_were(written: list[MapFeature]) -> None:

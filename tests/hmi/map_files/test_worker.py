@@ -30,6 +30,7 @@ async def reader() -> AsyncIterator[MapReader]:
     await reader.close()
 
 
+@pytest.mark.slow
 async def test_a_file_is_read_as_in_this_process_and_says_how_far_it_is(reader: MapReader) -> None:
     shares: list[Progress] = []
     imported = await reader.read(KML, "farm.kml", shares.append)

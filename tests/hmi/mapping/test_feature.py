@@ -64,6 +64,7 @@ def test_a_feature_survives_the_way_out_and_in() -> None:
     assert parse_feature(again) == feature
 
 
+@pytest.mark.slow
 @given(st.one_of(fields(), scribbles()))
 def test_any_drawn_feature_survives_the_way_out_and_in(feature: MapFeature) -> None:
     assert parse_feature(json.loads(json.dumps(as_geojson(feature)))) == feature

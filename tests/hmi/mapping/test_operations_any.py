@@ -66,6 +66,7 @@ def test_every_operation_on_a_field_is_valid_and_undone_exactly(north: MapFeatur
         tried(op, farm, ids, **args)
 
 
+@pytest.mark.slow
 @calm
 @given(scribbles(), offsets, angles)
 def test_a_scribble_breaks_no_operation(north: MapFeature, offset: float, angle: float) -> None:

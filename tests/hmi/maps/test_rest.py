@@ -131,6 +131,7 @@ async def test_a_shrunken_map_is_published_only_when_that_is_meant(rig: MapRig) 
         assert (await client.post("/map/draft/publish", json={"is_shrinking_ok": True})).status_code == 200
 
 
+@pytest.mark.slow
 async def test_an_older_version_comes_back_as_a_draft(rig: MapRig) -> None:
     async with rig.browser(Role.PLANNER) as client:
         await without_bow_tie(client)

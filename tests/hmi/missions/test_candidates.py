@@ -136,6 +136,7 @@ async def test_how_far_a_planner_is_comes_before_its_answer_in_every_order(rig: 
     assert (step["share"], step["text"]) == (0.4, "Row 4 of 10")
 
 
+@pytest.mark.slow
 async def test_where_a_mission_was_planned_stands_in_its_record_and_in_the_audit(rig: Rig) -> None:
     book = with_planner(rig, Telling())
     mission = await book.plan(rig.person(Role.PLANNER), PlanOrder("field-1", "weeder-01", 3.0))
@@ -160,6 +161,7 @@ async def test_leaving_gives_the_planning_up(rig: Rig) -> None:
     assert planner.is_given_up
 
 
+@pytest.mark.slow
 async def test_a_cancelled_candidate_frees_the_process_for_the_next() -> None:
     planner = PlanningProcess()
     try:

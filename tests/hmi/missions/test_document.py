@@ -76,6 +76,7 @@ def test_the_hash_of_a_document_is_the_one_a_robot_computes(mission: down.Missio
     assert mission_sha256(msgspec.to_builtins(mission)) == mission_hash(mission)
 
 
+@pytest.mark.slow
 @given(missions)
 def test_the_hash_survives_storage_as_json(mission: down.Mission) -> None:
     stored = json.loads(json.dumps(msgspec.to_builtins(mission)))

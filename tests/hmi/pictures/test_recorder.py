@@ -256,6 +256,7 @@ async def test_pictures_of_missions_open_no_camera_where_only_watched_ones_are_k
     assert len(await pictures(rig, PictureKind.MISSION)) == 1
 
 
+@pytest.mark.slow
 async def test_a_clip_that_takes_for_ever_does_not_keep_the_console_from_ending(rig: PictureRig) -> None:
     never = asyncio.Event()
 

@@ -72,6 +72,7 @@ async def test_a_removed_picture_takes_its_file_and_an_empty_month_along(rig: Pi
     assert rig.shelf.health().used_bytes == 0
 
 
+@pytest.mark.slow
 async def test_the_oldest_go_when_there_is_no_room_and_the_room_is_kept(make_rig: MakeRig) -> None:
     rig = await make_rig(pictures_gb=0.1)
     data = picture() + b"\x00" * (12 * MB)

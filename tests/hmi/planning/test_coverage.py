@@ -38,6 +38,7 @@ def plan_or_fair_refusal(job: Job) -> Plan | None:
         raise
 
 
+@pytest.mark.slow
 @calm
 @given(convex_fields(), st.sampled_from([1.5, 3.0]), st.sampled_from([WEEDER, NIMBLE, WHEELED]))
 def test_a_convex_field_is_covered_without_leaving_it(field: Polygon, width: float, machine: RobotProfile) -> None:
@@ -61,6 +62,7 @@ def test_a_crooked_field_with_a_hole_is_never_left(field: Polygon, width: float,
         assert_drivable(job, plan)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "width", "inner_share", "whole_share"),
     [("lshape", 3.0, 0.999, 0.995), ("nc12", 3.0, 0.995, 0.995), ("nl-parcel", 3.0, 0.999, 0.999)],

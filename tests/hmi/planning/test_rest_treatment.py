@@ -104,6 +104,7 @@ def test_the_rows_of_this_mission_have_pieces_with_doses_and_gaps() -> None:
     assert any(not one["tool_on"] for one in segments() if one["row"])
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(place=places, is_reversed=st.booleans(), is_running=st.booleans())
 def test_every_piece_is_done_once_with_its_dose(place: tuple[int, float], is_reversed: bool, is_running: bool) -> None:
@@ -146,6 +147,7 @@ def test_the_tool_is_on_as_long_before_and_after_whichever_way_a_row_is_driven(
         assert y == pytest.approx(border - way * lead_in if is_on else border + way * lead_out, abs=0.01)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(place=places, x=st.floats(6.0, 34.0), y=st.floats(6.0, 34.0))
 def test_taken_up_later_every_piece_is_done_once_with_its_dose(place: tuple[int, float], x: float, y: float) -> None:

@@ -98,6 +98,7 @@ circles = st.builds(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=15, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     convex_fields(),

@@ -26,6 +26,7 @@ async def side() -> AsyncIterator[SideProcess]:
     await asyncio.to_thread(side.close)
 
 
+@pytest.mark.slow
 async def test_a_plan_is_made_elsewhere_and_a_refusal_comes_back_whole() -> None:
     planner = PlanningProcess()
     try:
@@ -94,6 +95,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.slow
 def test_a_parent_that_is_killed_leaves_no_process_behind(tmp_path: Path) -> None:
     script = tmp_path / "parent.py"
     script.write_text(PARENT)

@@ -32,6 +32,7 @@ from tests.hmi.presenters.robots import SHEET
 from tests.served import served
 
 
+@pytest.mark.slow
 async def test_a_plan_of_the_service_is_the_plan_we_would_make_and_says_where_it_was_made() -> None:
     async with service_rig() as rig:
         heard: list[str] = []
@@ -62,6 +63,7 @@ def test_a_wish_survives_the_way_to_the_service_and_back() -> None:
     assert not any(name in form_of(asked).model_dump_json() for name in names)
 
 
+@pytest.mark.slow
 def test_a_robot_that_backs_up_says_so_to_the_service_and_any_other_says_nothing_new() -> None:
     assert "reverse_mps" not in form_of(wish(robot=SHEET)).model_dump_json()
     backing = replace(SHEET, turning_radius_m=3.0, can_pivot=False, path_reverse_mps=0.5)
@@ -108,6 +110,7 @@ FAULTS: list[tuple[dict[str, Any], str, LinkState]] = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("faults", "words", "state"), FAULTS, ids=[str(n) for n in range(len(FAULTS))])
 async def test_whatever_goes_wrong_the_plan_is_made_here_and_says_why(
     faults: dict[str, Any], words: str, state: LinkState
@@ -144,6 +147,7 @@ async def test_what_a_service_says_goes_on_as_plain_words_only() -> None:
         assert rig.link.last_error is None
 
 
+@pytest.mark.slow
 async def test_a_service_that_is_away_is_not_waited_for_again_and_comes_back_by_itself() -> None:
     async with service_rig() as rig:
         rig.faulty.set(fault=Fault.FAIL)
@@ -157,6 +161,7 @@ async def test_a_service_that_is_away_is_not_waited_for_again_and_comes_back_by_
         assert (await rig.planner.plan(wish())).statistics["planned_at"]["where"] == "service"
 
 
+@pytest.mark.slow
 async def test_answers_that_cannot_be_used_again_and_again_stop_the_asking() -> None:
     async with service_rig() as rig:
         rig.link.well(0.1)
@@ -193,6 +198,7 @@ async def test_a_wish_that_no_planner_can_plan_is_refused_here_too() -> None:
         assert rig.link.last_error is None
 
 
+@pytest.mark.slow
 async def test_a_certificate_that_is_not_ours_is_not_trusted_and_one_that_is_named_is(tmp_path: Path) -> None:
     made = make_certificates(["127.0.0.1"], tmp_path, days=2)
     desk = PlanDesk(process=HereProcess())

@@ -81,6 +81,7 @@ async def test_arming_ends_at_its_time(farm: QueueFarm) -> None:
     assert farm.weeder.starts == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stop", ["gateway", "console"])
 async def test_any_stop_of_the_robot_disarms_its_queue(farm: QueueFarm, stop: str) -> None:
     await farm.add("wheat-1")

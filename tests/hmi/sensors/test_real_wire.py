@@ -74,6 +74,7 @@ class Farm(SensorRig):
         return next((one for one in whole["stations"] if one["id"] == station), None)
 
 
+@pytest.mark.slow
 async def test_stations_are_heard_told_of_treatment_and_send_pictures(tmp_path: Path, migrated: Path) -> None:
     shutil.copyfile(migrated, tmp_path / "headland.db")
     with start_mosquitto(tmp_path) as url:

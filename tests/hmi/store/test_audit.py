@@ -262,6 +262,7 @@ JSON = st.recursive(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
 @given(actor=st.text(max_size=200), note=st.text(max_size=300), data=st.dictionaries(st.text(max_size=5), JSON))
 def test_whatever_is_recorded_reads_back_to_the_same_hash(

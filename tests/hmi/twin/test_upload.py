@@ -118,6 +118,7 @@ def test_a_link_in_the_zip_is_refused(tmp_path: Path) -> None:
         read_upload(path, tmp_path / "kept")
 
 
+@pytest.mark.slow
 def test_a_zip_bomb_is_refused(tmp_path: Path) -> None:
     bomb = {"robot.urdf": robot("a.stl"), "a.stl": b"\0" * (130 * 2**20)}
     with pytest.raises(UnsafeModel, match="Unpacked"):

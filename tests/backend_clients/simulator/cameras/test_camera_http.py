@@ -74,6 +74,7 @@ async def test_a_failed_node_takes_its_cameras_down_with_a_reason_and_a_restart_
     assert (await site.ask("cameras/front/still?width=160")).status == 200
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fault", [faults.CameraFreeze(), faults.NodeSilent(node="perception")])
 async def test_a_frozen_camera_keeps_the_connection_and_sends_nothing(fault: faults.Fault) -> None:
     site = Site()
@@ -164,6 +165,7 @@ async def test_what_was_found_is_told_while_somebody_pulls() -> None:
     assert json.loads((await site.ask("cameras/front/detections")).body)["boxes"] == []
 
 
+@pytest.mark.slow
 async def test_a_dead_computer_sends_nothing_and_does_not_hang_up() -> None:
     site = Site()
     pull = Pull(site, "cameras/front/stream?fps=30&width=160")

@@ -92,6 +92,7 @@ def test_somebody_ahead_is_seen_and_found_in_the_column_where_they_stand(left: f
     assert (empty[round((box.y + 0.28 * box.h) * HIGH), round(middle)] != vest).any()
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**24 - 1), st.sampled_from((96, 320, 640, 1024)))
 def test_the_time_code_is_read_back(bits: int, wide: int) -> None:
     pixels = np.full((wide * 3 // 4, wide), 0xFF808080, dtype=np.uint32)

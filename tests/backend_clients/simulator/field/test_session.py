@@ -21,6 +21,7 @@ from tests.backend_clients.simulator.field.rig import Rig
 DAY_S = 86_400.0
 
 
+@pytest.mark.slow
 def test_it_says_who_it_is_and_what_it_measures_at_once_and_then_each_period() -> None:
     rig = Rig("soil")
     rig.station.greet()
@@ -84,6 +85,7 @@ def test_under_a_notice_it_measures_six_times_as_often_and_says_so() -> None:
     assert 9 <= len(after) <= 11
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(st.floats(1, 7200), st.lists(st.floats(0.1, 900), max_size=12))
 def test_a_notice_is_never_obeyed_after_its_end(for_s: float, steps: list[float]) -> None:

@@ -149,6 +149,7 @@ def test_respiration_is_plausible_and_rises_with_warmth(soil_c: float, water: fl
     assert 0 < h2o_mmol_mol(soil_c, water, texture) < h2o_mmol_mol(soil_c + 5, water, texture) < 80
 
 
+@pytest.mark.slow
 @given(seeds, st.sampled_from(["weather", "soil", "respiration"]), st.floats(0, 30 * DAY_S))
 def test_every_instrument_shows_a_number_in_its_range(seed: int, kind: str, later_s: float) -> None:
     config = StationConfig("s", "S", kind, LAT_DEG, LON_DEG, number=seed % 3 + 1)  # type: ignore[arg-type]
