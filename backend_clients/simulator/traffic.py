@@ -20,6 +20,7 @@ FREE_AGAIN_M = 1.5  # more than the protective field, so that it does not start 
 NEAR_M = 20.0  # farther machines are not looked at
 PASSED_M, BESIDE_M = 4.0, 15.0  # behind it, and the line is its own again; so far apart, and both see each other again
 OVERLAP_M = 1.0  # so near two middles are in one place: they can only drive apart
+IN_BAY_M = 1.5  # so near to where it is at home it stands in its bay, and bays are off the way
 WALK_S = (45.0, 120.0)  # until somebody of the farm is there and leads it past
 EDGE = [(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1)]
 
@@ -36,6 +37,13 @@ class _Member:
     def place(self) -> tuple[float, float, float]:
         base = self.robot.machine.base
         return base.x_m + self.shift[0], base.y_m + self.shift[1], base.theta_rad
+
+    @property
+    def is_parked(self) -> bool:
+        """Whether it stands in its own bay with nothing to do."""
+        base, config, boot = self.robot.machine.base, self.robot.config, self.robot.boot
+        is_at_home = math.dist((base.x_m, base.y_m), (config.x_m, config.y_m)) < IN_BAY_M
+        return is_at_home and (boot is None or not boot.brain.is_auto)
 
 
 class Traffic:
@@ -82,7 +90,7 @@ class Traffic:
         x, y, theta = one.place
         ox, oy, other_theta = other.place
         apart_m = math.hypot(ox - x, oy - y)
-        if other is one or not OVERLAP_M < apart_m < NEAR_M or self._is_led(one, other):
+        if other is one or not OVERLAP_M < apart_m < NEAR_M or self._is_led(one, other) or other.is_parked:
             return math.inf
         own, its = one.robot.machine.profile.dimensions, other.robot.machine.profile.dimensions
         turn, along, side = wrap_rad(other_theta - theta), *_seen_from(x, y, theta, ox, oy)

@@ -40,6 +40,10 @@ class Field:
         boot.brain.go_to(goal)
         boot.brain.errand_is_supervised = False  # no page of an operator is open here
 
+    def stand(self, robot_id: str, x_m: float, y_m: float = 0.0) -> None:
+        """Put a machine somewhere, away from its bay."""
+        self[robot_id].machine.base.put(x_m, y_m, EAST)
+
     def run(self, seconds: float) -> None:
         """Let time pass."""
         for n in range(round(seconds / STEP_S)):
@@ -71,7 +75,8 @@ def weeder(robot_id: str, x_m: float, y_m: float = 0.0, theta_rad: float = EAST)
 
 
 def test_a_machine_waits_behind_one_that_stands_and_says_for_whom() -> None:
-    field = Field(weeder("weeder-01", 0.0), weeder("weeder-02", 15.0))
+    field = Field(weeder("weeder-01", 0.0), weeder("weeder-02", 15.0, 5.0))
+    field.stand("weeder-02", 15.0)
     field.send("weeder-01", (40.0, 0.0))
     field.run(30.0)
     assert field.hold("weeder-01") == ("robot_ahead", "Weeder-02 stands in its way.", "")
@@ -82,8 +87,16 @@ def test_a_machine_waits_behind_one_that_stands_and_says_for_whom() -> None:
     assert boot.reporter.state().faults == []
 
 
-def test_it_goes_on_after_the_horn_when_the_other_has_left() -> None:
+def test_who_stands_in_its_own_bay_is_off_the_way() -> None:
     field = Field(weeder("weeder-01", 0.0), weeder("weeder-02", 15.0))
+    field.send("weeder-01", (40.0, 0.0))
+    field.run(60.0)
+    assert math.dist(field.place("weeder-01"), (40.0, 0.0)) < 1.0
+
+
+def test_it_goes_on_after_the_horn_when_the_other_has_left() -> None:
+    field = Field(weeder("weeder-01", 0.0), weeder("weeder-02", 15.0, 5.0))
+    field.stand("weeder-02", 15.0)
     field.send("weeder-01", (40.0, 0.0))
     field.run(15.0)
     field.send("weeder-02", (15.0, 30.0))
@@ -120,8 +133,9 @@ def test_neighbours_at_its_side_what_flies_and_lean_robots_hold_nobody_up() -> N
 def test_machines_of_different_datums_see_each_other_where_they_are() -> None:
     frame = EnuFrame(LAT, LON)
     lat, lon = frame.to_wgs84(15.0, 0.0)
-    other = RobotConfig("weeder-02", "Weeder 02", "secret", lat, lon)
+    other = RobotConfig("weeder-02", "Weeder 02", "secret", lat, lon, 0.0, 5.0)
     field = Field(weeder("weeder-01", 0.0), other)
+    field.stand("weeder-02", 0.0)
     field.send("weeder-01", (40.0, 0.0))
     field.run(20.0)
     assert field.hold("weeder-01")[0] == "robot_ahead"
