@@ -117,6 +117,19 @@ class Person:
         self.page.mouse.move(track["x"] + track["width"] - 4, y, steps=12)
         self.page.mouse.up()
 
+    def slide_into(self, hook: str, mode: str) -> None:
+        """Slide until the robot is in a mode; as with ``order``, one that a busy machine let pass is made anew."""
+        for _ in range(3):
+            self.slide(hook)
+            try:
+                self.sees("robot-mode", mode, within_s=6)
+            except AssertionError:
+                if self.hook(hook).count() == 0 or self.state(hook) == "accepted":
+                    raise
+            else:
+                return
+        raise AssertionError(f"{hook} starts nothing: {self.hook(hook).inner_text()}")
+
     def tick_list(self) -> None:
         """Tick the list before a start, if this screen asks for it and it is not ticked yet."""
         button = self.hook("mission-checks")

@@ -41,8 +41,7 @@ def test_a_farmer_weeds_pauses_drives_by_hand_and_stops(person: Come, calm: Inst
     assert calm.world(ROBOT)["standstill"]
 
     martha.operate(ROBOT)
-    martha.slide("mission-start")
-    martha.sees("robot-mode", "auto")
+    martha.slide_into("mission-start", "auto")
     expect(martha.hook("value-row")).to_have_attribute("data-value", re.compile("^[1-9]"), timeout=60_000)
     assert calm.world(ROBOT)["speed_mps"] != 0
     assert not calm.world(ROBOT)["standstill"]
@@ -50,8 +49,7 @@ def test_a_farmer_weeds_pauses_drives_by_hand_and_stops(person: Come, calm: Inst
     martha.press("mission-pause")
     martha.sees("robot-mode", "paused")
     wait_for(lambda: calm.world(ROBOT)["standstill"], within_s=5, what="paused robot stands")
-    martha.slide("mission-resume")
-    martha.sees("robot-mode", "auto")
+    martha.slide_into("mission-resume", "auto")
 
     martha.press("mission-pause")
     martha.sees("robot-mode", "paused")

@@ -133,7 +133,7 @@
     constructor(place) {
       this.known = el("div");
       this.robots = new Map([[FIELD, "Field"]]);
-      this.robot = el("select", { class: "h-select", "data-testid": "camera-add-robot" });
+      this.robot = el("select", { class: "h-select", "data-testid": "camera-add-robot" }, el("option", { value: FIELD }, "Field, no robot")); // there before the robots are known
       this.camera = el("input", { class: "h-input", autocomplete: "off", maxlength: "64", pattern: ID, required: true, placeholder: "station-2", "data-testid": "camera-add-name" });
       this.problem = el("div", { class: "h-error", role: "alert", hidden: true });
       const add = el("form", { class: "h-card h-sec", novalidate: true, onsubmit: (event) => (event.preventDefault(), this.add()) },
@@ -150,7 +150,7 @@
     async again() {
       const [robots, live] = await Promise.all([HL.port.api("GET", "/robots"), HL.port.api("GET", "/cameras")]);
       for (const robot of list(robots, "robots")) if (robot.is_registered !== false) this.robots.set(robot.id, robot.name);
-      if (!this.robot.children.length) this.robot.replaceChildren(...[...this.robots].map(([id, name]) => el("option", { value: id }, id === FIELD ? "Field, no robot" : name)));
+      for (const [id, name] of [...this.robots].slice(this.robot.children.length)) this.robot.append(el("option", { value: id }, name));
       load(this.known, "Cameras", "/cameras/sources", (answer) => this.draw(list(answer, "sources"), live.ok ? list(live, "cameras") : []));
     }
 
