@@ -43,8 +43,8 @@ types: $(DEV_STAMP)
 # There a file stays in one process, so that its stories share one running demo.
 MANY := -n auto --maxprocesses 4
 test: tools lint types
-	$(BIN)/pytest $(MANY) --dist worksteal -m "not long and not browser"
-	$(BIN)/pytest $(MANY) --dist loadfile -m "not long and browser"
+	$(BIN)/python -m tests.second_try $(MANY) --dist worksteal -m "not long and not browser"
+	$(BIN)/python -m tests.second_try $(MANY) --dist loadfile -m "not long and browser"
 
 # The inner loop: no browser, no broker, nothing that takes seconds.
 test-fast: $(DEV_STAMP)

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from hypothesis import Phase, settings
-from playwright.sync_api import Browser, BrowserType
+from playwright.sync_api import Browser, BrowserType, expect
 
 from tests.find_browser import find_browser
 
@@ -18,6 +18,8 @@ _PHASES = (Phase.explicit, Phase.reuse, Phase.generate, Phase.target, Phase.shri
 settings.register_profile("same", derandomize=True, deadline=None, phases=_PHASES)
 settings.register_profile("new", deadline=None, phases=_PHASES, print_blob=True)
 settings.load_profile("new" if os.environ.get("HEADLAND_LONG") else "same")
+
+expect.set_options(timeout=15_000)  # a busy machine is late, not wrong
 
 BROWSER_FLAGS = (
     "--no-sandbox",

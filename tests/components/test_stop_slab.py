@@ -93,7 +93,7 @@ def come(page: Page, farm: Farm, *, is_all: bool = False, token: str = TOKEN) ->
     return page.get_by_test_id("stop")
 
 
-def sees(slab: Locator, state: str, *, timeout_s: float = 8) -> None:
+def sees(slab: Locator, state: str, *, timeout_s: float = 15) -> None:
     expect(slab).to_have_attribute("data-state", state, timeout=timeout_s * 1000)
 
 
@@ -173,11 +173,11 @@ def test_without_the_gateway_the_browser_itself_says_no_path_and_not_confirmed(p
     slab = come(page, farm)
     sees(slab, "ready")
     farm.gateway.kill()
-    sees(slab, "no-path", timeout_s=3)
+    sees(slab, "no-path")
     expect(slab).to_contain_text("NO PATH")
     expect(slab).to_contain_text("use the machine button")
     touch(slab)
-    sees(slab, "not-confirmed", timeout_s=3)
+    sees(slab, "not-confirmed")
     expect(slab).to_contain_text("press again, or use machine")
     page.reload()
     sees(page.get_by_test_id("stop"), "not-confirmed")  # a reload forgets nothing
@@ -218,9 +218,9 @@ def test_the_consoles_second_path_is_used_with_the_token_when_the_gateway_is_dea
     sees(slab, "ready")
     farm.page.second_path = [step]
     farm.gateway.kill()
-    sees(slab, "no-path", timeout_s=3)
+    sees(slab, "no-path")
     touch(slab)
-    sees(slab, "standstill", timeout_s=3)
+    sees(slab, "standstill")
     assert farm.page.second_path_presses[0]["robots"] == ["weeder-07"]
     assert farm.page.second_path_presses[0]["authorization"] == f"Bearer {TOKEN}"
 
@@ -229,11 +229,11 @@ def test_a_silent_robot_is_no_link_and_stop_is_sent_anyway(page: Page, farm: Far
     slab = come(page, farm)
     sees(slab, "ready")
     farm.weeder.is_silent = True
-    sees(slab, "no-link", timeout_s=6)
+    sees(slab, "no-link")
     expect(slab).to_contain_text(re.compile(r"NO LINK \d+ s · sends anyway"))
     record_states(page)
     touch(slab)
-    sees(slab, "not-confirmed", timeout_s=3)
+    sees(slab, "not-confirmed")
     assert page.evaluate("seen") == ["sent", "not-confirmed"]
     farm.weeder.is_silent = False
     sees(slab, "standstill")
@@ -434,7 +434,7 @@ def test_what_is_not_sent_while_the_socket_is_down_does_not_arrive_from_the_past
     )
     assert sent == 0
     farm.gateway.kill()
-    sees(slab, "no-path", timeout_s=3)
+    sees(slab, "no-path")
     touch(slab)
     farm.gateway.start()
     sees(slab, "standstill")

@@ -11,11 +11,10 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, Page, expect
+from playwright.sync_api import Browser, BrowserContext, Page
 
 from hmi.pages.bundle import STATIC
 
-expect.set_options(timeout=15_000)  # a busy machine is late, not wrong
 ARRIVAL_S = 15.0
 SIZES = {"landscape": (1280, 800), "portrait": (800, 1280), "desk": (1920, 1080)}
 TABLETS = ["landscape", *(pytest.param(size, marks=pytest.mark.long) for size in ("portrait", "desk"))]

@@ -73,10 +73,8 @@ async def test_closing_does_not_wait_for_work(side: SideProcess) -> None:
     own = await side.run(os.getpid)
     work = asyncio.create_task(side.run(time.sleep, 60))
     await asyncio.sleep(0)
-    begin = time.monotonic()
-    await asyncio.to_thread(side.close)
+    await asyncio.wait_for(asyncio.to_thread(side.close), timeout=30)  # the work takes a minute
     await asyncio.gather(work, return_exceptions=True)
-    assert time.monotonic() - begin < 10
     with pytest.raises(ProcessLookupError):
         os.kill(own, 0)
 
