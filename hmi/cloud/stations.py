@@ -1,6 +1,7 @@
 """Field stations as the cloud shall see them: themselves and the newest of what they measured, once each.
 
-Only accepted stations, and only values that can be true. What is old keeps its own time: nothing is told as of now.
+Only accepted stations (one that was taken out as removed), and only values that can be true. What is old keeps its own
+time: nothing is told as of now.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from datetime import datetime
 from hmi.domain.sensors.observation import Measurement, SensorKind, SoilReading, Station, WeatherReading
 from hmi.domain.sensors.quantity import Channel
 from hmi.domain.sensors.station import FieldStation
-from hmi.fiware.device import device_entity, measurement_entity
+from hmi.fiware.device import device_entity, device_removed, measurement_entity
 from hmi.fiware.soil import record_entity
 from hmi.fiware.urn import KeyValues, Urns
 from hmi.fiware.weather import weather_entity
@@ -42,6 +43,7 @@ class StationStates:
         self._board, self._urns = board, urns
         self._waiting: dict[str, None] = {}
         self._told: dict[str, KeyValues] = {}
+        self._devices: dict[str, KeyValues] = {}  # as last told, by station: what is left of one that was taken out
         self.forget()
         board.on_report.append(lambda known: self._waiting.setdefault(known.station.id))
         board.on_changed.append(lambda station_id: self._waiting.setdefault(station_id))
@@ -50,10 +52,8 @@ class StationStates:
         """Return what to tell now, at most so many entities; until told, they come again."""
         found: list[KeyValues] = []
         for station_id in list(self._waiting):
-            known = self._board.get(station_id)
-            is_ours = known is not None and known.station.is_accepted
-            fresh = [one for one in self._entities(known) if self._told.get(one["id"]) != one] if known else []
-            if not is_ours or not fresh:
+            fresh = [one for one in self._of(station_id) if self._told.get(one["id"]) != one]
+            if not fresh:
                 del self._waiting[station_id]
                 continue
             if found and len(found) + len(fresh) > limit:
@@ -63,12 +63,22 @@ class StationStates:
 
     def told(self, entities: Iterable[KeyValues]) -> None:
         """Note that these arrived; a station with nothing left to tell waits no more at the next look."""
-        self._told.update({one["id"]: one for one in entities})
+        for one in entities:
+            self._told[one["id"]] = one
+            if station_id := self._urns.name_of("Device", one["id"]):
+                self._devices[station_id] = one
 
     def forget(self) -> None:
         """Tell everything again: the broker may have lost it, or be another one."""
         self._told.clear()
-        self._waiting.update(dict.fromkeys(one.station.id for one in self._board.accepted()))
+        self._waiting.update(dict.fromkeys([*self._devices, *(one.station.id for one in self._board.accepted())]))
+
+    def _of(self, station_id: str) -> list[KeyValues]:
+        known = self._board.get(station_id)
+        if known is not None and known.station.is_accepted:
+            return self._entities(known)
+        device = self._devices.get(station_id)
+        return [device_removed(device)] if device else []
 
     def _entities(self, known: StationNow) -> list[KeyValues]:
         station = _station(known.station)

@@ -12,6 +12,7 @@ _MEASURES = {
     SensorKind.RESPIRATION: ["airPollution", "humidity"],
     SensorKind.CAMERA: ["light"],
 }
+IN_USE, REMOVED = "in use", "removed"
 
 
 def device_entity(urns: Urns, station: Station) -> KeyValues:
@@ -26,9 +27,15 @@ def device_entity(urns: Urns, station: Station) -> KeyValues:
             "controlledAsset": [urns.of("AgriParcel", station.parcel_id)] if station.parcel_id else None,
             "location": point(station.lat_deg, station.lon_deg),
             "batteryLevel": station.battery,
+            "deviceState": IN_USE,
             "dateLastValueReported": moment(station.heard_at) if station.heard_at else None,
         }
     )
+
+
+def device_removed(device: KeyValues) -> KeyValues:
+    """Return the entity of a station that was taken out: what it measured stays true, nothing more will come."""
+    return {**device, "deviceState": REMOVED}
 
 
 def measurement_entity(urns: Urns, station: Station, value: Measurement) -> KeyValues:

@@ -106,6 +106,25 @@ async def test_a_station_that_nobody_took_in_and_a_value_that_cannot_be_stay_her
     await farm.close()
 
 
+async def test_a_station_that_was_taken_out_is_told_as_removed_and_as_in_use_when_it_comes_back(farm: Farm) -> None:
+    async def state() -> str:
+        await farm.run(2)
+        [device] = (await farm.in_cloud("Device")).values()
+        return str(device["deviceState"])
+
+    farm.station("soil-1", SensorKind.SOIL, SOIL)
+    assert await state() == "in use"
+    farm.board.remove("soil-1")
+    [gone] = farm.states.reports(100)
+    check(gone)
+    farm.states.forget()
+    assert await state() == "removed", "also where the broker was away meanwhile"
+    assert farm.states.reports(100) == []
+    farm.station("soil-1", SensorKind.SOIL, SOIL)
+    assert await state() == "in use"
+    await farm.close()
+
+
 async def test_what_was_measured_while_the_cloud_was_away_arrives_as_the_newest_of_each(farm: Farm) -> None:
     farm.station("soil-1", SensorKind.SOIL, SOIL)
     farm.road.broken = lambda request: httpx.ConnectError("away", request=request)
