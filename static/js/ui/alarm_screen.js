@@ -124,7 +124,7 @@
     paintDock(isList) {
       const count = isList && this.filter.tab === "active" ? this.unseenShown().length : 0;
       const off = (button, reason, line = "") => (attr(button, "aria-disabled", reason ? "true" : null), text(button.querySelector(".sub"), reason || line));
-      off(this.ackShown, !this.may.ack ? "needs the operator role" : count ? "" : "nothing to acknowledge here", count === 1 ? "1 alarm" : `${count} alarms`);
+      off(this.ackShown, !this.may.ack ? "needs the operator role" : count ? "" : "none waits here", count === 1 ? "1 alarm" : `${count} alarms`);
       off(this.silence, "", HL.bell?.state() === "silenced" ? `${HL.words.clock(HL.bell.silentMs() / 1000)} left` : "the list stays");
       const one = HL.alarms.all()[this.chosen];
       off(this.shelve, !this.may.shelve ? "needs the supervisor role" : !one ? "choose an alarm first" : one.priority === 1 ? "not for priority 1" : one.state === "out_of_service" ? "out of service" : "", one?.state === "shelved" ? "bring it back" : one?.title ?? "");
