@@ -5,9 +5,11 @@ const MARGIN_PX = 6;
 const HALO = 0.28; // of the type size
 const ASIDE_PX = [0, -34, 34, -60, 60, -104, 104]; // where the name of a place may go when something stands on it
 
+const BESIDE_PX = [0, -12, 12, -22, 22]; // where the name of a sign may go and still stand beside it
+
 /** Shifts of a place's name that leave it on its own ground: on the next field it would name that one. */
 export function asides(label, scale, worldPx) {
-  if (!label.kind) return [0];
+  if (!label.kind) return label.isWhole ? BESIDE_PX.map((shift) => shift * scale) : [0];
   const shifts = ASIDE_PX.map((shift) => shift * scale);
   return label.room ? shifts.filter((shift) => Math.abs(shift) <= label.room[shift < 0 ? 0 : 1] * worldPx) : shifts;
 }
@@ -65,7 +67,7 @@ export class LabelLayer {
       if (x < -200 || y < -100 || x > camera.width + 200 || y > camera.height + 100) continue;
       const shifts = asides(label, palette.scale, camera.worldPx);
       const isDrawn = shifts.some((shift) => this.#one(label, x + (label.dx ?? 0), y + (label.dy ?? 0) + shift, palette, taken))
-        || (label.pill && label.align === 'left' && this.#one({ ...label, align: 'right' }, x - label.dx, y + (label.dy ?? 0), palette, taken));
+        || (label.pill && label.align === 'left' && shifts.some((shift) => this.#one({ ...label, align: 'right' }, x - label.dx, y + (label.dy ?? 0) + shift, palette, taken)));
       if (isDrawn && label.lines.length) count += 1;
     }
   }

@@ -40,7 +40,8 @@ def router(stage: MapStage, sessions: Sessions) -> APIRouter:
             body = {"name": request.query_params["name"], "size": len(await request.body())}
         if request.method != "GET":
             stage.map.asked.append({"method": request.method, "path": rest, **body})
-        await asyncio.sleep(stage.map.slow_s)
+        if not rest.endswith("/progress"):  # a server that reads a large file still says how far it is
+            await asyncio.sleep(stage.map.slow_s)
         if stage.map.is_down:
             return JSONResponse({"code": "database_unavailable", "text": "The records cannot be used right now."}, 503)
         try:
