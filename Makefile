@@ -53,7 +53,8 @@ test-fast: $(DEV_STAMP)
 
 test-long: tools
 	HEADLAND_LONG=1 $(BIN)/pytest -m "long and not browser"
-	HEADLAND_LONG=1 $(BIN)/pytest -m "long and browser"
+	HEADLAND_LONG=1 $(BIN)/pytest $(MANY) --dist loadfile -m "long and browser" --ignore=tests/e2e --ignore=tests/faults
+	HEADLAND_LONG=1 $(BIN)/pytest -m "long and browser" tests/e2e tests/faults
 	HEADLAND_LONG=1 $(BIN)/pytest $(MANY) --dist worksteal -m "hypothesis and not browser"
 
 # `make bench NAME=stop_loaded_p99_ms` runs one.

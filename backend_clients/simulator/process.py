@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import importlib
+import logging
 import itertools
 import secrets
 import signal
@@ -150,6 +151,7 @@ def run_simulator(config: SimulatorConfig, *, on_ready: OnReady | None = None) -
     Raises:
         OSError: the HTTP port is taken, or the state folder cannot be written.
     """
+    structlog.configure(wrapper_class=structlog.make_filtering_bound_logger(logging.INFO))  # not each call to the cloud
     simulator = Simulator(config, on_ready=on_ready)
 
     async def main() -> None:

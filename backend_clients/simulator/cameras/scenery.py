@@ -17,6 +17,7 @@ SPACING_M = 0.5
 USUAL_CROP = "Sugar beet"
 NEAR_DEG = 0.03
 HIGH_M = {"building": 4.5, "hedge": 3.2, "pylon": 16.0, "stone": 1.2, "weather": 2.5, "gate": 1.3}
+SHAPES = frozenset({"Point", "LineString", "Polygon"})
 GROUND_OF = {"road": "road", "water": "water", "no-go": "grass"}
 
 
@@ -71,6 +72,8 @@ def _own_field(scenery: Scenery, config: RobotConfig, run: MissionRun, frame: En
 
 def _place(one: MapFeature, frame: EnuFrame, grounds: list[Ground], solids: list[Solid]) -> None:
     shape, at = one.geometry["type"], one.geometry["coordinates"]
+    if shape not in SHAPES or one.kind == "rows":  # lines to drive by are nothing to see
+        return
     first = at if shape == "Point" else at[0] if shape == "LineString" else at[0][0]
     if abs(first[1] - frame.lat_deg) > NEAR_DEG or abs(first[0] - frame.lon_deg) > NEAR_DEG:
         return

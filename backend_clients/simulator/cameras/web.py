@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 from collections.abc import AsyncIterator, Callable, Iterable, Sequence
 from dataclasses import dataclass
 
@@ -29,6 +30,7 @@ RETRY_S = 0.5
 TRIGGER_S = 5.0  # as cameras of the published system take pictures
 READY_AFTER_S = 10.0  # the demo's other parts start first
 SMALL_PX = 64
+log = logging.getLogger(__name__)
 
 
 class Control(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
@@ -196,7 +198,13 @@ class CameraWeb:
             taken_s, wall_ms = self._observer.clock.mono_s(), look.wall_ms
             return look, make_scene
 
-        picture = await self._studio.picture(take)
+        try:
+            picture = await self._studio.picture(take)
+        except NoPicture:
+            raise
+        except Exception as problem:
+            log.exception("camera %s/%s: the scene cannot be made", robot.config.id, camera.id)
+            raise NoPicture("The camera's computer failed; its log says why.") from problem
         robot.sights[camera.id] = Sight(camera.id, taken_s, wall_ms, picture.boxes)
         return Shot(picture, wall_ms, taken_s, max(round((self._observer.clock.mono_s() - taken_s) * 1000), 0))
 

@@ -15,6 +15,8 @@ from sqlalchemy import func, select
 
 from backend_clients.edge.codec import mission_hash
 from backend_clients.edge.messages_down import Mission as Wire
+from backend_clients.simulator.cameras.painter import Painter
+from backend_clients.simulator.cameras.scenery import Scenery, scene_of
 from backend_clients.simulator.config import RobotConfig
 from backend_clients.simulator.enu import EnuFrame
 from backend_clients.simulator.history import simulate_mission
@@ -25,6 +27,7 @@ from hmi.demo.farm import feature, features
 from hmi.demo.fleet import FULL, FleetSize, read_demo_fleet, robot, write_demo_fleet
 from hmi.demo.history import record_run
 from hmi.demo.jobs import jobs_of
+from hmi.demo.scenery import map_features
 from hmi.demo.seed import AT_ONCE, DemoSeed, SeedParts
 from hmi.demo.work import TASKS, planned_work
 from hmi.domain.mission import MissionStatus
@@ -258,3 +261,18 @@ def test_one_field_has_a_guide_line_and_recorded_rows_to_try() -> None:
 def test_planters_back_up_in_their_turns_and_nobody_else_does() -> None:
     backing = {task.robot_id for task in TASKS if drives_backward(planned_work()[task.mission_id].document)}
     assert backing == {"planter-01", "planter-02", "planter-03"}
+
+
+def test_every_robot_of_the_demo_has_a_scene_for_its_cameras_with_the_fields_around_it() -> None:
+    scenery = Scenery(map_features())
+    for row in fleet_rows(1, 1, 1):
+        config = RobotConfig(
+            row["id"], row["name"], "secret", family=row["family"],
+            datum_lat_deg=row["datum_lat_deg"], datum_lon_deg=row["datum_lon_deg"],
+        )  # fmt: skip
+        scene = scene_of(scenery, config, None)
+        assert sum(one.kind == "field" for one in scene.grounds) >= 5
+        assert any(one.kind == "road" for one in scene.grounds)
+        painter = Painter()
+        painter.keep(scene)
+        assert scene.solids

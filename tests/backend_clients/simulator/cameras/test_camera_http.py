@@ -10,6 +10,7 @@ from PIL import Image, UnidentifiedImageError
 
 from backend_clients.simulator import faults
 from backend_clients.simulator.cameras import time_code, web
+from backend_clients.simulator.cameras.map_feature import MapFeature
 from tests.backend_clients.simulator.cameras.field import Pull, Site, opened
 
 
@@ -102,6 +103,16 @@ async def test_the_drawing_can_be_made_ready_before_anybody_looks(monkeypatch: p
     await site.web.prepare([site.rig.robot])
     (drawn,) = site.desk.looks
     assert (drawn.width_px, drawn.is_hasty) == (64, True)
+
+
+async def test_a_scene_that_cannot_be_made_is_no_picture_and_is_in_the_log(caplog: pytest.LogCaptureFixture) -> None:
+    site = Site()
+    nowhere = MapFeature("parcel", "Nowhere", {}, {"type": "Polygon", "coordinates": [[["a", "b"]]]})
+    site.web._observer.scenery.features = [nowhere]
+    answer = await site.ask("cameras/front/still?width=160")
+    assert answer.status == 503
+    assert b"its log says why" in answer.body
+    assert "the scene cannot be made" in caplog.text
 
 
 async def test_garbage_is_not_a_picture() -> None:
