@@ -5,8 +5,8 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import importlib
-import logging
 import itertools
+import logging
 import secrets
 import signal
 import socket
