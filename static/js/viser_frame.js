@@ -80,7 +80,7 @@
   // after each frame as the frame took, so that half of its time is left for everything else.
   const realFrame = window.requestAnimationFrame.bind(window);
   const SMOOTH_MS = 50;
-  const PAUSE_MS = 400;
+  const PAUSE_MS = 1500; // drawn in software, beside others, one frame may take a second
   const draws = new Map();
   let count = 0;
   let usualMs = 0;
