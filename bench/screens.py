@@ -201,7 +201,8 @@ def _twin(someone: Person) -> None:
 
 
 def _cameras(someone: Person) -> None:
-    someone.sees("camera-weeder-01-front", "live|stills", within_s=60)
+    shown = ", ".join(f"[data-testid^='camera-'][data-state='{state}']" for state in ("live", "stills"))
+    someone.page.locator(shown).first.wait_for(timeout=60_000)
     someone.page.wait_for_timeout(8_000)  # each camera's worker starts when it is first looked at
 
 
