@@ -90,6 +90,11 @@
       const answer = await HL.port.api("POST", `${of(this.mission.id)}/rest/preview`, this.wish(), PLAN_MS);
       if (turn !== this.turn || !this.said.isConnected) return;
       this.shown.replaceChildren();
+      if (answer.code === "not_standing") { // it was paused a moment ago
+        this.say(`${answer.text} It is planned as soon as it stands.`, "busy");
+        this.timer = setTimeout(() => this.said.isConnected && this.plan(), WAIT_MS);
+        return;
+      }
       if (!answer.ok) return this.say(answer.text || "Not planned: no answer. Try again.", "error");
       this.planned = answer.data;
       const { left_out: out, notes, kept_until: kept, way_m: way } = this.planned;

@@ -24,8 +24,14 @@ class PlayedRest(Played):
     def __init__(self, page: Page) -> None:
         super().__init__(page, [mission("m-1", "running", progress=AT.as_json())])
 
+    rolls_on = 0
+    """How many previews come before the robot stands."""
+
     def reply(self, method: str, path: str) -> tuple[int, Any]:
         """Answer what the sheet asks, else as usual."""
+        if path.endswith("/rest/preview") and self.rolls_on:
+            self.rolls_on -= 1
+            return 409, {"code": "not_standing", "text": "Weeder 07 must stand still first."}
         if path.endswith("/rest/preview"):
             wish = RestWish(base=PLANNED.document, base_sha256=PLANNED.sha256, revision=2, progress=AT)
             made = plan_rest(wish)
@@ -95,6 +101,18 @@ def test_an_obstacle_drawn_with_a_finger_is_planned_around_and_then_sent(
     assert len(outline) == pytest.approx(4, abs=2)
     page.get_by_test_id("rest-send").click()
     expect(page.get_by_test_id("toast")).to_contain_text("read the new rest back")
+
+
+@pytest.mark.long
+def test_a_robot_that_rolls_out_is_waited_for(sheet: Callable[..., tuple[Page, PlayedRest]]) -> None:
+    page, played = sheet()
+    played.rolls_on = 2
+    page.get_by_test_id("rest-order").select_option("turned")
+    expect(page.get_by_test_id("rest-said")).to_have_text(
+        "Weeder 07 must stand still first. It is planned as soon as it stands."
+    )
+    expect(page.get_by_test_id("rest-said")).to_have_attribute("data-state", "ready")
+    expect(page.get_by_test_id("rest-send")).to_be_enabled()
 
 
 @pytest.mark.long
