@@ -31,8 +31,11 @@ SETTLE_MS = 1500
 Prepare = Callable[[Person], None]
 
 
-def _as_it_opens(_someone: Person) -> None:
-    """Leave the screen as it opens."""
+def _as_it_opens(someone: Person) -> None:
+    """Leave the screen as it opens; a map comes a little later."""
+    someone.page.wait_for_function(
+        "!document.querySelector('.hl-map') || window.headlandMap?.state()?.frame > 2", timeout=60_000
+    )
 
 
 def main() -> int:

@@ -13,6 +13,7 @@ SHOWN_S = 5.0
 TROUBLE_S = 60.0  # a loss of messages is over when none was lost for a minute
 DISK_SHARE, DISK_BYTES = 0.05, 1_000_000_000
 SLOW_S = 1.0
+STARTING_S, STARTING_SLOW_S = 60.0, 5.0  # parts that come later are loaded, and the records of the night looked through
 LATELY = timedelta(seconds=60)
 
 
@@ -48,6 +49,7 @@ class ConsoleRules:
         self._restarted_s: dict[str, float] = {}
         self._jumped: tuple[float, float] | None = None
         self._troubles: dict[str, tuple[str, float]] = {}
+        self._begun_s: float | None = None
 
     def trouble(self, code: str, text: str, now_s: float) -> None:
         """Note what the connection to the robots reported, such as messages that were lost."""
@@ -56,6 +58,7 @@ class ConsoleRules:
     def look(self, health: Health, now_s: float) -> Findings:
         """Return what holds now."""
         found = [*self._parts(health, now_s), *self._told(now_s)]
+        self._begun_s = now_s if self._begun_s is None else self._begun_s
         if not health.is_broker_up:
             found.append(Finding("broker-lost", "Not connected to the MQTT broker."))
         if health.disk_free is not None and _is_full(*health.disk_free):
@@ -65,7 +68,7 @@ class ConsoleRules:
             found.append(Finding("database-down", "It does not answer."))
         found += [Finding("records-lost", f"{name}: {text}"[:MAX_TEXT], detail_of(name))
                   for name, text in health.writers.items() if text]  # fmt: skip
-        if health.late_s > SLOW_S:
+        if health.late_s > (STARTING_SLOW_S if now_s - self._begun_s < STARTING_S else SLOW_S):
             found.append(Finding("console-slow", f"Held up for {health.late_s:.1f} s."))
         if health.audit_text:
             found.append(Finding("audit-broken", health.audit_text))

@@ -36,7 +36,7 @@ def test_a_console_that_is_well_has_no_alarm() -> None:
         (replace(WELL, disk_free=(2_000_000_000, 0.02)), "disk-full"),
         (replace(WELL, disk_free=(500_000_000, 0.09)), "disk-full"),
         (replace(WELL, writers={"History": "disk is full"}), "records-lost.history"),
-        (replace(WELL, late_s=1.5), "console-slow"),
+        (replace(WELL, late_s=5.5), "console-slow"),
         (replace(WELL, clock_jump_s=-3600.0), "clock-jumped"),
         (replace(WELL, audit_text="Entry 7 was changed."), "audit-broken"),
         (replace(WELL, parts={"stop": part("down")}), "gateway-down"),
@@ -44,6 +44,13 @@ def test_a_console_that_is_well_has_no_alarm() -> None:
 )
 def test_each_trouble_has_its_alarm(health: Health, code: str) -> None:
     assert codes(ConsoleRules(), health) == [code]
+
+
+def test_a_console_that_starts_may_be_late_for_a_moment_later_it_is_told() -> None:
+    rules = ConsoleRules()
+    assert codes(rules, replace(WELL, late_s=1.5), 0) == []
+    assert codes(rules, replace(WELL, late_s=1.5), 59) == []
+    assert codes(rules, replace(WELL, late_s=1.5), 61) == ["console-slow"]
 
 
 def test_a_large_disk_with_much_room_is_not_full_at_four_percent() -> None:
