@@ -33,7 +33,7 @@ export default {
   methods: {
     async begin() {
       const base = window.path_prefix ?? "";
-      this.$el.textContent = "Loading map";
+      this.say("Loading map");
       await window.HL?.port?.firstPicture(); // nothing of a map may delay STOP or the values
       if (this.isGone) return;
       try {
@@ -71,7 +71,13 @@ export default {
       const again = Object.assign(document.createElement("button"), { type: "button", textContent: "Try again" });
       again.style.minHeight = "48px";
       again.addEventListener("click", () => this.begin());
-      this.$el.replaceChildren("Map did not load. ", again);
+      this.say("Map did not load. ", again);
+    },
+    say(...words) {
+      const card = Object.assign(document.createElement("div"), { className: "h-card" });
+      card.style.cssText = "position:absolute;inset:50% auto auto 50%;width:max-content;height:auto;transform:translate(-50%,-50%);padding:12px 16px;font-weight:600"; // the map's own sheet is not there yet
+      card.append(...words);
+      this.$el.replaceChildren(card);
     },
   },
   watch: {
