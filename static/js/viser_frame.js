@@ -138,7 +138,19 @@
   addEventListener("webglcontextrestored", () => tell({ kind: "restored" }), true);
 
   // without WebGL the frame has nothing to show; the page around shows the map instead
-  const canvas = make("canvas");
-  if (!(canvas.getContext("webgl2") || canvas.getContext("webgl"))) tell({ kind: "no-webgl" });
+  const gl = make("canvas").getContext("webgl2") || make("canvas").getContext("webgl");
+  if (!gl) tell({ kind: "no-webgl" });
+
+  // 9. Where the processor draws, each pixel is taken from everything else: viser is asked for coarser ones,
+  // which shows two to three times as many pictures.
+  // The names are those of static/js/map/webgl.js.
+  const COARSE = "0.6";
+  const info = gl?.getExtension("WEBGL_debug_renderer_info");
+  const renderer = gl ? String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER)) : "";
+  if (/swiftshader|llvmpipe|softpipe|software|basic render/i.test(renderer)) {
+    query.set("fixedDpr", COARSE);
+    history.replaceState(history.state, "", `${location.pathname}?${query}`);
+  }
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
   tell({ kind: "ready" });
 })();

@@ -6,7 +6,7 @@ import vm from 'node:vm';
 
 const SOURCE = readFileSync(new URL('../../static/js/viser_frame.js', import.meta.url), 'utf8');
 
-function frame() {
+function frame(renderer = 'ANGLE (Intel)') {
   const world = { now: 0, beats: [], told: [] };
   class Worker {
     constructor() { this.sent = []; this.listeners = []; }
@@ -14,12 +14,13 @@ function frame() {
     postMessage(message) { this.sent.push(message); }
     say(type) { this.listeners.forEach((call) => call({ data: { type } })); }
   }
-  const canvas = { getContext: () => ({}) };
+  const canvas = { getContext: () => ({ RENDERER: 7937, getExtension: () => null, getParameter: () => renderer }) };
   const page = {
-    Worker, URLSearchParams, location: { search: '?viewer=abc', protocol: 'http:', host: 'farm:8080', origin: 'http://farm:8080' },
+    Worker, URLSearchParams, location: { pathname: '/viser/', search: '?viewer=abc', protocol: 'http:', host: 'farm:8080', origin: 'http://farm:8080' },
     document: { currentScript: { nonce: '' }, createElement: () => canvas, documentElement: { dataset: {} }, hasFocus: () => false },
     performance: { now: () => world.now }, setInterval: (call) => world.beats.push(call), setTimeout: () => 0,
     requestAnimationFrame: () => 0, addEventListener() {}, dispatchEvent() {}, ResizeObserver: class { observe() {} }, Event: class {},
+    history: { state: null, replaceState: (_state, _title, to) => (world.at = to) },
     parent: { postMessage: (message) => world.told.push(message) }, reportError() {},
   };
   page.window = page;
@@ -28,11 +29,18 @@ function frame() {
   const pass = (ms) => { for (const end = world.now + ms; world.now < end;) { world.now += 400; world.beats.forEach((beat) => beat()); } };
   const tries = () => worker.sent.filter((one) => one.type === 'retry').length;
   worker.postMessage({ type: 'set_server', server: 'ws://elsewhere' });
-  return { page, worker, pass, tries, told: world.told };
+  return { page, worker, pass, tries, world, told: world.told };
 }
 
 test('the picture comes from our own origin, with the viewer it belongs to', () => {
   const { worker } = frame();
+  assert.equal(worker.sent[0].server, 'ws://farm:8080/viser?viewer=abc');
+});
+
+test('where the processor draws, the picture is asked for coarser', () => {
+  assert.equal(frame().world.at, undefined);
+  const { worker, world } = frame('ANGLE (Google, Vulkan (SwiftShader Device))');
+  assert.equal(world.at, '/viser/?viewer=abc&fixedDpr=0.6');
   assert.equal(worker.sent[0].server, 'ws://farm:8080/viser?viewer=abc');
 });
 
