@@ -40,7 +40,7 @@ def build(services: PageServices, session: SessionInfo) -> None:
             for name, label, sign in SECTIONS:
                 with ui.element("button").props(f"type=button data-tab={name} data-testid=admin-tab-{name}"):
                     ui.html(f"{icon(sign, 'm')}{label}", sanitize=False, tag="span").classes("h-row")
-        LiveElement("hl-admin", classes="h-scroll")
+        LiveElement("hl-admin", classes="h-scroll", data_style=bundle.screen_style_url("admin"))
         LiveElement(
             "hl-dock-hint",
             classes="h-dockbar",

@@ -21,6 +21,7 @@ STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 
 SCREEN_STYLES = (
     "maps", "plan", "queue", "alarms", "fleet", "demo", "supervisor", "twin", "machine_dock", "cameras", "sensors",
+    "admin",
 )  # fmt: skip
 """Styles that a screen fetches with its scripts."""
 STYLE_PARTS = {"supervisor": ("supervisor", "supervisor_panels")}

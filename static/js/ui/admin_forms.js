@@ -182,5 +182,6 @@
     }
   }
 
+  document.head.append(el("link", { rel: "stylesheet", href: document.querySelector("hl-admin")?.dataset.style ?? "" }));
   define("hl-admin", Admin);
 })();

@@ -6,7 +6,7 @@
   function table(columns, rows) {
     return el("div", { class: "h-tablewrap" }, el("table", { class: "h-table" },
       el("thead", {}, el("tr", {}, ...columns.map((name) => el("th", { scope: "col" }, name)))),
-      el("tbody", {}, ...rows.map(({ hook, cells }) => el("tr", { "data-testid": hook }, ...cells.map((cell) => el("td", {}, cell)))))));
+      el("tbody", {}, ...rows.map(({ hook, cells }) => el("tr", { "data-testid": hook }, ...cells.map((cell, i) => el("td", { "data-of": columns[i] }, cell)))))));
   }
 
   const skeleton = () => el("div", { class: "h-card h-skeleton", "aria-label": "Loading" }, ...["100%", "82%", "92%"].map((width) => { const bar = el("i"); bar.style.width = width; return bar; }));
