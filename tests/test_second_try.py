@@ -12,6 +12,7 @@ import pytest
 from tests.second_try import FEW
 
 ROOT = Path(__file__).parent.parent
+LEAN = {"PYTHONPATH": str(ROOT), "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTEST_ADDOPTS": "-p xdist.plugin"}
 PASSES_AT_THE_SECOND_TRY = """
 from pathlib import Path
 
@@ -31,7 +32,7 @@ def _run(folder: Path, tests: str) -> subprocess.CompletedProcess[str]:
     (folder / "pytest.ini").write_text("[pytest]\n", "utf-8")
     return subprocess.run(
         [sys.executable, "-m", "tests.second_try", "-q", "test_it.py"],
-        cwd=folder, env=os.environ | {"PYTHONPATH": str(ROOT)}, capture_output=True, text=True, check=False,
+        cwd=folder, env=os.environ | LEAN, capture_output=True, text=True, check=False,
     )  # fmt: skip
 
 

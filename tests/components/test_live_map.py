@@ -83,6 +83,7 @@ def test_farm_and_robot_layers_agree_on_where_the_ground_is(the_map: MapPage) ->
     assert any(is_close(pixels.at(x + dx, y + dy), edge, 40) for dx in (-1, 0, 1) for dy in (-1, 0, 1))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("engine", ENGINES)
 def test_done_rows_are_dark_the_current_one_heavy_the_next_dashed_and_the_rest_thin(
     the_map: MapPage, engine: str

@@ -74,6 +74,7 @@ def test_a_situation_is_started_and_ended_for_the_robot_on_the_screen(look: Call
     expect(page.get_by_test_id("demo-note")).to_have_text("The simulator does not answer.")
 
 
+@pytest.mark.long
 def test_a_viewer_may_look_only_and_the_sheet_never_covers_stop(look: Callable[..., Page]) -> None:
     page, _farm = opened(look, role="viewer", size="portrait")
     expect(page.get_by_test_id("demo-play-rtk-float")).to_be_disabled()

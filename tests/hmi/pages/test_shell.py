@@ -240,6 +240,7 @@ def test_the_lost_server_is_said_and_no_press_acts_later(look: Look, theatre: Th
     expect(page.get_by_test_id("value-speed")).to_be_visible()
 
 
+@pytest.mark.long
 def test_a_page_whose_script_was_lost_says_so_and_comes_by_itself(look: Look) -> None:
     page = look(may_break=True)
     page.route("**/nicegui.js", lambda route: route.abort())
