@@ -46,10 +46,11 @@ test: tools lint types
 	$(BIN)/python -m tests.second_try $(MANY) --dist worksteal -m "not long and not browser"
 	$(BIN)/python -m tests.second_try $(MANY) --dist loadfile -m "not long and browser"
 
-# The inner loop: no browser, no broker, nothing that takes seconds.
+# The inner loop: no browser, no broker, no app with its database, nothing that takes seconds.
 test-fast: $(DEV_STAMP)
 	$(BIN)/ruff check .
-	$(BIN)/pytest -q -x $(MANY) --dist worksteal -m "not long and not slow and not browser and not broker"
+	$(BIN)/pytest -q -x $(MANY) --dist worksteal -m "not long and not slow and not browser and not broker" \
+		--ignore=tests/e2e --ignore=tests/faults --ignore=tests/components --ignore=tests/interop
 
 test-long: tools
 	HEADLAND_LONG=1 $(BIN)/pytest -m "long and not browser"

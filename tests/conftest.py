@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -49,12 +50,21 @@ def plain_browser(browser_type: BrowserType, browser_type_launch_args: dict[str,
     browser.close()
 
 
+# what drives an app with its database over HTTP, or other processes: not for the inner loop
+_WHOLE_APPS = re.compile(
+    r"tests/(contract|e2e|faults|interop)/|tests/hmi/(api|app|cameras|cloud|demo|media|pictures|planning_service|queue"
+    r"|security|sensors)/|/(forecast|context_broker)/|rest\w*\.py|test_(lane|records|second_try)"
+)
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark whatever asks for a page as ``browser``: the two runs of ``make test`` must not mix.
+    """Mark whole apps as ``slow``, and whatever asks for a page as ``browser``.
 
-    The browser's driver runs an event loop in the main thread, in which no asyncio test can start its own.
+    The two runs of ``make test`` must not mix: the browser's driver runs an event loop in the main thread, in which no asyncio test can start its own.
     """
     for item in items:
         if {"page", "browser", "plain_browser", "playwright"} & set(getattr(item, "fixturenames", ())):
             item.add_marker(pytest.mark.browser)
+        if _WHOLE_APPS.search(item.path.as_posix()):
+            item.add_marker(pytest.mark.slow)
