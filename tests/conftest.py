@@ -61,7 +61,8 @@ _WHOLE_APPS = re.compile(
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark whole apps as ``slow``, and whatever asks for a page as ``browser``.
 
-    The two runs of ``make test`` must not mix: the browser's driver runs an event loop in the main thread, in which no asyncio test can start its own.
+    The two runs of ``make test`` must not mix: the browser's driver runs an event loop in the main thread, in which no
+    asyncio test can start its own.
     """
     for item in items:
         if {"page", "browser", "plain_browser", "playwright"} & set(getattr(item, "fixturenames", ())):
