@@ -102,6 +102,7 @@ class Brain:
         self.is_button_known = False
         saved = self.memory.load_safety(boot)
         self.latch = Latch(saved.latch)
+        self.braked_from_m: float | None = None  # driven when the latch was set; not known of a latch before this boot
         self.guard = Guard(make_challenge, lease_token=saved.lease_token, revoked_token=saved.revoked_token)
         self.memory.load_progress(self)
         self.watch = Watch(self)

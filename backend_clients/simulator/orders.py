@@ -71,8 +71,11 @@ class OrderDesk:
     def stop(self, order: down.Stop) -> up.Ack:
         """Stop and latch; valid at any age, from anyone, also retained."""
         brain = self._brain
+        is_first = not brain.latch.is_set
         verdict = brain.latch.press(order.stop_id, order.by, order.device, brain.clock.mono_s())
         if verdict.code == "ok":
+            if is_first:
+                brain.braked_from_m = brain.machine.base.distance_m
             brain.halt(order.stop_id)
             brain.note(
                 "safety",

@@ -138,8 +138,15 @@ class Reporter:
             speed_mps=round(speed, 3),
             tool_off=not machine.tool_on,
             presses=[self._press(press) for press in list(brain.latch.presses)[-MAX_PRESSES_SHOWN:]],
-            stopping_distance_m=round(machine.profile.motion.stopping_distance_m(speed), 3),
+            stopping_distance_m=self._stopping_distance_m(),
         )
+
+    def _stopping_distance_m(self) -> float | None:
+        """Return how far it went from the press until it stood; not known before it stands."""
+        brain, machine = self._brain, self._brain.machine
+        if not brain.latch.is_set or not machine.is_standing or brain.braked_from_m is None:
+            return None
+        return round(machine.base.distance_m - brain.braked_from_m, 3)
 
     def factsheet(self) -> up.Factsheet:
         """Return who the robot is and what it can do."""

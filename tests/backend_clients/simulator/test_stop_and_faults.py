@@ -28,12 +28,15 @@ def test_stop_brakes_within_the_distance_it_announces_and_switches_the_laser_off
     assert (ack.outcome, ack.kind, ack.ref) == ("accepted", "stop", "stop-000001")
     assert ack.speed_mps == pytest.approx(speed)
     assert not rig.safety.standstill
+    assert rig.safety.stopping_distance_m is None
     rig.run(0.05)
     assert not rig.robot.machine.tool_on
     rig.run(3)
     rolled_m = rig.robot.machine.base.distance_m - before
     assert rolled_m <= TRACKED.stopping_distance_m(speed) + speed * 0.05
     assert (rig.safety.standstill, rig.safety.latched, rig.state.mode) == (True, True, "stopped")
+    assert rig.safety.stopping_distance_m == pytest.approx(rolled_m, abs=0.001)
+    assert rolled_m > 0.1
     assert [p.stop_id for p in rig.safety.presses] == ["stop-000001"]
 
 
