@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -29,7 +30,8 @@ def test_is_well():
 
 def _run(folder: Path, tests: str) -> subprocess.CompletedProcess[str]:
     (folder / "test_it.py").write_text(tests, "utf-8")
-    (folder / "pytest.ini").write_text("[pytest]\n", "utf-8")
+    ours = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["pytest"]["ini_options"]
+    (folder / "pytest.ini").write_text(f"[pytest]\naddopts = {ours['addopts']}\n", "utf-8")
     return subprocess.run(
         [sys.executable, "-m", "tests.second_try", "-q", "test_it.py"],
         cwd=folder, env=os.environ | LEAN, capture_output=True, text=True, check=False,

@@ -7,7 +7,7 @@
   const parcelArea = (features) => [...features.values()].filter((one) => M.kindOf(one) === "parcel").reduce((sum, one) => sum + (M.areaM2(one) ?? 0), 0);
 
   function usualNote(log) {
-    const done = (log ?? []).filter((one) => !one.is_undone);
+    const done = log.filter((one) => !one.is_undone);
     if (!done.length) return "";
     return done.length === 1 ? done[0].label : `${done[0].label}, and ${done.length - 1} more`;
   }
@@ -16,7 +16,7 @@
   function askPublish(client, { done, checked }) {
     const version = client.nextVersion;
     const note = el("input", { class: "h-input", maxlength: "200", autofocus: true, autocomplete: "off", "data-testid": "publish-note" });
-    note.value = usualNote(client.draft?.log);
+    note.value = usualNote([...(client.draft?.log ?? []), ...client.queue.items]);
     const said = el("p", { class: "h-error", role: "alert", "data-testid": "publish-error" });
     const go = el("button", { type: "button", class: "h-btn pri", "data-testid": "publish-go", onclick: () => publish(false) }, `Publish v${version}`);
     const close = HL.sheet({

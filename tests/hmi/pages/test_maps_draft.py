@@ -10,6 +10,13 @@ from tests.hmi.pages.maps_screen import Show, choose, editing, saved, set_field
 from tests.hmi.pages.maps_screen import show as show
 
 pytestmark = pytest.mark.browser
+SAVING_TAKES_LONG = """() => {
+  const { api } = HL.port;
+  HL.port.api = async (method, path, ...more) => {
+    if (path.endsWith('/transactions')) await new Promise((done) => setTimeout(done, 1000));
+    return api(method, path, ...more);
+  };
+}"""
 NEWS_BEFORE_ANSWER = """() => {
   const { api } = HL.port;
   HL.port.api = async (method, path, ...more) => {
@@ -25,6 +32,7 @@ def test_publishing_asks_for_a_note_and_makes_the_next_version(show: Show, theat
     page = editing(show())
     expect(page.get_by_test_id("editor-reason")).to_have_text("Nothing is changed yet.")
     choose(page, "nordfeld")
+    page.evaluate(SAVING_TAKES_LONG)
     set_field(page, "feature-status", "BBCH 16")
     page.get_by_test_id("editor-publish").click()
     expect(page.get_by_test_id("publish-note")).to_have_value("Status BBCH 14 to BBCH 16")
