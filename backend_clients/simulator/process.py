@@ -219,6 +219,7 @@ def _listen(host: str, port: int) -> socket.socket:
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listener.bind((host, port))
+        listener.listen()  # from here on who calls is kept waiting, not refused, until the server takes the call
     except OSError:
         listener.close()
         raise
