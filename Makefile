@@ -4,6 +4,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 DEV_STAMP := $(VENV)/.installed-dev
+# What was compiled once is kept, or each process of the demo and of the tests compiles all of it again.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: demo serve test test-fast test-long lint types bench screens alarm-catalogue lock clean tools
 
