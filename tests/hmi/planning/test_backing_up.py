@@ -72,7 +72,7 @@ def test_where_driving_on_is_quicker_it_drives_on() -> None:
     assert plan_coverage(Job(square(60), 7.0, slow, angle_rad=math.pi / 2)).figures.reversals == 0
 
 
-@settings(max_examples=12, derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.one_of(convex_fields(), crooked_fields()), st.sampled_from([1.0, 2.0, 3.0]))
 @pytest.mark.slow
 def test_on_any_field_the_outline_stays_inside_and_the_path_passes_the_check(field: Polygon, width_m: float) -> None:

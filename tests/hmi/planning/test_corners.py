@@ -81,7 +81,7 @@ def test_a_narrow_tool_leaves_tips_that_no_loop_is_worth() -> None:
     assert loops(plan_coverage(Job(square(20), 0.5, RobotProfile()))) == []
 
 
-@settings(max_examples=15, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(fields_with_holes())
 @pytest.mark.long
 def test_loops_stay_inside_and_bend_no_tighter_than_the_machine(field: Polygon) -> None:

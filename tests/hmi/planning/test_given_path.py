@@ -49,7 +49,7 @@ def test_our_own_plan_comes_back_the_same_to_the_byte(pattern: Pattern) -> None:
     assert {**found.statistics, "notes": []} == {**own.statistics, "notes": []}
 
 
-@settings(max_examples=25, derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
 @given(st.one_of(convex_fields(), crooked_fields()), st.sampled_from([1.5, 3.0]), st.sampled_from(Pattern))
 @pytest.mark.slow
 def test_whatever_our_planner_makes_is_taken(field: Any, width_m: float, pattern: Pattern) -> None:
@@ -162,7 +162,7 @@ CHANGES = st.one_of(
 )
 
 
-@settings(max_examples=60, derandomize=True, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
 @given(CHANGES)
 @pytest.mark.slow
 def test_a_mutated_path_is_never_taken(usual: tuple[PlanWish, Segments], change: tuple[str, Any, Any]) -> None:

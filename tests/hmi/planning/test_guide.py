@@ -156,7 +156,7 @@ def guided_jobs(draw: st.DrawFn) -> Job:
     return along(draw(guides(field, 10.0)), field, draw(st.sampled_from(MACHINES)))
 
 
-@settings(max_examples=8, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=8, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(guided_jobs())
 @pytest.mark.slow
 def test_whatever_the_line_the_path_stays_inside_and_can_be_steered(job: Job) -> None:
@@ -172,7 +172,7 @@ def test_whatever_the_line_the_path_stays_inside_and_can_be_steered(job: Job) ->
     assert_steerable(job, plan)
 
 
-@settings(max_examples=12, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(crooked_fields(), st.data(), st.sampled_from([0.75, 3.0]))
 @pytest.mark.slow
 def test_parallels_of_a_gentle_line_leave_and_work_twice_next_to_nothing(

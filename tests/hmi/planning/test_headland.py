@@ -15,7 +15,7 @@ from tests.hmi.planning.test_properties import SLACK_RAD, fields_with_holes, sha
 MACHINE = RobotProfile(turning_radius_m=1.5)
 
 
-@settings(max_examples=40, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(fields_with_holes(), st.sampled_from([0.5, 3.0]))
 def test_a_lap_bends_no_tighter_than_the_turning_radius(field: Polygon, width_m: float) -> None:
     for lap in laps(Ground(field, MACHINE), divide(MACHINE, width_m, None)):

@@ -46,7 +46,7 @@ def test_a_land_is_worked_from_its_edges_to_its_middle(count: int, span: int) ->
         assert abs(order[-1] - order[-2]) == 1
 
 
-@settings(max_examples=12, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     st.one_of(convex_fields(), crooked_fields()),
     st.sampled_from([1.5, 3.0]),

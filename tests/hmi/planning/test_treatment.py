@@ -99,7 +99,7 @@ circles = st.builds(
 
 
 @pytest.mark.slow
-@settings(max_examples=15, derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(
     convex_fields(),
     st.lists(st.tuples(circles, st.sampled_from([0.0, 0.5, 1.0, 2.0])), max_size=3),
