@@ -19,6 +19,7 @@ from hmi.planning.dubins import Pose
 from hmi.planning.headland import Lap, strips
 from hmi.planning.links import Linker
 from hmi.planning.plan import headings
+from hmi.planning.polyline import distinct
 from hmi.planning.projection import Floats
 
 WORTH_M2 = 0.5  # a smaller tip is not worth the way of a loop
@@ -89,10 +90,10 @@ class Corners:
                 continue
             end, loop, start = found
             side = np.vstack([begin, points[following : corner.first + 1], end])
-            done += [Stretch(_distinct(side)), Stretch(loop, is_worked=False)]
+            done += [Stretch(distinct(side)), Stretch(loop, is_worked=False)]
             is_beyond = np.dot(start - points[corner.last], corner.after) > 0  # beyond where the round corner ends
             begin, following = start, corner.last + int(is_beyond)
-        done.append(Stretch(_distinct(np.vstack([begin, points[following:]]))))
+        done.append(Stretch(distinct(np.vstack([begin, points[following:]]))))
         worked = shapely.MultiLineString([one.points for one in done if one.is_worked])
         self._strips[id(lap)] = worked.buffer(self._width_m / 2, cap_style="flat")  # the next lap leaves no more tips
         return done
@@ -184,8 +185,3 @@ def _place(place: Floats) -> tuple[float, float]:
 
 def _length(points: Floats) -> float:
     return float(np.hypot(*np.diff(points, axis=0).T).sum())
-
-
-def _distinct(points: Floats) -> Floats:
-    keep = np.append(True, np.hypot(*np.diff(points, axis=0).T) > 1e-6)
-    return np.asarray(points[keep], dtype=np.float64)

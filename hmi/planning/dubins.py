@@ -138,12 +138,3 @@ def along(kind: str, x: float, y: float, heading: float, parts: Floats) -> Float
     east = x + sign * (np.sin(turned) - math.sin(heading))
     north = y - sign * (np.cos(turned) - math.cos(heading))
     return np.column_stack([east, north, turned])
-
-
-def distinct(points: Floats) -> Floats:
-    """Drop points on top of the one before; the last one is kept exactly."""
-    keep = np.append(True, np.hypot(*np.diff(points, axis=0).T) > 1e-4)
-    kept: Floats = points[keep]
-    if len(kept) > 1:
-        kept[-1] = points[-1]
-    return kept

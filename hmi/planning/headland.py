@@ -23,6 +23,7 @@ _FINE_STEPS = (
 )
 _BULGE = 0.002  # of the radius: what a chord over 7.5 degrees cuts off
 _BULGE_M = 0.003
+_KINK_M = 0.02  # where circles touch, growing and shrinking leave a corner so far beside the arc
 _MOST_PLACES = 12  # of a lap where joining it is tried
 _NEARLY = 0.99
 _LONG_M = 25.0  # pieces longer than this are joined near their ends too
@@ -179,4 +180,25 @@ def _clean(points: Floats, radius_m: float) -> Floats:
     line = shapely.simplify(shapely.LineString(points), min(_BULGE * radius_m, _BULGE_M))
     kept = shapely.get_coordinates(line)
     steps = np.hypot(*np.diff(kept, axis=0).T)
-    return np.asarray(kept[np.append(True, steps > 1e-3)], dtype=np.float64)
+    return without_kinks(np.asarray(kept[np.append(True, steps > 1e-3)], dtype=np.float64))
+
+
+def without_kinks(points: Floats) -> Floats:
+    """Drop corners of a closed (N, 2) ring that lie a little beside the way and make it turn to and fro.
+
+    Args:
+        points: metres; first and last are the same, and of what is returned as well.
+    """
+    ring = points[:-1]
+    before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
+    turns = _cross(ring - before, after - ring)
+    is_against = (turns * np.roll(turns, 1) < 0) & (turns * np.roll(turns, -1) < 0)
+    chords = after - before
+    off_m = np.where(is_against, np.abs(_cross(chords, ring - before)) / np.maximum(np.hypot(*chords.T), 1e-9), 0.0)
+    is_worst = (off_m >= np.roll(off_m, 1)) & (off_m >= np.roll(off_m, -1))  # its neighbours bend because of it
+    kept = ring[~(is_against & is_worst & (off_m < _KINK_M))]
+    return np.vstack([kept, kept[:1]]) if len(kept) >= 3 else points
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], dtype=np.float64)

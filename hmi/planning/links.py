@@ -14,9 +14,10 @@ from itertools import pairwise
 import numpy as np
 
 from hmi.planning import dubins
-from hmi.planning.dubins import DubinsPath, Pose, distinct
+from hmi.planning.dubins import DubinsPath, Pose
 from hmi.planning.ground import Ground
 from hmi.planning.plan import GENTLE_RAD, headings
+from hmi.planning.polyline import distinct
 from hmi.planning.projection import Floats
 
 STEP_M = 0.5  # distance of points on straight pieces does not matter to a robot; on arcs the angle rules

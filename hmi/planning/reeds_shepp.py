@@ -15,8 +15,9 @@ from itertools import groupby
 
 import numpy as np
 
-from hmi.planning.dubins import Pose, along, distinct
+from hmi.planning.dubins import Pose, along
 from hmi.planning.plan import Drive
+from hmi.planning.polyline import distinct
 
 _QUARTER = math.pi / 2
 _LEAST_PART = 1e-6  # shorter parts are rounding

@@ -22,9 +22,9 @@ from hmi.store.database import Database
 from hmi.store.devices import Devices
 from hmi.store.stop_list import StopList
 from hmi.store.users import Users
-from tests.hmi.store.conftest import FARM, clock, database, migrated
+from tests.hmi.store.conftest import FARM, clock, database, migrated, server
 
-__all__ = ["FARM", "clock", "database", "migrated"]
+__all__ = ["FARM", "clock", "database", "migrated", "server"]
 SECRET = "a secret that only this test knows"
 LIFETIME_S = 12 * 3600.0
 PASSWORD = "horse-battery-7"

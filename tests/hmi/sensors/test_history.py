@@ -18,6 +18,7 @@ from hmi.store.farms import Farms
 from hmi.store.sensor_history import DAY_S, TEN_MINUTES_S, SensorHistory
 from tests.hmi.store.conftest import database as database
 from tests.hmi.store.conftest import migrated as migrated
+from tests.hmi.store.conftest import server as server
 
 NOW = datetime(2026, 6, 15, 12, 34, tzinfo=UTC)
 WIND, FROM = Channel("wind_speed"), Channel("wind_bearing")
