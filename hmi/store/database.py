@@ -38,6 +38,8 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 BUSY_TIMEOUT_MS = 5000  # longer than any batch or thinning step holds the write lock
+SERVER_TIMEOUT_S = 5
+"""A database server that neither answers nor refuses for so long is gone."""
 THREADS = 4  # SQLite writes one at a time anyway; the others read
 _WRITES = {"headland_writes": True}
 
@@ -137,7 +139,9 @@ def _cause(error: SQLAlchemyError) -> object:
 
 def _make_engine(url: URL) -> Engine:
     if url.get_backend_name() != "sqlite":
-        return create_engine(url, pool_size=THREADS, max_overflow=4, pool_pre_ping=True)
+        return create_engine(
+            url, pool_size=THREADS, max_overflow=4, pool_pre_ping=True, connect_args=_server_limits(url)
+        )
     if not url.database or url.database == ":memory:":
         raise ValueError("SQLite in memory cannot be shared by threads: give a file")
     _make_private_file(Path(url.database))
@@ -145,6 +149,22 @@ def _make_engine(url: URL) -> Engine:
     event.listen(engine, "connect", _set_up_sqlite)
     event.listen(engine, "begin", _begin_sqlite)
     return engine
+
+
+def _server_limits(url: URL) -> dict[str, object]:
+    """Return how long a server may keep us waiting; what the URL says itself goes first.
+
+    Without these a lock held elsewhere, or a server whose machine is gone, holds a thread for ever.
+    """
+    limits: dict[str, object] = {
+        "connect_timeout": SERVER_TIMEOUT_S,
+        "options": f"-c lock_timeout={BUSY_TIMEOUT_MS}",
+        "tcp_user_timeout": SERVER_TIMEOUT_S * 1000,
+        "keepalives_idle": SERVER_TIMEOUT_S,
+        "keepalives_interval": 2,
+        "keepalives_count": 3,
+    }
+    return {key: value for key, value in limits.items() if key not in url.query}
 
 
 def _make_private_file(path: Path) -> None:
