@@ -59,7 +59,9 @@ class ReedsSheppPath:
                 points.append(poses[:, :2])
                 x, y, heading = poses[-1].tolist()
             places = np.concatenate(points) * self.radius_m + np.array(self.start[:2])
-            found.append(Drive(distinct(places), is_backward=is_backward))
+            line = distinct(places)
+            if len(line) > 1:
+                found.append(Drive(line, is_backward=is_backward))
         return found
 
 

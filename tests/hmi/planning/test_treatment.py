@@ -124,7 +124,9 @@ def test_the_tool_is_on_where_it_is_wanted_and_off_beyond_its_lead(
         if leg.tool_on:
             assert line.difference(wanted.buffer(lead_m + 0.3)).length < 0.3 + 2 * lead_m
         elif leg.kind in (LegKind.ROW, LegKind.HEADLAND):
-            # the loop in the corner of a lap leads over ground that is worked along its sides
-            assert line.intersection(wanted.buffer(-0.2)).difference(worked).length < 0.3
+            # the loop in the corner of a lap leads over ground that is worked along its sides; where a border runs
+            # askew between them, their square ends leave some of it
+            some_m = job.width_m / 2 if leg.is_continued else 0.3
+            assert line.intersection(wanted.buffer(-0.2)).difference(worked).length < some_m
     rows = [leg.row for leg in plan.legs if leg.row]
     assert all(b - a in (0, 1) for a, b in pairwise(rows))
