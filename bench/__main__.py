@@ -53,6 +53,7 @@ MODULES: dict[str, tuple[str, ...]] = {
         "screen_delay_p50_ms",
         "screen_delay_p99_ms",
         "console_idle_cpu_pct",
+        "console_idle_cloud_cpu_pct",
         "console_page_cpu_points",
         "page_cold_kb",
         "page_warm_kb",

@@ -50,6 +50,7 @@ WATCH = """([hook, period]) => {
 def run() -> Iterator[dict[str, Any]]:
     """Start the whole demo three times for its start, then measure everything else with three robots."""
     yield _start()
+    yield _with_cloud()
     with tempfile.TemporaryDirectory() as folder:
         Installation.start(Path(folder) / "data").end()
         running = Installation.start(Path(folder) / "data")
@@ -82,6 +83,19 @@ def _start() -> dict[str, Any]:
             times.append(running.ready_s)
             running.end()
     return _figure("demo_ready_s", min(times[1:]), "s", f"24 robots, second start; the first {times[0]:.1f} s")
+
+
+def _with_cloud() -> dict[str, Any]:
+    """Return what the console takes while it tells a context broker of three robots, sensors and a planner service."""
+    with tempfile.TemporaryDirectory() as folder:
+        running = Installation.start(Path(folder) / "data", has_cloud=True, has_planner=True)
+        try:
+            time.sleep(SETTLED_S)
+            idle = _cpu_pct(running)
+        finally:
+            running.end()
+    conditions = "three robots at 10 Hz, no page open, context broker, planner service and forecast; first start"
+    return _figure("console_idle_cloud_cpu_pct", idle, "% of a core", conditions)
 
 
 def _measure(browser: Browser, running: Installation) -> Iterator[dict[str, Any]]:

@@ -21,6 +21,7 @@ export class Intake {
     this.farmState = 'loading';
     this.missionState = 'none';
     this.clock = { lane: NaN, page: 0 };
+    this.placed = 0; // robots that have a place, as of the last look
   }
 
   start() {
@@ -43,20 +44,15 @@ export class Intake {
     return this.robots.get(this.options.robotId) ?? null;
   }
 
-  /** Number of robots that have a place. */
-  get placed() {
-    let count = 0;
-    for (const robot of this.robots.values()) if (robot.pose) count += 1;
-    return count;
-  }
-
   /** Bring ages and STOP states up to now; true when a robot became stale, fresh, stopped or free since the last call. */
   judge() {
     this.clock = { lane: laneNow(), page: performance.now() };
     let hasChanged = false;
     this.isGrowing = false;
+    this.placed = 0;
     for (const robot of this.robots.values()) {
       if (!robot.pose) continue;
+      this.placed += 1;
       const isStale = robot.ageMs(this.clock) >= STALE_MS;
       const stop = this.stops.of(robot.id, robot.safety);
       if (isStale !== robot.isStale || stop !== robot.stop) hasChanged = true;

@@ -30,6 +30,12 @@
 
     // alarms: {id: entry}; isFlood mutes priorities 3 and 4
     follow(alarms, now, isFlood = false) {
+      if (alarms !== this.heardOf || isFlood !== this.wasFlood) this.hear(alarms, now, isFlood); // the lane makes a new list of each change
+      [this.heardOf, this.wasFlood] = [alarms, isFlood];
+      this.ring(now);
+    }
+
+    hear(alarms, now, isFlood) {
       const loud = Object.entries(alarms).filter(([, one]) => isLoud(one) && PATTERNS[one.priority] && !(isFlood && one.priority > 2));
       const fresh = this.takeIn(loud);
       const level = loud.length ? Math.min(...loud.map(([, one]) => one.priority)) : null;
@@ -37,7 +43,6 @@
       const isNewHere = fresh.some((one) => one.priority === level);
       if (level !== this.level || isNewHere) this.start(level, now, isNewHere);
       this.level = level;
-      this.ring(now);
     }
 
     // what was not heard of before; a page that opens finds everything old

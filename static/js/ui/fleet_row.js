@@ -72,7 +72,7 @@
       text(this.link, verdict.isLost ? "no link" : typeof robot.rtt_ms === "number" ? `${Math.round(robot.rtt_ms)} ms` : "–");
       text(this.soc, percent(robot.soc));
       toggle(this.cell, "low", typeof robot.soc === "number" && robot.soc < 0.25);
-      style(this.charge, "width", `${typeof robot.soc === "number" ? robot.soc * 100 : 0}%`);
+      style(this.charge, "width", `${typeof robot.soc === "number" ? Math.round(robot.soc * 100) : 0}%`); // the browser rounds what it gives back
       attr(this.more, "aria-label", `More for ${robot.name}`);
     }
   }

@@ -25,6 +25,7 @@
     robot: null, // the robot this page drives
     step: STEPS[0],
     held: new Map(), // source -> {v, w} in shares of the step
+    isStickReady: false, // its trigger was seen let go since driving began or was interrupted
     lastInput: 0,
     isMine: () => drive.robot !== null && drive.robot === HL.view.robot,
     blockedBy: "",
@@ -76,6 +77,7 @@
   function release() {
     const wasHeld = drive.held.size > 0;
     drive.held.clear();
+    drive.isStickReady = false;
     if (wasHeld && drive.robot) {
       HL.port.drive(drive.robot, 0, 0);
       setTimeout(() => drive.robot && drive.held.size === 0 && HL.port.drive(drive.robot, 0, 0), PERIOD_MS / 2);
@@ -102,6 +104,7 @@
     drive.begunAt = performance.now();
     drive.lastInput = performance.now();
     drive.held.clear();
+    drive.isStickReady = false;
     drive.timer ??= setInterval(beat, PERIOD_MS);
     HL.repaint();
   }
@@ -123,17 +126,18 @@
     HL.repaint();
   }
 
-  // a stick moves the robot only while the right trigger is held, so that a dropped gamepad does nothing
+  // A stick moves the robot only while the right trigger is held, so that a dropped gamepad does nothing; and a trigger
+  // that was held when driving began, or while anything stopped it, has to be let go first: nothing sets off by itself.
   function readGamepad() {
     const pad = [...(navigator.getGamepads?.() || [])].find((one) => one?.connected);
-    const isHeld = pad && (pad.buttons[7]?.value > 0.5 || pad.buttons[5]?.pressed);
-    const dead = (axis) => (Math.abs(axis) < 0.15 ? 0 : axis);
-    if (isHeld && !drive.blockedBy && ![...drive.held.keys()].some((key) => key !== "gamepad")) {
-      const v = -dead(pad.axes[1] || 0);
-      const w = -dead(pad.axes[0] || 0);
-      if (v || w) return drive.held.set("gamepad", { v, w });
-    }
-    return drive.held.has("gamepad") ? release() : null;
+    const isHeld = Boolean(pad) && (pad.buttons[7]?.value > 0.5 || Boolean(pad.buttons[5]?.pressed));
+    const isReady = isHeld ? drive.isStickReady && !drive.blockedBy : Boolean(pad);
+    const dead = (axis) => (Math.abs(axis || 0) < 0.15 ? 0 : axis);
+    const [v, w] = isHeld ? [-dead(pad.axes[1]), -dead(pad.axes[0])] : [0, 0];
+    const isAlone = ![...drive.held.keys()].some((key) => key !== "gamepad");
+    if (isHeld && isReady && isAlone && (v || w)) drive.held.set("gamepad", { v, w });
+    else if (drive.held.has("gamepad")) release();
+    drive.isStickReady = isReady;
   }
 
   // the console ended it: nothing more to send
