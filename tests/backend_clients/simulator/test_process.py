@@ -6,6 +6,7 @@ import signal
 import socket
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import httpx
@@ -28,16 +29,32 @@ run_simulator(
 """
 
 
-def start(folder: Path, port: int = 0) -> subprocess.Popen[str]:
-    nobody = f"mqtt://127.0.0.1:{free_port()}"
-    command = [sys.executable, "-c", PROGRAM, nobody, str(port), str(folder)]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+Start = Callable[..., subprocess.Popen[str]]
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[Start]:
+    """Start a simulator without a broker; whatever a test left running ends with it."""
+    started: list[subprocess.Popen[str]] = []
+
+    def start(port: int = 0) -> subprocess.Popen[str]:
+        nobody = f"mqtt://127.0.0.1:{free_port()}"
+        command = [sys.executable, "-c", PROGRAM, nobody, str(port), str(tmp_path)]
+        started.append(subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True))
+        return started[-1]
+
+    yield start
+    for process in started:
+        process.kill()
+        process.communicate()
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 @pytest.mark.slow
-def test_it_ends_at_once_even_without_a_broker_and_with_a_request_held(tmp_path: Path, number: signal.Signals) -> None:
-    process = start(tmp_path)
+def test_it_ends_at_once_even_without_a_broker_and_with_a_request_held(
+    start: Start, tmp_path: Path, number: signal.Signals
+) -> None:
+    process = start()
     assert process.stdout is not None
     assert process.stderr is not None
     port = int(process.stdout.readline())
@@ -49,19 +66,16 @@ def test_it_ends_at_once_even_without_a_broker_and_with_a_request_held(tmp_path:
         held.sendall(b"GET /weeder-01/safety HTTP/1.1\r\nHost: x\r\nAuthorization: Bearer secret\r\n\r\n")
         process.send_signal(number)
         assert process.wait(20) == 0, "the held request is held much longer"
-    said = process.stderr.read()
-    process.stdout.close()
-    process.stderr.close()
-    assert said == ""
+    assert process.stderr.read() == ""
     assert (tmp_path / "weeder-01" / "progress.json").exists()
 
 
 @pytest.mark.slow
-def test_a_busy_port_is_an_error(tmp_path: Path) -> None:
+def test_a_busy_port_is_an_error(start: Start) -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
-        process = start(tmp_path, taken.getsockname()[1])
+        process = start(taken.getsockname()[1])
         _, said = process.communicate(timeout=20)
     assert process.returncode != 0
     assert "Address already in use" in said
