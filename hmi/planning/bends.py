@@ -136,14 +136,17 @@ def is_gentle(points: Floats, radius_m: float) -> bool:
     """Say whether a line has no corner, and no stretch that turns more than a radius allows but for sampling."""
     if len(points) < 3:
         return True
+    if np.abs(np.angle(np.exp(1j * np.diff(headings(points))))).max() > KINK_RAD:
+        return False
+    excess = turned_beyond(points, radius_m)
+    return bool((excess - np.minimum.accumulate(excess)).max() <= SLACK_RAD)
+
+
+def turned_beyond(points: Floats, radius_m: float) -> Floats:
+    """Return, at the middle of each of the N-1 pieces, what a line has turned less what a radius allows, radians."""
     lengths = np.hypot(*np.diff(points, axis=0).T)
     turns = np.abs(np.angle(np.exp(1j * np.diff(headings(points)))))
-    if turns.max() > KINK_RAD:
-        return False
-    # between the middles of pieces: what is turned, less what may be turned
-    middles = np.cumsum(lengths) - lengths / 2
-    excess = np.append(0.0, np.cumsum(turns)) - middles / radius_m
-    return bool((excess - np.minimum.accumulate(excess)).max() <= SLACK_RAD)
+    return np.asarray(np.append(0.0, np.cumsum(turns)) - (np.cumsum(lengths) - lengths / 2) / radius_m)
 
 
 def furthest(lines: Sequence[Floats], others: Sequence[Floats], where: BaseGeometry) -> tuple[float, Floats | None]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ import shapely
 from shapely.geometry import LinearRing, Polygon
 from shapely.geometry.base import BaseGeometry
 
+from hmi.planning.bends import SLACK_RAD, turned_beyond
 from hmi.planning.ground import Ground, polygons_of
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import GENTLE_RAD, headings
@@ -23,7 +24,9 @@ _FINE_STEPS = (
 )
 _BULGE = 0.002  # of the radius: what a chord over 7.5 degrees cuts off
 _BULGE_M = 0.003
-_KINK_M = 0.02  # where circles touch, growing and shrinking leave a corner so far beside the arc
+_KINK_M = 0.05  # where circles touch, growing and shrinking leave corners so far beside the way
+_MOST_KINKS = 20
+_EVEN_RAD = math.radians(0.5)
 _MOST_PLACES = 12  # of a lap where joining it is tried
 _NEARLY = 0.99
 _LONG_M = 25.0  # pieces longer than this are joined near their ends too
@@ -180,25 +183,54 @@ def _clean(points: Floats, radius_m: float) -> Floats:
     line = shapely.simplify(shapely.LineString(points), min(_BULGE * radius_m, _BULGE_M))
     kept = shapely.get_coordinates(line)
     steps = np.hypot(*np.diff(kept, axis=0).T)
-    return without_kinks(np.asarray(kept[np.append(True, steps > 1e-3)], dtype=np.float64))
+    return without_kinks(np.asarray(kept[np.append(True, steps > 1e-3)], dtype=np.float64), radius_m)
 
 
-def without_kinks(points: Floats) -> Floats:
-    """Drop corners of a closed (N, 2) ring that lie a little beside the way and make it turn to and fro.
+def without_kinks(points: Floats, radius_m: float) -> Floats:
+    """Straighten a closed (N, 2) ring where it winds by five centimetres and less, tighter than a radius allows.
 
     Args:
         points: metres; first and last are the same, and of what is returned as well.
     """
-    ring = points[:-1]
-    before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
-    turns = _cross(ring - before, after - ring)
-    is_against = (turns * np.roll(turns, 1) < 0) & (turns * np.roll(turns, -1) < 0)
-    chords = after - before
-    off_m = np.where(is_against, np.abs(_cross(chords, ring - before)) / np.maximum(np.hypot(*chords.T), 1e-9), 0.0)
-    is_worst = (off_m >= np.roll(off_m, 1)) & (off_m >= np.roll(off_m, -1))  # its neighbours bend because of it
-    kept = ring[~(is_against & is_worst & (off_m < _KINK_M))]
-    return np.vstack([kept, kept[:1]]) if len(kept) >= 3 else points
+    tightest = _tightest_rad(points, radius_m)
+    for _ in range(_MOST_KINKS):
+        if tightest <= SLACK_RAD:
+            break
+        found = [(_tightest_rad(one, radius_m), one) for one in _straightened(points, radius_m)]
+        best = min(found, key=lambda one: one[0], default=None)
+        if best is None or best[0] >= tightest:  # an arc is as tight as it is
+            break
+        tightest, points = best
+    return points
 
 
-def _cross(a: Floats, b: Floats) -> Floats:
-    return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], dtype=np.float64)
+def _tightest_rad(ring: Floats, radius_m: float) -> float:
+    excess = (turned_beyond(line, radius_m) for line in _opened(ring))
+    return max(float((one - np.minimum.accumulate(one)).max()) for one in excess)
+
+
+def _straightened(ring: Floats, radius_m: float) -> Iterator[Floats]:
+    """Yield the ring without the corners of its tightest stretch, as long as they lie near the line between its ends.
+
+    Arcs of the radius itself before and after are neither tight nor gentle: they are tried as part of it and not.
+    """
+    for line in _opened(ring):
+        excess = turned_beyond(line, radius_m)
+        over = excess - np.minimum.accumulate(excess)
+        for last in {int(over.argmax()), int(np.flatnonzero(over >= over.max() - _EVEN_RAD)[0])}:
+            before = excess[: last + 1]
+            for first in {int(before.argmin()), int(np.flatnonzero(before <= before.min() + _EVEN_RAD)[-1])}:
+                dropped = line[first + 1 : last + 1]
+                if not 0 < len(dropped) <= len(ring) - 4:
+                    continue
+                chord = shapely.LineString(line[[first, last + 1]])
+                if shapely.distance(shapely.points(dropped), chord).max() <= _KINK_M:
+                    rest = np.roll(line[:-2], -first, axis=0)
+                    yield np.vstack([rest[:1], rest[1 + len(dropped) :], rest[:1]])
+
+
+def _opened(ring: Floats) -> Iterator[Floats]:
+    """Yield a closed ring as lines that begin at opposite places, the closing corner included."""
+    for shift in (0, len(ring) // 2):
+        begun = np.roll(ring[:-1], -shift, axis=0)
+        yield np.vstack([begun, begun[:2]])
