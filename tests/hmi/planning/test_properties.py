@@ -129,8 +129,9 @@ def assert_rows_driven_once(job: Job, plan: Plan) -> None:
     assert sum(strip.area for strip in strips) == pytest.approx(union_of(strips).area, rel=0.002)
     figures = plan.figures
     if not plan.notes and figures.inner_m2 > 50 * job.width_m:
-        tips_m2 = max(0.03 * figures.inner_m2, job.width_m**2)  # no row of a metre fits into them
-        assert figures.inner_covered_m2 >= figures.inner_m2 - tips_m2
+        # tips that no row of a metre fits into; five of them are much of a star of a tenth of a hectare
+        tips = 0.03 if figures.inner_m2 > 1000 else 0.06
+        assert figures.inner_covered_m2 >= (1 - tips) * figures.inner_m2
 
 
 def assert_figures_add_up(job: Job, plan: Plan) -> None:
