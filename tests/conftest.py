@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -62,6 +63,14 @@ _WHOLE_APPS = re.compile(
     r"|security|sensors)/|/(forecast|context_broker)/|test_(lane|records|second_try)"
     r"|tests/hmi/(?!planning|domain)\w+/test_\w*rest\w*\.py"  # REST; what is left of a mission is a rule
 )
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Let the inner loop not even read what it leaves out."""
+    if "not slow" not in config.getoption("markexpr"):
+        return None
+    place = f"{collection_path.as_posix()}/" if collection_path.is_dir() else collection_path.as_posix()
+    return True if _WHOLE_APPS.search(place) else None
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -19,6 +19,7 @@ MACHINE = RobotProfile(turning_radius_m=1.5)
 
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(fields_with_holes(), st.sampled_from([0.5, 3.0]))
+@pytest.mark.slow
 def test_a_lap_bends_no_tighter_than_the_turning_radius(field: Polygon, width_m: float) -> None:
     for lap in laps(Ground(field, MACHINE), divide(MACHINE, width_m, None)):
         twice = np.vstack([lap.points, lap.points[1:]])  # the closing corner included
