@@ -26,7 +26,7 @@ def off_m(a: tuple[float, float], b: tuple[float, float]) -> float:
 
 def place(planner: Person) -> tuple[float, float]:
     """Return where the console says the robot is, lon, lat."""
-    pose: dict[str, Any] = planner.page.evaluate(f"headland.state('poses').robots['{ROBOT}']")
+    pose: dict[str, Any] = planner.page.evaluate(f"headland.state('robot/{ROBOT}').pose")
     return pose["lon"], pose["lat"]
 
 
