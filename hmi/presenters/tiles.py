@@ -144,7 +144,7 @@ def _delay(robot: Robot) -> Tile:
         value=link.rtt_s,
         text=number(link.rtt_s * 1000),
         unit="ms",
-        sub=f"drive cuts at {number(DRIVE_CUT_S * 1000)} ms" if is_manual else f"max {number(most * 1000)} ms in 1 min",
+        sub=f"drive cuts at {number(DRIVE_CUT_S * 1000)} ms" if is_manual else f"max {number(most * 1000)} ms, 1 min",
         bar=bar(0, 50, on_scale(link.rtt_s, 0, DELAY_SCALE_S), [on_scale(DRIVE_CUT_S, 0, DELAY_SCALE_S)]),
         level=3 if link.rtt_s > DRIVE_CUT_S else None,
         period_ms=RTT_MS,

@@ -131,11 +131,11 @@
   function readGamepad() {
     const pad = [...(navigator.getGamepads?.() || [])].find((one) => one?.connected);
     const isHeld = Boolean(pad) && (pad.buttons[7]?.value > 0.5 || Boolean(pad.buttons[5]?.pressed));
-    const isReady = isHeld ? drive.isStickReady && !drive.blockedBy : Boolean(pad);
+    const isAlone = ![...drive.held.keys()].some((key) => key !== "gamepad");
+    const isReady = isHeld ? drive.isStickReady && !drive.blockedBy && isAlone : Boolean(pad);
     const dead = (axis) => (Math.abs(axis || 0) < 0.15 ? 0 : axis);
     const [v, w] = isHeld ? [-dead(pad.axes[1]), -dead(pad.axes[0])] : [0, 0];
-    const isAlone = ![...drive.held.keys()].some((key) => key !== "gamepad");
-    if (isHeld && isReady && isAlone && (v || w)) drive.held.set("gamepad", { v, w });
+    if (isReady && (v || w)) drive.held.set("gamepad", { v, w });
     else if (drive.held.has("gamepad")) release();
     drive.isStickReady = isReady;
   }

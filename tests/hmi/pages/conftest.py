@@ -88,6 +88,21 @@ class Theatre:
         """Return the orders whose path contains ``part``."""
         return [order for order in self.heard()["orders"] if part in order["path"]]
 
+    def until_heard(self, fits: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+        """Return what reached the console as soon as it fits, and fail when it does not.
+
+        ``wait_for_function`` cannot wait for it: it takes any promise that is kept for an answer.
+        """
+        end_s = time.monotonic() + ARRIVAL_S
+        while not fits(heard := self.heard()):
+            assert time.monotonic() < end_s, f"the newest of it: {heard['drives'][-5:]} {heard['orders'][-2:]}"
+            time.sleep(0.02)
+        return heard
+
+    def until_drives(self, fits: Callable[[list[dict[str, float]]], bool]) -> None:
+        """Wait until at least one setpoint came and all that came fit."""
+        self.until_heard(lambda heard: bool(heard["drives"]) and fits(heard["drives"]))
+
     def until_orders(self, part: str, count: int = 1) -> list[dict[str, Any]]:
         """Return the orders whose path contains ``part`` when there are as many; a click is heard a moment later."""
         end_s = time.monotonic() + ARRIVAL_S

@@ -27,11 +27,6 @@ def push(page: Page, ahead: float) -> None:
     page.evaluate("ahead => { stagePad.axes[1] = -ahead; }", ahead)
 
 
-def wait_until(page: Page, what: str) -> None:
-    """Wait until the newest setpoints fulfil ``what``, an expression of their list ``d``."""
-    page.wait_for_function(f"fetch('/stage-heard').then(r => r.json()).then(({{ drives: d }}) => {what})")
-
-
 def stays_still(page: Page, theatre: Theatre) -> bool:
     """Say whether, from now on and for several beats, no setpoint but zero is sent."""
     before = len(theatre.heard()["drives"])
@@ -48,13 +43,13 @@ def page(look: Look, theatre: Theatre) -> Page:
     return page
 
 
-def drive(page: Page) -> None:
+def drive(page: Page, theatre: Theatre) -> None:
     """Let go, then squeeze and push: the robot is told to go ahead."""
     squeeze(page, is_held=False)
-    page.wait_for_function("HL.drive.isStickReady")
+    page.wait_for_function("HL.drive.isStickReady && !HL.drive.blockedBy")
     squeeze(page)
     push(page, 1)
-    wait_until(page, "d.at(-1)?.v > 0")
+    theatre.until_drives(lambda drives: drives[-1]["v"] > 0)
 
 
 @pytest.mark.long
@@ -62,13 +57,13 @@ def test_a_stick_alone_moves_nothing_and_letting_go_of_the_trigger_stops(page: P
     open_drive(page)
     push(page, 1)
     assert stays_still(page, theatre)
-    drive(page)
+    drive(page, theatre)
     push(page, 0)
-    wait_until(page, "d.at(-1)?.v === 0")
+    theatre.until_drives(lambda drives: drives[-1]["v"] == 0)
     push(page, -1)
-    wait_until(page, "d.at(-1)?.v < 0")
+    theatre.until_drives(lambda drives: drives[-1]["v"] < 0)
     squeeze(page, is_held=False)
-    wait_until(page, "d.at(-1)?.v === 0")
+    theatre.until_drives(lambda drives: drives[-1]["v"] == 0)
     assert stays_still(page, theatre)
 
 
@@ -77,12 +72,21 @@ def test_a_trigger_held_when_driving_begins_has_to_be_let_go_first(page: Page, t
     push(page, 1)
     open_drive(page)
     assert stays_still(page, theatre)
-    drive(page)
+    drive(page, theatre)
+
+
+def finger(page: Page) -> None:
+    """Press a pad on the screen as well, and let go of it."""
+    page.get_by_test_id("drive-left").hover()
+    page.mouse.down()
+    page.wait_for_function("!HL.drive.held.size")
+    page.mouse.up()
 
 
 INTERRUPTIONS: dict[str, Callable[[Page], object]] = {
     "lost focus": lambda page: page.evaluate("window.dispatchEvent(new Event('blur'))"),
     "refused": lambda page: page.evaluate("HL.drive.refused({ robot: HL.drive.robot, code: 'late', text: 'Late' })"),
+    "a finger beside it": finger,
     "unplugged": lambda page: page.evaluate("stagePad.connected = false"),
 }
 
@@ -93,20 +97,20 @@ INTERRUPTIONS: dict[str, Callable[[Page], object]] = {
 )
 def test_after_an_interruption_it_rests_until_the_trigger_was_let_go(page: Page, theatre: Theatre, name: str) -> None:
     open_drive(page)
-    drive(page)
+    drive(page, theatre)
     INTERRUPTIONS[name](page)
-    wait_until(page, "d.at(-1)?.v === 0")
+    theatre.until_drives(lambda drives: drives[-1]["v"] == 0)
     page.evaluate("stagePad.connected = true")
     assert stays_still(page, theatre), "the trigger is still held"
-    drive(page)
+    drive(page, theatre)
 
 
 def test_a_delay_that_is_over_does_not_set_it_going_again(page: Page, theatre: Theatre) -> None:
     open_drive(page)
-    drive(page)
+    drive(page, theatre)
     theatre._post("/stage-set", {"rtt_s": 0.34})
     expect(page.get_by_test_id("drive-forward")).to_have_attribute("data-state", "off")
     theatre._post("/stage-set", {"rtt_s": 0.02})
     expect(page.get_by_test_id("drive-forward")).to_have_attribute("data-state", "idle")
     assert stays_still(page, theatre), "the trigger is still held"
-    drive(page)
+    drive(page, theatre)

@@ -229,7 +229,8 @@ def drives(theatre: Theatre) -> list[dict[str, float]]:
 
 
 def open_drive(page: Page) -> None:
-    """Open manual driving."""
+    """Open manual driving, once the delay is no longer that of a page which is still building itself."""
+    page.wait_for_function("headland.rtt() !== null && headland.rtt() < 150")
     page.get_by_test_id("drive-open").click()
     expect(page.get_by_test_id("drive-forward")).to_have_attribute("data-state", "idle")
 
@@ -240,10 +241,10 @@ def test_the_robot_drives_only_while_a_pad_is_held(look: Look, theatre: Theatre,
     page = look(size=size)
     open_drive(page)
     hold(page, page.get_by_test_id("drive-forward"))
-    page.wait_for_function("fetch('/stage-heard').then(r => r.json()).then(h => h.drives.length >= 3)")
+    theatre.until_drives(lambda drives: len(drives) >= 3)
     page.mouse.up()
     expect(page.get_by_test_id("drive-forward")).to_have_attribute("data-state", "idle")
-    page.wait_for_function("fetch('/stage-heard').then(r => r.json()).then(h => h.drives.at(-1)?.v === 0)")
+    theatre.until_drives(lambda drives: drives[-1]["v"] == 0)
     assert {d["v"] for d in drives(theatre)} == {0.2, 0.0}
 
 
@@ -268,10 +269,10 @@ def test_whatever_ends_the_touch_gives_zero_at_once(look: Look, theatre: Theatre
     open_drive(page)
     page.get_by_test_id("drive-left").hover()
     page.mouse.down()
-    page.wait_for_function("fetch('/stage-heard').then(r => r.json()).then(h => h.drives.some(d => d.w > 0))")
+    theatre.until_drives(lambda drives: any(one["w"] > 0 for one in drives))
     page.evaluate(ENDS[end])
     expect(page.get_by_test_id("drive-left")).not_to_have_attribute("data-state", "held")
-    page.wait_for_function("fetch('/stage-heard').then(r => r.json()).then(h => h.drives.at(-1)?.w === 0)")
+    theatre.until_drives(lambda drives: drives[-1]["w"] == 0)
     page.mouse.up()
 
 
@@ -281,12 +282,10 @@ def test_arrow_keys_drive_and_a_second_one_turns_it_into_an_arc(look: Look, thea
     open_drive(page)
     page.keyboard.down("ArrowUp")
     page.keyboard.down("ArrowRight")
-    page.wait_for_function(
-        "fetch('/stage-heard').then(r => r.json()).then(h => h.drives.some(d => d.v > 0 && d.w < 0))"
-    )
+    theatre.until_drives(lambda drives: any(one["v"] > 0 > one["w"] for one in drives))
     page.keyboard.up("ArrowRight")
     page.keyboard.up("ArrowUp")
-    page.wait_for_function("fetch('/stage-heard').then(r => r.json()).then(h => h.drives.at(-1)?.v === 0)")
+    theatre.until_drives(lambda drives: drives[-1]["v"] == 0)
 
 
 def test_a_slow_link_switches_driving_off(look: Look, theatre: Theatre) -> None:
@@ -321,8 +320,7 @@ def test_leaving_the_screen_ends_driving(look: Look, theatre: Theatre) -> None:
     open_drive(page)
     page.get_by_test_id("nav-fleet").click()
     expect(page.get_by_test_id("fleet-row-weeder-07")).to_be_visible()
-    closed = "fetch('/stage-heard').then(r => r.json()).then(h => h.orders.some(o => o.action === 'drive_close'))"
-    page.wait_for_function(closed)
+    theatre.until_heard(lambda heard: any(order.get("action") == "drive_close" for order in heard["orders"]))
 
 
 def test_control_is_kept_alive_on_every_screen(look: Look, theatre: Theatre) -> None:
@@ -332,7 +330,7 @@ def test_control_is_kept_alive_on_every_screen(look: Look, theatre: Theatre) -> 
     page.get_by_test_id("nav-fleet").click()
     expect(page.get_by_test_id("fleet-row-weeder-07")).to_be_visible()
     before = heres(theatre)
-    page.wait_for_function(f"fetch('/stage-heard').then(r => r.json()).then(h => h.heres > {before + 1})")
+    theatre.until_heard(lambda heard: heard["heres"] > before + 1)
 
 
 def heres(theatre: Theatre) -> int:

@@ -28,7 +28,7 @@ def test_the_tiles_of_a_running_weeder_read_as_in_the_picture() -> None:
         ("Speed", "0.42", "m/s", "set 0.45 m/s"),
         ("Battery", "68", "%", "5 h 10, need 3 h 26"),
         ("RTK", "Fix", "±1.4 cm", "27 sats, corr. 0.8 s"),
-        ("Link delay", "86", "ms", "max 140 ms in 1 min"),
+        ("Link delay", "86", "ms", "max 140 ms, 1 min"),
         ("Laser", "On", "212 /min", "interlock ok, 41 °C"),
         ("Off line", "0.9", "cm", "limit ±3.0 cm"),
     ]
