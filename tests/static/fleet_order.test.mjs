@@ -129,3 +129,18 @@ test('what an alarm says besides its title is told, its title is not told twice'
   assert.equal(line('Position not exact', 'Position not exact.'), '');
   assert.equal(line('Cover open', 'RTK: float.'), 'RTK: float.');
 });
+
+test('an alarm whose cause is gone says so, and gives way to what the robot needs now', () => {
+  const gone = { ...alarm('a', 2, 'returned'), title: 'No data link' };
+  const over = of('a', {}, { alarm: gone }).verdict;
+  assert.deepEqual([over.head, over.level, over.look, over.group], ['No data link: over', 2, 'returned', 'needs-you']);
+  const asks = of('a', { waits: true, why: 'It cannot tell crop and weed apart.', clears: 'Look at the row.' }, { alarm: gone }).verdict;
+  assert.deepEqual([asks.head, asks.line], ['It cannot tell crop and weed apart.', 'Look at the row']);
+});
+
+test('advice about another cause than the alarm comes with its reason', () => {
+  const robot = { waits: true, why: 'A person is 4 m ahead.', clears: 'It goes on when the person has left.' };
+  const line = (title, text) => of('a', robot, { alarm: { ...alarm('a', 2), title, text } }).verdict.line;
+  assert.equal(line('Battery low', '18 % left.'), '18 % left. A person is 4 m ahead. It goes on when the person has left');
+  assert.equal(line('Person ahead', 'A person is 4 m ahead.'), 'A person is 4 m ahead. It goes on when the person has left');
+});

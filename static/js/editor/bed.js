@@ -1,7 +1,7 @@
 // The ground of the parcels in hand: lighter than its neighbours, with rows inside the headland.
 
 import { isArea } from './shape.js';
-import { hatch } from './hatch.js';
+import { hatch } from '../map/hatch.js';
 import { rowBearing } from './dial.js';
 
 const LEAST_ROW_PX = 7;

@@ -1,6 +1,6 @@
 // Whole shapes on their way. Locked unless asked for: a field must not move because a finger slipped.
 
-import { Plane, lengthM } from './plane.js';
+import { Plane, lengthM } from '../map/plane.js';
 import { carried, laid, rebuilt } from './shape.js';
 import { movedText } from './words.js';
 

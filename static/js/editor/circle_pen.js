@@ -1,6 +1,6 @@
 // Drawing a round obstacle: its middle, then how far it reaches, by a second tap, by dragging, or by a number typed.
 
-import { lengthM, shifted } from './plane.js';
+import { lengthM, shifted } from '../map/plane.js';
 import { Pen } from './pen.js';
 import { lengthText } from './words.js';
 

@@ -1,7 +1,7 @@
 // One corner on its way: snapped, told beside the finger, one change when it is let go.
 
 import { ownGuides, snapped, SNAP_PX } from './snap.js';
-import { lengthM } from './plane.js';
+import { lengthM } from '../map/plane.js';
 import { cornerAt, cornerName, inserted, isArea, laid, moved, partsOf, rebuilt } from './shape.js';
 import { movedText } from './words.js';
 

@@ -1,7 +1,7 @@
 // The row direction of a parcel as a dial: a knob to drag, half a degree a step.
 
 import { DEG, areaM2, labelPoint } from '../map/geometry.js';
-import { bearingDeg, lengthM } from './plane.js';
+import { bearingDeg, lengthM } from '../map/plane.js';
 import { edgesOf, isArea, partsOf } from './shape.js';
 import { degreesText } from './words.js';
 import { dashed, disc, haloText, line } from './ink.js';

@@ -1,7 +1,7 @@
 // The features of the draft by id; a feature is never changed, only replaced.
 
 import { areaM2 } from '../map/geometry.js';
-import { lengthM } from './plane.js';
+import { lengthM } from '../map/plane.js';
 import { edgesOf, isArea, partsOf } from './shape.js';
 
 export const idOf = (feature) => feature.id ?? feature.properties?.id;

@@ -3,7 +3,7 @@
 import { contains, idOf } from './draft.js';
 import { radiusOf } from './circle_pen.js';
 import { PENS } from './pen.js';
-import { kept } from './plane.js';
+import { kept } from '../map/plane.js';
 import { isArea, newFeature, partsOf, turnOf } from './shape.js';
 
 /** {feature}, {operation: {tool, coordinates, target}} or {problem}. */

@@ -2,7 +2,7 @@
 
 import { areaM2, labelPoint, polygonParts } from '../map/geometry.js';
 import { nearestOnEdge } from './draft.js';
-import { lengthM } from './plane.js';
+import { lengthM } from '../map/plane.js';
 import { edgesOf, isArea, partsOf } from './shape.js';
 import { haloText, line } from './ink.js';
 

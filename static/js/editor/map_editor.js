@@ -12,7 +12,7 @@ import { Keyboard } from './keyboard.js';
 import { markAt } from './finding_marks.js';
 import { BodyNudge, CornerNudge, DialNudge } from './nudge.js';
 import { PENS, Pen, PenPress } from './pen.js';
-import { kept } from './plane.js';
+import { kept } from '../map/plane.js';
 import { Pointer } from './pointer.js';
 import { cornerName, isArea, moved, partsOf, rebuilt, removed } from './shape.js';
 import { TurnDrag } from './trial.js';

@@ -2,7 +2,7 @@
 
 import { pushed } from './body_drag.js';
 import { STEP_DEG, bearingOf, turnText, withBearing } from './dial.js';
-import { shifted } from './plane.js';
+import { shifted } from '../map/plane.js';
 import { cornerAt, cornerName, laid, moved, rebuilt } from './shape.js';
 import { movedText } from './words.js';
 

@@ -5,7 +5,7 @@ import { paintDial } from './dial.js';
 import { paintCrossings, paintMarks } from './finding_marks.js';
 import { isSame, LOOK_PX } from './handles.js';
 import { dashed, disc, haloText, line, pill, square, tooltip } from './ink.js';
-import { lengthM } from './plane.js';
+import { lengthM } from '../map/plane.js';
 import { paintTrial } from './trial.js';
 import { isArea, partsOf } from './shape.js';
 import { lengthText, measureText, sizeText } from './words.js';

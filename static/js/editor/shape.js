@@ -1,7 +1,7 @@
 // The corners of a feature, without the repeated last one of a ring, and features made of changed corners.
 // A corner's address is {part, ring, index}; a line is a ring that is not closed, a point a line of one corner.
 
-import { kept } from './plane.js';
+import { kept } from '../map/plane.js';
 
 const IS_CLOSED = { Polygon: true, MultiPolygon: true };
 

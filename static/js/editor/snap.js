@@ -1,6 +1,6 @@
 // Where a corner goes when it comes near a neighbour's corner or edge, or in line with or square to an own edge.
 
-import { Plane } from './plane.js';
+import { Plane } from '../map/plane.js';
 import { boxAround, idOf, nearestOnEdge } from './draft.js';
 import { edgesOf, isArea, partsOf } from './shape.js';
 

@@ -2,7 +2,7 @@
 
 import { areaM2 } from '../map/geometry.js';
 import { areaText } from '../map/captions.js';
-import { lengthM } from './plane.js';
+import { lengthM } from '../map/plane.js';
 import { isArea, partsOf } from './shape.js';
 
 export { areaText };

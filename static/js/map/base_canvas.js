@@ -1,6 +1,6 @@
 // A base map of pictures on the 2D canvas, for devices without WebGL.
 
-import { DEG } from './geometry.js';
+import { DEG, viewBox } from './geometry.js';
 import { areaAlpha, lineAlpha, veil, wash } from './base_look.js';
 
 const KEPT = 60; // washed tiles; 1 MB each at 512 px
@@ -107,14 +107,6 @@ export class CanvasBase {
     image.src = this.spec.url.replace('{z}', zoom).replace('{x}', x).replace('{y}', y);
     return tile;
   }
-}
-
-/** Mercator box around what the camera sees. */
-export function viewBox(camera) {
-  const corners = [[0, 0], [camera.width, 0], [0, camera.height], [camera.width, camera.height]].map(([x, y]) => camera.unproject(x, y));
-  const xs = corners.map(([x]) => x);
-  const ys = corners.map(([, y]) => y);
-  return [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
 }
 
 function washed(image) {

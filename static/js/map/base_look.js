@@ -12,7 +12,7 @@ const FILLS = {
   'water-area': 0, 'tree-area': 0, 'tree-point': 0.35, 'road-area': 0.25, building: 0.2, parcel: 0.14,
   'mission-parcel': 0.2, 'no-go': 0.35, obstacle: 0.35, 'edit-headland': 0.3, 'edit-plain': 0.2,
 };
-const LINES = { 'tree-line': 0.35, 'water-line': 0.35, 'road-line': 0.5, 'road-casing': 0.6, 'edit-bed': 0.25 };
+const LINES = { 'tree-line': 0.35, 'water-line': 0.35, 'road-line': 0.5, 'road-casing': 0.6, rows: 0, 'edit-bed': 0.25 };
 
 const theme = () => document.documentElement.dataset.theme || 'day';
 

@@ -1,8 +1,7 @@
 // What lies under the map: plain ground, a photo or map of the farm, or the online map. Loaded only when somebody
 // chose one or opens the menu. The ground never goes: whatever fails, it is there, with a line that says why.
 
-import { mercX, mercY } from './geometry.js';
-import { viewBox } from './base_canvas.js';
+import { mercX, mercY, viewBox } from './geometry.js';
 import { strong } from './base_look.js';
 import { baseChoice, keepBaseChoice } from './layers.js';
 

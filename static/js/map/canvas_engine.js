@@ -27,6 +27,7 @@ export class CanvasEngine {
     this.camera = Object.assign(new Camera(), view);
     this.farm = [];
     this.mission = [];
+    this.rows = [];
     this.isSurroundingsShown = true;
     this.canvas = document.createElement('canvas');
     this.canvas.className = 'hl-map-canvas';
@@ -100,6 +101,11 @@ export class CanvasEngine {
 
   setFarm(collection) {
     this.farm = this.#paths(collection, 'farm');
+    this.redraw();
+  }
+
+  setRows(collection) {
+    this.rows = this.#paths(collection, 'rows');
     this.redraw();
   }
 
@@ -178,7 +184,7 @@ export class CanvasEngine {
     this.under?.(context, camera, this.ratio);
     this.turn = [Math.cos(camera.bearing * DEG), Math.sin(camera.bearing * DEG)];
     const order = new Map(FARM_LAYERS.map((layer, i) => [layer, i]));
-    const all = [...this.farm, ...this.mission].sort((a, b) => order.get(a.layer) - order.get(b.layer));
+    const all = [...this.farm, ...this.rows, ...this.mission].sort((a, b) => order.get(a.layer) - order.get(b.layer));
     for (const item of all) {
       if (!this.isSurroundingsShown && SURROUNDINGS.has(item.layer.id)) continue;
       this.#feature(item);

@@ -4,7 +4,7 @@ import { mercPerMetre, mercY } from './geometry.js';
 
 const METRES_AT = [12, 24]; // zooms between which MapLibre interpolates widths given in metres
 
-/** Bottom to top. `source` is the farm's features or the parcel of the running mission. */
+/** Bottom to top. `source` is the farm's features, the row directions of its parcels, or the parcel of the running mission. */
 export const FARM_LAYERS = [
   { id: 'water-area', source: 'farm', kinds: ['water'], shape: 'polygon', fill: 'water' },
   { id: 'water-line', source: 'farm', kinds: ['water'], shape: 'line', line: 'water', widthM: 4, leastPx: 2 },
@@ -15,6 +15,7 @@ export const FARM_LAYERS = [
   { id: 'road-casing', source: 'farm', kinds: ['road'], shape: 'line', line: 'roadEdge', widthM: 4, leastPx: 2, plusPx: 2.4 },
   { id: 'road-line', source: 'farm', kinds: ['road'], shape: 'line', line: 'road', widthM: 4, leastPx: 2 },
   { id: 'parcel', source: 'farm', kinds: ['parcel'], shape: 'polygon', fill: 'parcel', line: 'edge', leastPx: 1.2 },
+  { id: 'rows', source: 'rows', kinds: ['rows'], shape: 'line', line: 'row', leastPx: 0.8 },
   { id: 'no-go', source: 'farm', kinds: ['no-go', 'no_go', 'hole'], shape: 'polygon', fill: 'ground', line: 'edge', leastPx: 1.4, dash: [6, 4] },
   { id: 'building', source: 'farm', kinds: ['building'], shape: 'polygon', fill: 'building', line: 'obstacle', leastPx: 0.8 },
   { id: 'mission-parcel', source: 'mission', kinds: ['parcel'], shape: 'polygon', fill: 'headland', line: 'edge', leastPx: 2.2 },
@@ -82,7 +83,7 @@ export function farmStyle(palette, lat, data = {}) {
   }));
   // 0 keeps every corner: a parcel edge must not move with the zoom. 18 tiles resolve one centimetre.
   const source = (name) => ({ type: 'geojson', data: data[name] ?? EMPTY, tolerance: 0, maxzoom: 18 });
-  return { version: 8, transition: { duration: 0, delay: 0 }, sources: { farm: source('farm'), mission: source('mission') }, layers };
+  return { version: 8, transition: { duration: 0, delay: 0 }, sources: { farm: source('farm'), rows: source('rows'), mission: source('mission') }, layers };
 }
 
 /** [layer id, paint property, value] of everything given in metres, for a latitude. */

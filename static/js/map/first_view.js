@@ -21,13 +21,21 @@ export function robotView(intake, camera) {
   return pose ? { mx: pose.mx, my: pose.my, zoom: fieldZoom(intake, camera) } : null;
 }
 
+/** The box with every parcel whole that it touches. */
+function withFields(box, features) {
+  const touches = ([x0, y0, x1, y1]) => x0 <= box[2] && x1 >= box[0] && y0 <= box[3] && y1 >= box[1];
+  const fields = features.filter((one) => one.properties?.kind === 'parcel').map((one) => boxOf([one])).filter((one) => one && touches(one));
+  const far = (i, pick) => pick(box[i], ...fields.map((one) => one[i]));
+  return [far(0, Math.min), far(1, Math.min), far(2, Math.max), far(3, Math.max)];
+}
+
 /** All robots of a fleet or all stations, else the farm with what is on it; null while there is nothing to look at. */
 export function wholeView(intake, camera, fleet) {
   const { farm, parcels, robots } = intake;
   const places = (fleet.places?.() ?? [...robots.values()].filter((robot) => robot.pose).map(({ pose }) => [pose.lon, pose.lat]))
     .map((coordinates) => ({ geometry: { type: 'Point', coordinates } }));
   // a farm may have sites in several countries: the map of a fleet, or of stations, begins where those are
-  const box = boxOf(fleet.isOn && places.length ? places : [...farm.features, ...parcels.features, ...places]);
+  const box = fleet.isOn && places.length ? withFields(boxOf(places), farm.features) : boxOf([...farm.features, ...parcels.features, ...places]);
   if (!box) return null;
   return { mx: (box[0] + box[2]) / 2, my: (box[1] + box[3]) / 2, zoom: Math.min(camera.zoomFor(box, MARGIN_PX), ROBOT_ZOOM) };
 }

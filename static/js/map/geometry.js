@@ -59,6 +59,14 @@ export class Camera {
   }
 }
 
+/** Mercator box around what the camera sees. */
+export function viewBox(camera) {
+  const corners = [[0, 0], [camera.width, 0], [0, camera.height], [camera.width, camera.height]].map(([x, y]) => camera.unproject(x, y));
+  const xs = corners.map(([x]) => x);
+  const ys = corners.map(([, y]) => y);
+  return [Math.min(...xs), Math.min(...ys), Math.max(...xs), Math.max(...ys)];
+}
+
 /** Every position of a GeoJSON geometry, depth first. */
 export function* positions(geometry) {
   if (!geometry) return;

@@ -122,6 +122,10 @@ export class GlEngine {
     this.map.getSource('farm')?.setData(collection);
   }
 
+  setRows(collection) {
+    this.map.getSource('rows')?.setData(collection);
+  }
+
   setMission(collection) {
     this.map.getSource('mission')?.setData(collection);
   }

@@ -67,7 +67,7 @@ export class LabelLayer {
       if (x < -200 || y < -100 || x > camera.width + 200 || y > camera.height + 100) continue;
       const shifts = asides(label, palette.scale, camera.worldPx);
       const isDrawn = shifts.some((shift) => this.#one(label, x + (label.dx ?? 0), y + (label.dy ?? 0) + shift, palette, taken))
-        || (label.pill && label.align === 'left' && shifts.some((shift) => this.#one({ ...label, align: 'right' }, x - label.dx, y + (label.dy ?? 0) + shift, palette, taken)));
+        || (label.pill && label.align === 'left' && this.#elsewhere(label, x, y, palette, taken));
       if (isDrawn && label.lines.length) count += 1;
     }
   }
@@ -77,6 +77,13 @@ export class LabelLayer {
     const key = boxes.join();
     if (key === this.blockedKey) return;
     [this.blocked, this.blockedKey, this.drawn] = [boxes, key, null];
+  }
+
+  /** A warning whose usual side is taken stands on the other one, above or below: it is not left out while there is room. */
+  #elsewhere(label, x, y, palette, taken) {
+    const off = label.dx * 1.6 * palette.scale;
+    return this.#one({ ...label, align: 'right' }, x - label.dx, y, palette, taken)
+      || [-off, off].some((dy) => this.#one({ ...label, align: 'centre' }, x, y + dy, palette, taken));
   }
 
   /** Draw one label; false if something else is there. */
@@ -105,7 +112,7 @@ export class LabelLayer {
     const left = label.align === 'left' ? x : label.align === 'right' ? x - wide : x - wide / 2;
     const box = [left - 4, y - high / 2 - 2, left + wide + 4, y + high / 2 + 2];
     const overlaps = (o) => !(o.isSoft && label.pill) && box[0] < o[2] && o[0] < box[2] && box[1] < o[3] && o[1] < box[3];
-    const isCut = (label.pill && label.align === 'left' && box[2] > this.edge) || (label.isWhole && box[0] < 0); // it has another side to stand on, or is of no use in part
+    const isCut = (label.pill && (box[2] > this.edge || (label.align !== 'left' && box[0] < 0))) || (label.isWhole && box[0] < 0); // it has another side to stand on, or is of no use in part
     if (!label.isFixed && (isCut || taken.some(overlaps))) return false;
     taken.push(box);
     this.texts.push(...lines.map((line) => line.text));

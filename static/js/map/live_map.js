@@ -15,6 +15,7 @@ import { LabelLayer } from './labels.js';
 import { keyedWay } from './keyed_way.js';
 import { LAYERS, baseChoice, keepLayers, readLayers } from './layers.js';
 import { noticeOf } from './notice.js';
+import { MapStrips } from './row_strips.js';
 import { robotAt } from './robots.js';
 import { RobotList } from './robot_list.js';
 import { Scene } from './scene.js';
@@ -33,6 +34,7 @@ const CROWD = 150; // robots beyond which places are brought onto the map togeth
 const CROWD_MS = 500;
 const NAMES_ZOOM = 15.5;
 const RING_MARGIN = 1.5;
+const NO_ROWS = [];
 
 export class LiveMap {
   /** options: {robotId, mode, hasButtons, featuresUrl, missionUrl, vendorUrl, engine, onSelect(id)}. */
@@ -58,6 +60,7 @@ export class LiveMap {
     this.controls = this.#controls();
     this.controls.setFollowing(this.isFollowing);
     this.list = new RobotList(host);
+    this.strips = new MapStrips(host);
     this.doses = new DoseLegend(host);
     this.#notice();
   }
@@ -140,6 +143,7 @@ export class LiveMap {
     if (what === 'farm') {
       this.labels = farmLabels(this.intake.farm.features);
       this.engine?.setFarm(this.intake.farm);
+      this.#rows();
     } else if (what === 'mission') {
       const first = this.intake.model?.pieces[0].line;
       if (first) this.scene.settle(first[0], first[1]);
@@ -303,6 +307,7 @@ export class LiveMap {
     if (!this.engine) return;
     this.controls.setCamera(this.engine.camera);
     this.base?.moved();
+    this.#rows();
     if (this.fleet.isOutgrown) this.#draw();
   }
 
@@ -345,9 +350,14 @@ export class LiveMap {
     this.#update();
   }
 
+  #rows() {
+    if (this.engine) this.strips.later(this.engine, this.shown.rows ? this.intake.farm.features : NO_ROWS);
+  }
+
   #layer(name, isOn) {
     this.shown[name] = isOn;
     keepLayers(this.shown);
+    if (name === 'rows') this.#rows();
     if (name === 'surroundings') this.engine?.showSurroundings(isOn);
     this.engine?.redraw();
   }
@@ -393,7 +403,7 @@ export class LiveMap {
     for (const timer of [this.gliding, this.later, this.gathering, this.lostTimer]) clearTimeout(timer);
     this.unwatch?.();
     if (this.keys) this.host.removeEventListener('keydown', this.keys);
-    for (const part of [this.intake, this.fleet, this.base, this.engine, this.labelLayer, this.controls, this.list]) part?.destroy();
+    for (const part of [this.intake, this.fleet, this.base, this.engine, this.labelLayer, this.controls, this.list, this.strips]) part?.destroy();
     this.surface.remove();
   }
 }

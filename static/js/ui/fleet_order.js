@@ -46,12 +46,24 @@
     if (stop?.state === "not-confirmed") return { level: 1, head: "Stop not confirmed", line: "Use the red button on the machine", since: stop.t ?? null, look: "unacknowledged", waits: true };
     if (robot.is_registered === false) return { level: 4, head: "New robot", line: "An admin must accept it before it can be operated", since: null, waits: false };
     if (robot.is_online === false || ageMs > LOST_MS) return lost(robot, ageMs, alarm, words);
-    if (alarm) {
-      const level = alarm.priority;
-      return { level, head: alarm.title, line: [news(alarm), level <= 2 || robot.waits ? advice(robot) : ""].filter(Boolean).join(" ") || robot.why, since: alarm.t ?? null, look: alarm.state, waits: Boolean(robot.waits), alarm: alarm.id };
-    }
-    if (robot.waits || robot.level) return { level: robot.level ?? 3, head: robot.why || robot.fault || robot.text, line: advice(robot), since: robot.since ?? null, look: "acknowledged", waits: Boolean(robot.waits) };
+    if (alarm && !(isOver(alarm) && needs(robot))) return ofAlarm(robot, alarm);
+    if (needs(robot)) return { level: robot.level ?? 3, head: robot.why || robot.fault || robot.text, line: advice(robot), since: robot.since ?? null, look: "acknowledged", waits: Boolean(robot.waits) };
     return { level: null, head: robot.task || robot.text || "–", line: robot.why || "", since: robot.since ?? null, waits: false };
+  }
+
+  // an alarm whose cause is gone, which nobody has seen yet
+  const isOver = (alarm) => alarm.state === "returned";
+  const needs = (robot) => Boolean(robot.waits || robot.level);
+
+  // What the robot asks for is said with its reason, unless that is what the alarm is about.
+  function ofAlarm(robot, alarm) {
+    const level = alarm.priority;
+    const about = { level, since: alarm.t ?? null, look: alarm.state, waits: Boolean(robot.waits), alarm: alarm.id };
+    if (isOver(alarm)) return { ...about, head: `${alarm.title}: over`, line: "It is gone again. Nobody has acknowledged it." };
+    const isAsked = level <= 2 || robot.waits;
+    const isOther = robot.why && !starts(robot.why, alarm.title) && !(alarm.text || "").includes(robot.why.replace(/\.$/, ""));
+    const line = [news(alarm), isAsked && isOther ? robot.why : "", isAsked ? advice(robot) : ""].filter(Boolean).join(" ");
+    return { ...about, head: alarm.title, line: line || robot.why };
   }
 
   // What a text adds to its title: one that only says the title again is no news, nor is its beginning if that does.

@@ -1,8 +1,7 @@
 // Rows of a parcel as thin lines inside its headland: a picture of the row direction, not the planner's rows.
 
-import { DEG } from '../map/geometry.js';
+import { DEG, polygonParts } from './geometry.js';
 import { Plane } from './plane.js';
-import { edgesOf, partsOf } from './shape.js';
 
 const MOST_LINES = 400;
 const MOST_CORNERS = 600;
@@ -10,8 +9,8 @@ const LEAST_M = 0.5; // shorter pieces are noise
 
 /** {lines: [[lon, lat], [lon, lat]][], spacingM} for a parcel; `leastM` is how close two lines may stand. */
 export function hatch(feature, { bearing, headlandM, rowM, leastM }) {
-  const parts = partsOf(feature);
-  const corners = parts.flat(2);
+  const rings = polygonParts(feature.geometry).flat();
+  const corners = rings.flat();
   if (corners.length < 3 || corners.length > MOST_CORNERS) return { lines: [], spacingM: 0 };
   const plane = new Plane(corners[0]);
   const [sin, cos] = [Math.sin(bearing * DEG), Math.cos(bearing * DEG)];
@@ -20,7 +19,10 @@ export function hatch(feature, { bearing, headlandM, rowM, leastM }) {
     return [east * cos - north * sin, east * sin + north * cos]; // across and along the rows
   };
   const back = ([u, v]) => plane.toLonLat([u * cos + v * sin, v * cos - u * sin]);
-  const edges = parts.flat().flatMap((ring) => [...edgesOf(ring.map(turned), true)]);
+  const edges = rings.flatMap((ring) => {
+    const places = ring.map(turned);
+    return places.map((place, i) => [place, places[(i + 1) % places.length]]);
+  });
   const across = edges.map(([a]) => a[0]);
   const [low, high] = [Math.min(...across), Math.max(...across)];
   let spacingM = rowM;

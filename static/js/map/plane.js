@@ -1,6 +1,6 @@
 // Metres around a point of the ground: flat, true to a millimetre over a field.
 
-import { DEG } from '../map/geometry.js';
+import { DEG } from './geometry.js';
 
 const EQUATOR_M = 40075016.685578488;
 const FLATTENING = 0.00669438; // first eccentricity squared of WGS84
