@@ -32,3 +32,12 @@ test('turns say how they stop, and nothing of what they never do', () => {
   assert.equal(stops({ pivots: 0, reversals: 8 }), '4 backing up');
   assert.equal(stops({ pivots: 1, reversals: 2 }), '1 on the spot, 1 backing up');
 });
+
+test('a slider shows turns of a machine that stands for hours in its rows, and finds its way back', () => {
+  const path = new Path({ legs: [leg([0, 36000], [0, 0, 0, 90], { row: 1, on: true }), leg([36000, 36030], [0, 90, 5, 90]), leg([36030, 72030], [5, 90, 5, 0], { row: 2, on: true })] });
+  assert.ok(path.shareAt(36030) - path.shareAt(36000) > 0.03);
+  const times = Array.from({ length: 101 }, (_, i) => path.timeAt(i / 100));
+  assert.deepEqual([times[0], times[100], path.timeAt(2)], [0, 72030, 72030]);
+  times.forEach((t, i) => assert.ok(i === 0 || t > times[i - 1]));
+  times.forEach((t, i) => assert.ok(Math.abs(path.shareAt(t) - i / 100) < 1e-9));
+});

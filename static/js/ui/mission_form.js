@@ -223,7 +223,7 @@
     draw({ drawing, statistics }) {
       const path = new Path(drawing);
       this.picture.draw(drawing, path, statistics);
-      this.scrubber.load(path.duration);
+      this.scrubber.load(path);
       this.numbers.replaceChildren(HL.planner.cards(statistics), HL.planner.energy(statistics));
       this.notes.replaceChildren(...HL.planner.place(statistics), ...(statistics.notes ?? []).map((note) => el("div", { class: "h-row h-t14 h-b" }, icon("warning", "m"), note)));
       this.strip.follow(this.inputs.robot, statistics);

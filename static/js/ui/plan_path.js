@@ -2,6 +2,7 @@
 (() => {
   "use strict";
   const TURN_S = 0.25; // half the turn on the spot is over by then at the latest; only the picture uses it
+  const TURN_WEIGHT = 3; // a metre between rows is watched as long as so many metres of row
 
   // points of a leg: flat x, y in metres, y to the north
   const pointsOf = (leg) => Array.from({ length: leg.xy.length / 2 }, (_, k) => [leg.xy[2 * k], leg.xy[2 * k + 1]]);
@@ -9,6 +10,15 @@
   // how the robot looks from a to b: where it backs, against the line
   const facing = (leg, a, b) => angle(a, b) + (leg.back ? Math.PI : 0);
   const shortest = (rad) => Math.atan2(Math.sin(rad), Math.cos(rad));
+
+  // the value in column `to` where column `from` of rising marks has reached `value`
+  function along(marks, value, from, to) {
+    const k = marks.findIndex((mark) => mark[from] >= value);
+    if (k < 0) return marks.at(-1)[to];
+    if (k === 0) return marks[0][to];
+    const [a, b] = [marks[k - 1], marks[k]];
+    return a[to] + ((value - a[from]) / (b[from] - a[from] || 1)) * (b[to] - a[to]);
+  }
 
   class Path {
     constructor(drawing) {
@@ -27,6 +37,31 @@
       this.length = sum;
       this.duration = this.legs.at(-1)?.t[1] ?? 0;
       this.rows = this.legs.reduce((most, leg) => Math.max(most, leg.row), 0);
+      this.marks = this.watched();
+    }
+
+    // [seconds, share of the watching] where legs begin and end. Half of it goes by time and half by the way: a machine
+    // that stands an hour in each row would turn too fast to be seen, one that flies through would be all turns.
+    watched() {
+      const weight = (leg) => leg.length * (leg.row ? 1 : TURN_WEIGHT);
+      const way = this.legs.reduce((sum, leg) => sum + weight(leg), 0);
+      const share = (t, gone) => (t / (this.duration || 1) + gone / (way || 1)) / 2;
+      const marks = [[0, 0]];
+      let gone = 0;
+      for (const leg of this.legs) {
+        marks.push([leg.t[0], share(leg.t[0], gone)]);
+        gone += weight(leg);
+        marks.push([leg.t[1], share(leg.t[1], gone)]);
+      }
+      return marks;
+    }
+
+    // how far a slider stands after t seconds, 0 to 1; and back
+    shareAt(t) {
+      return along(this.marks, t, 0, 1);
+    }
+    timeAt(share) {
+      return along(this.marks, share, 1, 0);
     }
 
     // number of the leg under way at t seconds, or turned toward

@@ -196,6 +196,7 @@
       attr(this.robot, "data-heading-deg", ((pose.heading * 180) / Math.PI).toFixed(1));
       attr(this.robot, "data-state", pose.isOn ? "on" : "off");
       attr(this.driven, "stroke-dasharray", `${pose.driven.toFixed(1)} ${(this.path.length + 1).toFixed(1)}`);
+      this.sight.keep([pose.x, -pose.y]);
       return pose;
     }
 

@@ -24,20 +24,22 @@
       this.node = el("div", { class: "p-scrub h-card", hidden: true }, this.button, this.input, this.words);
       this.input.addEventListener("input", () => {
         this.pause();
-        this.to((Number(this.input.value) / 1000) * this.duration);
+        this.to(this.path ? this.path.timeAt(Number(this.input.value) / 1000) : 0);
       });
     }
 
-    load(duration) {
-      this.duration = duration;
-      this.node.hidden = !(duration > 0);
+    // a Path of plan_path.js
+    load(path) {
+      this.path = path;
+      this.duration = path.duration;
+      this.node.hidden = !(path.duration > 0);
       this.pause();
       this.to(0);
     }
 
     to(t) {
       this.t = Math.min(Math.max(t, 0), this.duration);
-      const share = this.duration ? this.t / this.duration : 0;
+      const share = this.duration ? this.path.shareAt(this.t) : 0;
       this.input.value = String(Math.round(1000 * share));
       this.input.style.setProperty("--share", `${(100 * share).toFixed(1)}%`);
       const pose = this.moved(this.t);
@@ -57,7 +59,7 @@
       const step = (now) => {
         if (!this.isPlaying || !this.node.isConnected) return;
         if (!isCalm || now - last >= CALM_MS) {
-          this.to(this.t + ((now - last) / 1000 / WHOLE_S) * this.duration);
+          this.to(this.path.timeAt(this.path.shareAt(this.t) + (now - last) / 1000 / WHOLE_S));
           last = now;
         }
         if (this.t >= this.duration) this.pause();

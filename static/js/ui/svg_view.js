@@ -42,6 +42,17 @@
       this.apply();
     }
 
+    // come along with what moves: in the middle again when it leaves what is seen of the drawing
+    keep([x, y]) {
+      if (!this.window || this.isWhole || !this.px) return;
+      const { left, right, top, bottom } = this.free;
+      const { window: at, px } = this;
+      const isSeen = x > at.x - at.w / 2 + left * px && x < at.x + at.w / 2 - right * px && y > at.y - at.h / 2 + top * px && y < at.y + at.h / 2 - bottom * px;
+      if (isSeen) return;
+      [at.x, at.y] = [x + ((right - left) / 2) * px, y + ((bottom - top) / 2) * px];
+      this.apply();
+    }
+
     apply() {
       if (!this.window) return;
       const { x, y, w, h } = this.window;

@@ -189,6 +189,25 @@ def test_the_robot_travels_along_the_plan_by_keys_and_looks_along_its_row(
 
 
 @pytest.mark.long
+def test_a_picture_that_was_zoomed_comes_along_with_the_robot(plan: Callable[..., tuple[Page, PlayedPlans]]) -> None:
+    page, _ = plan()
+    page.get_by_test_id("plan-preview").click()
+    page.get_by_test_id("plan-scrubber").focus()
+    for _ in range(5):
+        page.get_by_role("button", name="Zoom in").click()
+    page.get_by_test_id("plan-scrubber").focus()
+    for key in ("End", "Home"):
+        page.keyboard.press(key)
+        robot = page.get_by_test_id("plan-robot-outline").bounding_box()
+        picture = page.locator(".p-picture").bounding_box()
+        assert robot is not None
+        assert picture is not None
+        middle = robot["x"] + robot["width"] / 2, robot["y"] + robot["height"] / 2
+        assert picture["x"] < middle[0] < picture["x"] + picture["width"]
+        assert picture["y"] < middle[1] < picture["y"] + picture["height"]
+
+
+@pytest.mark.long
 def test_battery_link_and_position_are_looked_at_before_sending(
     plan: Callable[..., tuple[Page, PlayedPlans]],
 ) -> None:
