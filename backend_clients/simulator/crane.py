@@ -11,14 +11,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from backend_clients.edge.machine import Joint, Point3
+from backend_clients.simulator.joint_travel import REACHED, is_beyond, moved_by_hand
 from backend_clients.simulator.kinematics import wrap_rad
 
 PILLAR_X_M, PILLAR_Z_M = -1.8, 2.4  # where the boom turns
 BOOM_M, STICK_M, HEAD_M = 3.6, 2.6, 1.5
 TELESCOPE_M = 3.6
 STRETCH = 0.88  # of its length when the telescope is chosen: neither straight nor folded
-REACHED = 1e-6
-SLOW_SHARE = 0.25  # of its speed, beyond a soft limit
 
 JOINTS = (
     Joint(name="slew", label="Slew", lower=-3.0, upper=3.0, soft_lower=-2.85, soft_upper=2.85, max_rate=0.42),
@@ -133,11 +132,8 @@ class Crane:
     def jog(self, rates: Mapping[str, float], dt_s: float) -> None:
         """Move by hand: a soft limit slows what goes further out, a limit stops it; what was planned is forgotten."""
         for name, rate in rates.items():
-            joint, at = BY_NAME[name], self.pose[name]
-            v = min(max(rate, -joint.max_rate), joint.max_rate)
-            if self._is_going_out(joint, at, v):
-                v *= SLOW_SHARE
-            self.pose[name] = min(max(at + v * dt_s, joint.lower), joint.upper)
+            at = self.pose[name]
+            self.pose[name] = moved_by_hand(BY_NAME[name], at, rate, dt_s)
             self.is_moving = self.is_moving or self.pose[name] != at
         self.planned, self.path = dict(self.pose), []
 
@@ -163,19 +159,3 @@ class Crane:
     def beyond(self) -> list[str]:
         """Return the joints outside their soft limits."""
         return [joint.name for joint in JOINTS if is_beyond(joint, self.pose[joint.name])]
-
-    def _is_going_out(self, joint: Joint, at: float, v: float) -> bool:
-        assert joint.soft_lower is not None
-        assert joint.soft_upper is not None
-        return (v < 0 and at <= joint.soft_lower) or (v > 0 and at >= joint.soft_upper)
-
-
-def is_beyond(joint: Joint, value: float) -> bool:
-    """Say whether a joint is outside its soft limits."""
-    low = joint.soft_lower is not None and value < joint.soft_lower - REACHED
-    return low or (joint.soft_upper is not None and value > joint.soft_upper + REACHED)
-
-
-def travel_share(joint: Joint, value: float) -> float:
-    """Return how far a joint is from its lower limit to its upper one, 0 to 1."""
-    return (value - joint.lower) / (joint.upper - joint.lower)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from backend_clients.edge import messages_up as up
 from backend_clients.simulator.families import WEEDER
 from backend_clients.simulator.kinematics import Base, wrap_rad
+from backend_clients.simulator.limbs import AHEAD
 from backend_clients.simulator.profile import Profile
 from backend_clients.simulator.tracking import Setpoint
 
@@ -193,7 +194,7 @@ class Machine:
         # the head looks into the bend, and down at what the tool does
         pan = 0.0 if self.base.is_still else round(self.base.yaw_rate_radps, 1)
         looks_down = self.tool_on or self.is_airborne
-        self.limbs.look(pan=pan, tilt=down if looks_down else -0.2)
+        self.limbs.look(pan=pan, tilt=down if looks_down else AHEAD["tilt"])
         self.limbs.step(dt_s)
         if self.profile.energy.hover_w:
             goal_m = CRUISE_M if self.is_airborne else 0.0

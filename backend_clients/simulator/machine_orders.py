@@ -74,14 +74,15 @@ class MachineOrders:
         brain = self._brain
         if brain.is_stopped:
             return may_move
-        if brain.machine.rig is None:
+        limbs, has_crane = brain.machine.limbs, brain.machine.rig is not None
+        if limbs is None and not has_crane:
             return refused("not_supported")
         if brain.drive is None:
             return refused("not_in_manual")
-        if any(name not in BY_NAME for name in order.rates):
+        if any(name not in (BY_NAME if limbs is None else limbs.pose) for name in order.rates):
             return refused("unknown_joint")
-        verdict = needs(brain, JOG_CRANE)
-        if verdict.is_accepted and brain.work.waits_for() == "person_inside":
+        verdict = needs(brain, JOG_CRANE) if has_crane else OK
+        if verdict.is_accepted and has_crane and brain.work.waits_for() == "person_inside":
             return refused("person_inside", "Somebody is within reach of the crane. Clear the area first.")
         if verdict.is_accepted:
             brain.jog = JogState(dict(order.rates), now_s)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from backend_clients.simulator.work import Doing
 if TYPE_CHECKING:
     from backend_clients.simulator.brain import Brain
     from backend_clients.simulator.crane_task import CraneTask
+    from backend_clients.simulator.machine_orders import JogState
     from backend_clients.simulator.planter_rig import PlanterRig
 
 DEADMAN_S = 0.5  # five missed setpoints at 10 Hz
@@ -48,6 +50,8 @@ class Pilot:
         self.doing, self.followed = Doing(STOPPED), None
         if self._brain.machine.rig is not None:
             self._brain.machine.rig.crane.halt()  # until somebody moves it in this step
+        if self._brain.machine.limbs is not None:
+            self._brain.machine.limbs.hand = self._hand()
         if self._brain.is_stopped:
             return STOPPED
         if self._brain.drive is not None:
@@ -82,9 +86,20 @@ class Pilot:
             return STOPPED
         return Setpoint(v, drive.yaw_rate_radps, is_pivoting=v == 0 and drive.yaw_rate_radps != 0)
 
+    def _hand(self) -> Mapping[str, float] | None:
+        """Return what a hand wants of the camera head; once it was moved by hand it stays so while that is open."""
+        if self._brain.is_stopped:
+            return {}
+        if self._brain.drive is None or self._brain.jog is None:
+            return None
+        return self._brain.jog.rates if self._is_held(self._brain.jog) else {}
+
+    def _is_held(self, jog: JogState) -> bool:
+        return self._brain.clock.mono_s() - jog.heard_s <= DEADMAN_S
+
     def _jog(self, dt_s: float) -> None:
         jog, rig = self._brain.jog, self._brain.machine.rig
-        if jog is None or rig is None or self._brain.clock.mono_s() - jog.heard_s > DEADMAN_S:
+        if jog is None or rig is None or not self._is_held(jog):
             return
         if self._brain.work.waits_for() == "person_inside":
             self._brain.hold_code = "person_inside"

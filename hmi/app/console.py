@@ -285,6 +285,7 @@ class Console:
 
     def _acknowledged(self, answer: Any) -> None:
         self.desk.ledger.acknowledged(answer)
+        self.desk.drive.refused_by_robot(answer)
 
     def _stopped(self, robot_id: str, by: str) -> None:
         try:

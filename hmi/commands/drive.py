@@ -18,7 +18,7 @@ from hmi.commands.lease_service import LeaseService
 from hmi.commands.ledger import CommandResult, Ticket
 from hmi.commands.ports import FleetReader, LaneEvent, TickJudge
 from hmi.commands.refusal import BAD_SETPOINT, DRIVEN_ELSEWHERE, FUNCTION_OFF, NOT_CONNECTED, OrderRefused
-from hmi.domain.command import Action, DriveOrder, JogOrder, OrderSender
+from hmi.domain.command import Acknowledgement, Action, DriveOrder, JogOrder, OrderSender
 from hmi.domain.function_use import jog_obstacle, obstacle
 from hmi.domain.ids import new_id
 from hmi.domain.lease import Lease
@@ -139,6 +139,20 @@ class DriveRelay:
         moving = frozenset(name for name, rate in rates.items() if rate)
         self._note(actor, connection, robot.id, lease, joints=moving)
         return DriveVerdict(True, "ok", "", ends_in_s=self.ends_in_s(robot.id), rates=rates)
+
+    def refused_by_robot(self, answer: Acknowledgement) -> None:
+        """Bring to rest what the robot does not do, and say why to the hand that holds it.
+
+        A pad that is still held must not move it the moment the reason is gone: the hand has to let go first.
+        """
+        driving = self._driving.get(answer.robot_id)
+        if answer.kind != "drive" or answer.is_accepted or driving is None or not driving.is_moving:
+            return
+        kinds = [kind for kind, is_held in (("drive", driving.is_driving), ("jog", bool(driving.joints))) if is_held]
+        self._rest(answer.robot_id)
+        for kind in kinds:
+            told = {"kind": kind, "op": "refused", "robot": answer.robot_id, "code": answer.code, "text": answer.text}
+            self._on_event(told)
 
     def connection_lost(self, connection: str) -> None:
         """Bring to rest what was driven over a socket that is gone; one zero each, then silence."""

@@ -185,3 +185,25 @@ def test_what_is_done_to_a_camera_is_seen_in_its_picture(person: Come) -> None:
     martha.hook("camera-lamp").click()
     wait_for(lambda: apart(usual, light(page)) < 3, within_s=6, what="the lamp off")
     assert martha.covers_of_stop() == []
+
+
+def test_a_camera_moves_while_its_pad_is_held_and_stays_there(person: Come) -> None:
+    martha = person("operator")
+    page = watch(martha)
+    martha.hook("lease-request").click()
+    martha.hook("view-camera").click()
+    expect(martha.hook("pip")).to_have_attribute("data-way", "direct", timeout=FIRST_S * 1000)
+    page.wait_for_timeout(1200)
+    usual = light(page)
+    martha.hook("camera-move").click()
+    martha.hook("camera-move-left").hover()
+    page.mouse.down()
+    wait_for(lambda: apart(usual, light(page)) > 5, within_s=10, what="the turning head in the picture")
+    expect(martha.hook("camera-move-left")).to_have_attribute("data-state", "held")
+    page.mouse.up()
+    page.wait_for_timeout(1200)
+    turned = light(page)
+    page.wait_for_timeout(1200)
+    assert apart(turned, light(page)) < 3, "nobody moves it"
+    martha.hook("camera-move-end").click()
+    wait_for(lambda: apart(usual, light(page)) < 3, within_s=10, what="the head looks ahead again")

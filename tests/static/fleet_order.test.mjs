@@ -133,7 +133,7 @@ test('what an alarm says besides its title is told, its title is not told twice'
 test('an alarm whose cause is gone says so, and gives way to what the robot needs now', () => {
   const gone = { ...alarm('a', 2, 'returned'), title: 'No data link' };
   const over = of('a', {}, { alarm: gone }).verdict;
-  assert.deepEqual([over.head, over.level, over.look, over.group], ['No data link: over', 2, 'returned', 'needs-you']);
+  assert.deepEqual([over.head, over.level, over.look, over.group], ['No data link: over', 2, 'returned', 'watch']);
   const asks = of('a', { waits: true, why: 'It cannot tell crop and weed apart.', clears: 'Look at the row.' }, { alarm: gone }).verdict;
   assert.deepEqual([asks.head, asks.line], ['It cannot tell crop and weed apart.', 'Look at the row']);
 });

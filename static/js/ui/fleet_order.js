@@ -38,7 +38,8 @@
     const isSoon = !found.level && typeof robot.help_s === "number" && robot.help_s <= SOON_S && robot.mode === "auto";
     if (isSoon) Object.assign(found, { level: 4, head: `Needs somebody ${inTime(robot.help_s)}`, line: "Battery at its reserve, or the mission ends" });
     found.helpS = found.level === 1 || found.waits ? 0 : orInfinity(robot.help_s);
-    found.group = found.level === 1 || found.level === 2 || found.waits ? "needs-you" : found.level ? "watch" : "normal";
+    const isUrgent = found.level === 1 || (found.level === 2 && !found.isOver);
+    found.group = isUrgent || found.waits ? "needs-you" : found.level ? "watch" : "normal";
     return found;
   }
 
@@ -59,7 +60,7 @@
   function ofAlarm(robot, alarm) {
     const level = alarm.priority;
     const about = { level, since: alarm.t ?? null, look: alarm.state, waits: Boolean(robot.waits), alarm: alarm.id };
-    if (isOver(alarm)) return { ...about, head: `${alarm.title}: over`, line: "It is gone again. Nobody has acknowledged it." };
+    if (isOver(alarm)) return { ...about, isOver: true, head: `${alarm.title}: over`, line: "It is gone again. Nobody has acknowledged it." };
     const isAsked = level <= 2 || robot.waits;
     const isOther = robot.why && !starts(robot.why, alarm.title) && !(alarm.text || "").includes(robot.why.replace(/\.$/, ""));
     const line = [news(alarm), isAsked && isOther ? robot.why : "", isAsked ? advice(robot) : ""].filter(Boolean).join(" ");

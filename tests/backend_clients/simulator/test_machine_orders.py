@@ -6,8 +6,9 @@ import math
 
 import pytest
 
-from backend_clients.simulator.crane import BY_NAME, TRANSPORT, travel_share
+from backend_clients.simulator.crane import BY_NAME, TRANSPORT
 from backend_clients.simulator.faults import CraneLimit, NodeFailure, PersonAhead, TrayEmpty
+from backend_clients.simulator.joint_travel import travel_share
 from backend_clients.simulator.planter_rig import PlanterRig
 from tests.backend_clients.simulator.rig import Rig, small_mission
 from tests.backend_clients.simulator.test_families import until
@@ -169,13 +170,49 @@ def test_a_soft_limit_slows_what_goes_out_and_a_limit_stops_it() -> None:
     assert pose(rig)["telescope"] == pytest.approx(joint.upper - 0.5 * joint.max_rate, abs=0.05)
 
 
-def test_an_unknown_joint_and_a_machine_without_a_crane_refuse_to_jog() -> None:
+def head(rig: Rig) -> dict[str, float]:
+    assert rig.robot.machine.limbs is not None
+    return rig.robot.machine.limbs.pose
+
+
+def test_a_camera_head_obeys_the_hand_stays_there_and_looks_ahead_again_afterwards() -> None:
+    weeder = Rig()
+    weeder.run(1.0)
+    assert head(weeder) == {"pan": 0.0, "tilt": -0.2}
+    weeder.do("drive_open")
+    weeder.run(0.6)
+    weeder.jog_for(1.0, pan=0.4, tilt=-0.3)
+    assert head(weeder)["pan"] == pytest.approx(0.4, abs=0.05)
+    assert head(weeder)["tilt"] == pytest.approx(-0.5, abs=0.05)
+    weeder.run(0.6)
+    held = dict(head(weeder))
+    weeder.run(2.0)
+    assert head(weeder) == held
+    weeder.jog_for(9.0, tilt=-1.0)
+    assert head(weeder)["tilt"] == -0.9
+    weeder.do("drive_close")
+    weeder.run(4.0)
+    assert head(weeder) == {"pan": 0.0, "tilt": -0.2}
+
+
+def test_a_stop_holds_the_camera_head_where_it_is() -> None:
+    weeder = Rig()
+    weeder.do("drive_open")
+    weeder.run(0.6)
+    weeder.jog_for(0.5, pan=0.4)
+    weeder.stop()
+    held = dict(head(weeder))
+    weeder.run(3.0)
+    assert head(weeder) == held
+
+
+def test_an_unknown_joint_and_a_machine_without_joints_refuse_to_jog() -> None:
     rig = planter()
     rig.do("drive_open")
     refused = rig.jog(nose=0.1)
     assert refused is not None
     assert refused.code == "unknown_joint"
-    weeder = Rig()
+    weeder = Rig(is_lean=True)
     weeder.do("drive_open")
     answer = weeder.jog(pan=0.1)
     assert answer is not None

@@ -11,8 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from backend_clients.simulator.crane import JOINTS, TRANSPORT, Crane, OutOfReach, is_beyond, pose_for, tip_of
+from backend_clients.simulator.crane import JOINTS, TRANSPORT, Crane, OutOfReach, pose_for, tip_of
 from backend_clients.simulator.faults import PersonAhead
+from backend_clients.simulator.joint_travel import is_beyond
 from backend_clients.simulator.kinematics import Base
 from backend_clients.simulator.planter_rig import PlanterRig, Tuning
 from backend_clients.simulator.planting_site import CLEAR_M, Site, area_of, is_reachable, map_site

@@ -9,7 +9,7 @@ import pytest
 from hmi.commands.drive import DriveFrame, DriveVerdict
 from hmi.commands.lease_service import LeaseOp
 from hmi.commands.service import CommandRequest
-from hmi.domain.command import Action, CommandOrder, DriveOrder
+from hmi.domain.command import Acknowledgement, Action, CommandOrder, DriveOrder
 from hmi.domain.robot import Mode
 from hmi.security.session_info import SessionInfo
 from tests.hmi.commands.field import ANNA, JONAS, MARTHA, Field, factsheet
@@ -228,3 +228,33 @@ async def test_nobody_steers_by_a_frozen_picture_and_the_robot_is_told_to_rest(p
     assert (verdict.is_forwarded, verdict.code) == (False, "picture_old")
     assert setpoints(field) == [(0.2, 0.0), (0.0, 0.0)]
     assert push(field).is_forwarded, "without the picture the limit is gone"
+
+
+def answer(code: str, text: str = "") -> Acknowledgement:
+    """Return the robot's answer to a setpoint."""
+    return Acknowledgement("weeder-01", "drive", "7", code == "ok", code, text, None, None, None)
+
+
+async def test_what_the_robot_refuses_is_told_once_and_it_is_told_to_rest() -> None:
+    field = await driving()
+    push(field)
+    for _ in range(3):
+        field.desk.drive.refused_by_robot(answer("function_off", "Driving is off: drive does not run."))
+    assert setpoints(field) == [(0.2, 0.0), (0.0, 0.0)]
+    [told] = field.events_of("drive")
+    assert (told["op"], told["code"], told["text"]) == (
+        "refused",
+        "function_off",
+        "Driving is off: drive does not run.",
+    )
+
+
+async def test_an_answer_to_a_hand_that_is_gone_says_nothing() -> None:
+    field = await driving()
+    field.desk.drive.refused_by_robot(answer("not_in_manual"))
+    push(field)
+    field.desk.drive.refused_by_robot(answer("ok"))
+    push(field, v=0.0)
+    field.desk.drive.refused_by_robot(answer("not_in_manual"))
+    assert field.events_of("drive") == []
+    assert setpoints(field) == [(0.2, 0.0), (0.0, 0.0)]

@@ -9,7 +9,7 @@ import pytest
 from hmi.commands.drive import DriveFrame, DriveVerdict, JogFrame
 from hmi.commands.lease_service import LeaseOp
 from hmi.commands.service import CommandRequest
-from hmi.domain.command import Action, CommandOrder, DriveOrder, JogOrder
+from hmi.domain.command import Acknowledgement, Action, CommandOrder, DriveOrder, JogOrder
 from hmi.domain.machine import FunctionInfo, JointInfo
 from hmi.domain.robot import Mode, Node, Stamp
 from hmi.security.session_info import SessionInfo
@@ -203,3 +203,14 @@ async def test_five_minutes_without_input_end_it() -> None:
         await field.desk.tend()
     closes = [o for o in field.weeder.orders if isinstance(o, CommandOrder) and o.action is Action.DRIVE_CLOSE]
     assert len(closes) == 1
+
+
+async def test_joints_that_the_robot_does_not_move_are_told_to_rest_and_why() -> None:
+    field = await moving()
+    push(field)
+    text = "Somebody is within reach of the crane."
+    refusal = Acknowledgement("weeder-01", "drive", "7", False, "person_inside", text, None, None, None)
+    field.desk.drive.refused_by_robot(refusal)
+    assert setpoints(field) == [{"slew": 0.1}, {"slew": 0.0}]
+    assert [(told["code"], told["text"]) for told in field.events_of("jog")] == [("person_inside", text)]
+    assert field.events_of("drive") == []
