@@ -42,6 +42,11 @@ _HOLDS: dict[str, tuple[str, str, str]] = {
         "Clear the way; it goes on by itself after the horn.",
         "person at the machine",
     ),
+    "way_blocked": (
+        "Somebody or something stands in front of it, or did while you held the pad.",
+        "Let go and look. It drives ahead when the way is free and you press again.",
+        "operator",
+    ),
     "robot_ahead": (
         "Another robot stands in its way.",
         "It goes on by itself after the horn when the other has left; else somebody of the farm leads it past.",

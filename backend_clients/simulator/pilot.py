@@ -44,6 +44,7 @@ class Pilot:
         self.horn_left_s = 0.0
         self.doing = Doing(STOPPED)
         self.followed: Tracker | None = None
+        self._is_barred = False  # by hand: something stood in its way, and the hand has not let go since
 
     def decide(self, dt_s: float) -> Setpoint:
         """Return the speeds wanted in this step; sets ``doing``, ``followed`` and the brain's ``hold_code``."""
@@ -73,17 +74,18 @@ class Pilot:
         return self._follow(dt_s)
 
     def _by_hand(self, drive: DriveState) -> Setpoint:
-        if self._brain.clock.mono_s() - drive.heard_s > DEADMAN_S:
+        is_held = self._brain.clock.mono_s() - drive.heard_s <= DEADMAN_S
+        is_ahead = is_held and drive.v_mps > 0
+        is_blocked = self._brain.machine.is_way_blocked() or self._brain.machine.neighbour is not None
+        self._is_barred = is_ahead and (self._is_barred or is_blocked)
+        if self._is_barred:
+            self._brain.hold_code = "way_blocked"
+            return STOPPED
+        if not is_held:
             return STOPPED
         rig = self._brain.machine.rig
         most = MANUAL_MAX_MPS if rig is None or rig.is_folded else CRANE_OUT_MPS
         v = min(max(drive.v_mps, -most), most)
-        if v > 0 and self._brain.machine.is_way_blocked():
-            self._brain.hold_code = "person_ahead"
-            return STOPPED
-        if v > 0 and self._brain.machine.neighbour is not None:
-            self._brain.hold_code = "robot_ahead"
-            return STOPPED
         return Setpoint(v, drive.yaw_rate_radps, is_pivoting=v == 0 and drive.yaw_rate_radps != 0)
 
     def _hand(self) -> Mapping[str, float] | None:

@@ -22,6 +22,7 @@ FIND_ROW_M = 1.0  # so far before a row its cameras look for the plants
 _WAIT_WORDS = {
     "person_ahead": "Person ahead",
     "robot_ahead": "Robot ahead",
+    "way_blocked": "Way blocked",
     "rtk_float": "Waiting for RTK",
     "tool_interlock": "Cover open",
     "weed_unsure": "Weed unsure",

@@ -188,6 +188,27 @@ def test_a_person_ahead_is_waited_for_and_then_the_horn_sounds_again() -> None:
     assert ("alarm_cleared", "person-ahead") in kinds
 
 
+def test_by_hand_it_does_not_set_off_when_the_person_leaves_but_when_the_hand_presses_again() -> None:
+    rig = Rig()
+    rig.do("drive_open")
+    rig.run(0.6)
+    rig.drive_for(1.0, v_mps=0.4)
+    assert rig.speed > 0.2
+    rig.robot.set_fault(faults.PersonAhead(distance_m=1.0))
+    rig.drive_for(2.0, v_mps=0.4)
+    assert rig.state.hold is not None
+    assert (rig.speed, rig.state.hold.code) == (0, "way_blocked")
+    rig.drive_for(1.0, v_mps=-0.2)
+    assert rig.speed < -0.05, "it may back away"
+    rig.drive_for(1.0, v_mps=0.4)
+    rig.robot.clear_fault("person-ahead")
+    rig.drive_for(1.0, v_mps=0.4)
+    assert (rig.speed, rig.state.hold and rig.state.hold.code) == (0, "way_blocked")
+    rig.drive_for(0.2, v_mps=0.0)
+    rig.drive_for(1.0, v_mps=0.4)
+    assert rig.speed > 0.2
+
+
 @pytest.mark.parametrize(
     ("fault", "hold", "refusal"),
     [
