@@ -87,6 +87,11 @@ export class MapEditor {
     return this.bench.isReady && !this.bench.surface.isEditable ? NO_WEBGL : '';
   }
 
+  /** Whether the features are in the picture. */
+  get isDrawn() {
+    return this.bench.isReady && this.bench.surface.engine.isFarmDrawn;
+  }
+
   get #canEdit() {
     return this.bench.isReady && this.bench.surface.isEditable && !this.options.readOnly;
   }

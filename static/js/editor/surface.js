@@ -246,7 +246,8 @@ export class Surface {
 
   #framed() {
     if (!this.engine) return;
-    this.names.draw(this.camera, readableLabels(this.shownNames, this.camera), this.palette);
+    const names = this.engine.isFarmDrawn ? readableLabels(this.shownNames, this.camera) : []; // no names without their fields
+    this.names.draw(this.camera, names, this.palette);
     this.hooks.framed();
   }
 

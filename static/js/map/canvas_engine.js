@@ -14,6 +14,7 @@ const UNIT = 1e8; // path units per mercator unit: about 0.4 m, fine enough for 
 
 export class CanvasEngine {
   kind = 'canvas';
+  isFarmDrawn = true; // shapes and names are one picture here
   #pace = new FramePace();
 
   static async create(host, { scene, palette, view, hooks }) {
@@ -55,6 +56,7 @@ export class CanvasEngine {
     this.canvas.width = Math.round(this.camera.width * ratio);
     this.canvas.height = Math.round(this.camera.height * ratio);
     this.hooks.moved(false);
+    this.hooks.resized?.();
     this.redraw();
   }
 

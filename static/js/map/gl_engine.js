@@ -30,6 +30,8 @@ export class GlEngine {
   gone = new Set(); // graphics contexts that were lost
   asked = null;
   isLoaded = false;
+  #isFarmDrawn = false;
+  #hasFarm = false;
   #pace = new FramePace();
 
   /** hooks: {moved(byUser), panned(), framed(), failed(error)}. */
@@ -69,7 +71,7 @@ export class GlEngine {
     map.on('move', (event) => { this.#sync(); hooks.moved(Boolean(event.originalEvent)); });
     map.on('dragstart', () => hooks.panned());
     map.on('render', () => { this.#sync(); this.#frame(); });
-    map.on('resize', () => { this.#measure(); this.#sync(); hooks.moved(false); });
+    map.on('resize', () => { this.#measure(); this.#sync(); hooks.moved(false); hooks.resized?.(); });
     map.on('click', (event) => hooks.tapped(event.point.x, event.point.y));
     map.on('webglcontextlost', () => this.#lost('map'));
     map.on('webglcontextrestored', () => this.#restored('map'));
@@ -118,7 +120,15 @@ export class GlEngine {
     camera.bearing = map.getBearing();
   }
 
+  /** Whether the farm's shapes are in the picture: they are cut into tiles beside the page, which takes a moment. */
+  get isFarmDrawn() {
+    this.#isFarmDrawn ||= this.isLoaded && this.map.isSourceLoaded('farm');
+    return this.#isFarmDrawn;
+  }
+
   setFarm(collection) {
+    if (!this.#hasFarm) this.#isFarmDrawn = false;
+    this.#hasFarm = collection.features.length > 0;
     this.map.getSource('farm')?.setData(collection);
   }
 

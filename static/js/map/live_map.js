@@ -36,6 +36,8 @@ const NAMES_ZOOM = 15.5;
 const RING_MARGIN = 1.5;
 const NO_ROWS = [];
 
+const seenFrom = ({ mx, my, zoom }) => [mx.toFixed(9), my.toFixed(9), zoom.toFixed(4)].join();
+
 export class LiveMap {
   /** options: {robotId, mode, hasButtons, featuresUrl, missionUrl, vendorUrl, engine, onSelect(id)}. */
   constructor(host, options) {
@@ -95,6 +97,7 @@ export class LiveMap {
   async #start(wanted) {
     const hooks = {
       moved: (isByHand) => { this.isZoomChosen ||= isByHand; this.#moved(); },
+      resized: () => this.#resized(),
       panned: () => this.follow(false),
       framed: () => this.#framed(),
       tapped: (x, y) => this.#tapped(x, y),
@@ -290,6 +293,13 @@ export class LiveMap {
     if (!view) return;
     this.isPlaced = Boolean(robot) || (this.fleet.placed > 0 && this.intake.farmState !== 'loading');
     this.engine.jump(view);
+    this.placedAt = seenFrom(this.engine.camera);
+  }
+
+  /** A tablet was turned: who has not moved the map sees as much as before. */
+  #resized() {
+    if (!this.engine || this.options.mode === 'robot' || this.placedAt !== seenFrom(this.engine.camera)) return;
+    this.#fit();
   }
 
   /** Come as near as the field of a new mission allows, unless a zoom was chosen by hand. */
@@ -314,7 +324,9 @@ export class LiveMap {
   #framed() {
     if (!this.engine || this.isGone) return;
     const { camera } = this.engine;
-    const labels = this.shown.labels ? [...readableLabels(this.labels, camera), ...areaLabels(this.intake.model?.areas ?? [], camera)] : [];
+    const wasDrawn = this.isDrawn;
+    this.isDrawn = this.engine.isFarmDrawn; // no names without their fields
+    const labels = this.shown.labels && this.isDrawn ? [...readableLabels(this.labels, camera), ...areaLabels(this.intake.model?.areas ?? [], camera)] : [];
     const look = { ...this.look, palette: this.palette, metresPerPx: camera.metresPerPx, isNear: this.fleet.said?.layers?.names ?? camera.zoom > NAMES_ZOOM };
     if (this.look) {
       labels.push(...robotLabels(this.fleet.single(this.intake.robots.values(), look), look), ...this.fleet.drawClusters(camera, this.palette));
@@ -322,7 +334,7 @@ export class LiveMap {
     this.labelLayer.block(this.covered.boxes());
     this.labelLayer.draw(camera, labels, this.palette);
     this.frameNumber += 1;
-    if (this.frameNumber === 1) this.#notice(); // until now the map said that it is loading
+    if (this.isDrawn && !wasDrawn) this.#notice(); // until now the map said that it is loading
     this.#said();
   }
 
@@ -393,7 +405,7 @@ export class LiveMap {
   }
 
   #notice() {
-    const [text, how] = noticeOf(this.intake, { isReady: Boolean(this.engine) && this.frameNumber > 0, engineNote: [this.engineNote, this.engine && this.base?.note].filter(Boolean).join(' ') });
+    const [text, how] = noticeOf(this.intake, { isReady: Boolean(this.engine) && this.isDrawn, engineNote: [this.engineNote, this.engine && this.base?.note].filter(Boolean).join(' ') });
     this.controls.setNotice(text, how);
   }
 

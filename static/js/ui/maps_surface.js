@@ -50,13 +50,14 @@
         if (turn !== this.turn) return undefined;
         const editor = new MapEditor(host, { vendorUrl: `${base}${vendor}`, baseMapsUrl: `${HL.config.apiPath}/base-maps`, readOnly: isReadOnly, ...this.on });
         await editor.start();
-        wait.remove();
         if (turn !== this.turn) return editor.destroy();
         this.editor = editor;
         const features = this.on.features();
         editor.setFeatures(features);
         editor.fit(this.focus ?? HL.maps.mainSite(features));
         this.on.onReady();
+        const drawn = () => (turn !== this.turn || editor.isDrawn ? wait.remove() : requestAnimationFrame(drawn));
+        drawn();
       } catch (error) {
         console.error("map builder:", error);
         if (turn === this.turn) this.fail();

@@ -223,3 +223,34 @@ def test_on_a_tablet_every_figure_is_a_tap_away_and_no_disc_lies_on_a_button(
             canvas.compareDocumentPosition(document.querySelector('.f-map .hl-map-controls'))
               & Node.DOCUMENT_POSITION_FOLLOWING)"""
     )
+
+
+IN_SIGHT = """() => {
+  const { engine, intake } = document.querySelector('.f-map .hl-map')?.hlMap ?? {};
+  if (!engine || !intake.robots.size) return false;
+  const { camera } = engine;
+  return [...intake.robots.values()].filter((robot) => robot.pose).every(({ pose }) => {
+    const [x, y] = camera.project(pose.mx, pose.my);
+    return x > 0 && y > 0 && x < camera.width && y < camera.height;
+  });
+}"""
+ZOOM = "document.querySelector('.f-map .hl-map').hlMap.engine.camera.zoom"
+
+
+@pytest.mark.long
+def test_a_turned_tablet_shows_the_whole_fleet_again_unless_the_map_was_moved(
+    look: Look, fleet: Callable[..., dict[str, Any]]
+) -> None:
+    fleet()
+    page = look("/fleet", size="desk")
+    page.wait_for_function(IN_SIGHT)
+    wide = page.evaluate(ZOOM)
+    page.set_viewport_size({"width": 800, "height": 1280})
+    page.wait_for_function(f"{ZOOM} < {wide} - 0.2")
+    assert page.evaluate(IN_SIGHT)
+    page.get_by_test_id("map-zoom-in").click()
+    page.wait_for_timeout(600)
+    near = page.evaluate(ZOOM)
+    page.set_viewport_size({"width": 1920, "height": 1080})
+    page.wait_for_timeout(600)
+    assert page.evaluate(ZOOM) == pytest.approx(near)
