@@ -56,29 +56,3 @@ export class AreaLines {
 export const areaLabels = (areas, camera) => areas
   .filter((area) => area.widthM * camera.worldPx > LEAST_LABEL_PX)
   .map(({ text, mx, my }) => ({ mx, my, lines: [{ text, size: 13, weight: 650 }], priority: 45 }));
-
-const KEYS = [['usual', 'Usual dose'], ['less', 'Less'], ['more', 'More'], ['off', 'Off or left out']];
-
-/** What the patterns mean; hidden while the mission has none. */
-export class DoseLegend {
-  constructor(host) {
-    this.node = document.createElement('div');
-    this.node.className = 'hl-map-doses';
-    this.node.dataset.testid = 'map-doses';
-    this.node.hidden = true;
-    host.append(this.node);
-  }
-
-  show(model) {
-    const doses = new Set((model?.pieces ?? []).filter((one) => one.isWorked).map((one) => (one.dose === 1 ? 'usual' : one.dose < 1 ? 'less' : 'more')));
-    if (model?.areas.some((one) => one.kind !== 'obstacle') && model.pieces.some((one) => one.kind === 'row' && !one.isWorked)) doses.add('off');
-    this.node.hidden = !model || (doses.size < 2 && !doses.has('off'));
-    this.node.replaceChildren(...KEYS.filter(([key]) => doses.has(key)).map(([key, words]) => {
-      const line = document.createElement('span');
-      const sign = document.createElement('i');
-      sign.className = key;
-      line.append(sign, words);
-      return line;
-    }));
-  }
-}

@@ -40,9 +40,9 @@ export function laneRevision() {
 
 /** GeoJSON from our own origin, asked again with growing pauses until it arrives; `told(state, collection)`. */
 export class Geometry {
-  constructor(told) {
-    this.told = told;
-    this.url = null;
+  /** `reading()` fetches what it takes to read the answer, beside the answer; failing, it is asked again like that. */
+  constructor(told, reading = null) {
+    Object.assign(this, { told, reading, url: null });
   }
 
   /** Load `url`; `isMissingOk`: 404 means there is none. Nothing happens when it is loaded already and `key` is the same. */
@@ -65,11 +65,14 @@ export class Geometry {
     const abort = (this.abort = new AbortController());
     if (this.state !== 'failed') this.#tell('loading'); // what is wrong stays said until it is right
     try {
+      const reading = this.reading?.();
+      reading?.catch(() => {}); // told below, if the answer comes
       const answer = await fetch(this.url, { signal: abort.signal, credentials: 'same-origin', cache: 'no-cache', headers: { Accept: 'application/geo+json, application/json' } });
       if (answer.status === 404 && this.isMissingOk) return this.#tell('missing');
       if (answer.status === 401 || answer.status === 403) return this.#tell('forbidden');
       if (!answer.ok) throw new Error(`status ${answer.status}`);
       const collection = await answer.json();
+      await reading;
       if (abort.signal.aborted) return undefined;
       if (!Array.isArray(collection?.features)) throw new Error('not a FeatureCollection');
       return this.#tell('loaded', { type: 'FeatureCollection', features: collection.features.filter(isDrawable) });

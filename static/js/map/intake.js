@@ -1,7 +1,6 @@
 // What the map knows: robots from the live lane, farm and mission from REST, STOP states from the page.
 
 import { Geometry, LaneTopic, StopStates, laneNow } from './feed.js';
-import { progress, readMission } from './mission.js';
 import { Robot, STALE_MS } from './robots.js';
 import { trailOf } from './trail.js';
 
@@ -28,7 +27,7 @@ export class Intake {
     const { mode, robotId, featuresUrl } = this.options;
     this.stops = new StopStates(() => this.told('robots'));
     this.features = new Geometry((state, data) => this.#farm(state, data));
-    this.lines = new Geometry((state, data) => this.#lines(state, data));
+    this.lines = new Geometry((state, data) => this.#lines(state, data), async () => { this.reader = await import('./mission.js'); });
     this.features.load(featuresUrl);
     this.unsubscribe = window.headland?.on?.('event', (event) => {
       if (event?.kind === 'map' && event.what === 'published') this.features.load(featuresUrl, { key: `${featuresUrl} v${event.version}` });
@@ -65,7 +64,7 @@ export class Intake {
 
   /** Where the selected robot is on its mission. A stale one stays where it was seen. */
   progress() {
-    return progress(this.model, this.mission, this.selected?.pose);
+    return this.reader.progress(this.model, this.mission, this.selected?.pose);
   }
 
   retry() {
@@ -152,9 +151,9 @@ export class Intake {
   #lines(state, collection) {
     this.missionState = state;
     if (!collection && state !== 'missing') return this.told('state');
-    const model = readMission(collection);
-    this.model = model.pieces.length ? model : null;
-    this.parcels = { ...EMPTY, features: model.parcels };
+    const model = collection && this.reader.readMission(collection);
+    this.model = model?.pieces.length ? model : null;
+    this.parcels = model ? { ...EMPTY, features: model.parcels } : EMPTY;
     return this.told('mission');
   }
 

@@ -7,21 +7,21 @@ import { Covered } from './covered.js';
 import { startEngine } from './engine_choice.js';
 import { laneRevision } from './feed.js';
 import { NO_FLEET, loadFleet } from './fleet_none.js';
-import { fieldZoom, robotView, wholeView } from './first_view.js';
-import { mercPerMetre, mercX, mercY } from './geometry.js';
+import { FieldRows } from './field_rows.js';
+import { mercX, mercY } from './geometry.js';
 import { Intake } from './intake.js';
-import { DoseLegend, areaLabels } from './areas.js';
+import { areaLabels } from './areas.js';
 import { LabelLayer } from './labels.js';
 import { keyedWay } from './keyed_way.js';
 import { LAYERS, baseChoice, keepLayers, readLayers } from './layers.js';
 import { noticeOf } from './notice.js';
-import { MapStrips } from './row_strips.js';
 import { robotAt } from './robots.js';
 import { RobotList } from './robot_list.js';
 import { Scene } from './scene.js';
 import { LOST_CONTEXT_MS, USUAL } from './options.js';
 import { readPalette, watchTheme } from './theme.js';
 import { trailOf } from './trail.js';
+import { Viewpoint } from './viewpoint.js';
 
 export { publish } from './published.js';
 
@@ -33,10 +33,7 @@ const MOST_GLIDING = 50;
 const CROWD = 150; // robots beyond which places are brought onto the map together, as often as one of them reports
 const CROWD_MS = 500;
 const NAMES_ZOOM = 15.5;
-const RING_MARGIN = 1.5;
 const NO_ROWS = [];
-
-const seenFrom = ({ mx, my, zoom }) => [mx.toFixed(9), my.toFixed(9), zoom.toFixed(4)].join();
 
 export class LiveMap {
   /** options: {robotId, mode, hasButtons, featuresUrl, missionUrl, vendorUrl, engine, onSelect(id)}. */
@@ -44,7 +41,7 @@ export class LiveMap {
     this.host = host;
     host.hlMap = this; // what else is on the screen speaks to the map by its element
     this.options = { ...USUAL, ...options };
-    this.isFollowing = this.options.mode === 'robot';
+    this.viewpoint = new Viewpoint(this);
     this.shown = readLayers();
     this.frameNumber = 0;
     this.covered = new Covered(host);
@@ -60,10 +57,9 @@ export class LiveMap {
     this.fleet = NO_FLEET;
     this.labelLayer = new LabelLayer(host);
     this.controls = this.#controls();
-    this.controls.setFollowing(this.isFollowing);
+    this.controls.setFollowing(this.viewpoint.isFollowing);
     this.list = new RobotList(host);
-    this.strips = new MapStrips(host);
-    this.doses = new DoseLegend(host);
+    this.rows = new FieldRows(this);
     this.#notice();
   }
 
@@ -73,8 +69,8 @@ export class LiveMap {
       hasButtons: this.options.hasButtons,
       layers: LAYERS.map(([name, label]) => ({ name, label, isOn: this.shown[name] })),
       act: {
-        follow: () => this.follow(!this.isFollowing),
-        fit: () => this.#fit(),
+        follow: () => this.follow(!this.viewpoint.isFollowing),
+        fit: () => this.viewpoint.fit(),
         zoom: (step) => this.#zoom(step),
         north: () => this.engine?.ease({ bearing: 0 }),
         layer: (name, isOn) => this.#layer(name, isOn),
@@ -96,8 +92,8 @@ export class LiveMap {
 
   async #start(wanted) {
     const hooks = {
-      moved: (isByHand) => { this.isZoomChosen ||= isByHand; this.#moved(); },
-      resized: () => this.#resized(),
+      moved: (isByHand) => { this.viewpoint.isZoomChosen ||= isByHand; this.#moved(); },
+      resized: () => this.viewpoint.resized(),
       panned: () => this.follow(false),
       framed: () => this.#framed(),
       tapped: (x, y) => this.#tapped(x, y),
@@ -118,7 +114,7 @@ export class LiveMap {
     this.host.dataset.engine = engine.kind;
     engine.setPalette(this.palette); // the theme may have changed while the engine was loading
     engine.showSurroundings(this.shown.surroundings);
-    engine.setFollowing(this.isFollowing);
+    engine.setFollowing(this.viewpoint.isFollowing);
     this.#told('farm');
     this.#told('mission');
     this.base?.attach(engine, this.palette);
@@ -151,9 +147,9 @@ export class LiveMap {
       const first = this.intake.model?.pieces[0].line;
       if (first) this.scene.settle(first[0], first[1]);
       this.scene.setMission(this.intake.model);
-      this.doses.show(this.intake.model);
+      this.#doses();
       this.engine?.setMission(this.intake.parcels);
-      this.#showField();
+      this.viewpoint.showField();
     }
     if (what === 'state') this.#notice();
     else if (what === 'places' && this.intake.robots.size > CROWD) this.#soon();
@@ -178,7 +174,7 @@ export class LiveMap {
       scene.trail = trailOf(selected.id);
     }
     else this.fleet.settle();
-    this.#place();
+    this.viewpoint.place();
     if (intake.model) scene.setProgress(intake.progress());
     if (hasChanged || this.#isSeenToMove()) this.#draw(hasChanged);
     else this.#said(); // the picture is still true
@@ -229,7 +225,7 @@ export class LiveMap {
     };
     this.fleet.gather(this.look);
     this.scene.setRobots(this.intake.robots.values(), this.look);
-    this.#keepUp(now);
+    this.viewpoint.keepUp(now, this.look);
     this.laidCount = this.intake.robots.size;
     this.laidView = this.#viewKey();
     if (this.laidCount > CROWD) for (const robot of this.intake.robots.values()) if (robot.pose) robot.lay();
@@ -248,68 +244,16 @@ export class LiveMap {
     }), FRAME_MS);
   }
 
-  /** Follow the robot; when a STOP is not confirmed, come close enough for the keep-out ring. */
-  #keepUp(now) {
-    const robot = this.intake.selected;
-    if (!this.isFollowing || !robot?.pose || this.engine.isBusy) return;
-    const view = this.#viewOf(robot, now);
-    const { camera } = this.engine;
-    const offPx = Math.hypot(camera.mx - view.mx, camera.my - view.my) * camera.worldPx;
-    if (offPx > 0.25 || view.zoom) this.engine.jump(view);
-  }
-
-  #viewOf(robot, now) {
-    const { mx, my } = robot.drawn(now);
-    const isDanger = robot.stop === 'not-confirmed';
-    const view = { mx, my };
-    if (isDanger && !this.isRingShown) {
-      const metres = Math.max(robot.body?.keep_out_m ?? 15, this.look.reachOf(robot) ?? 0) * RING_MARGIN;
-      const size = metres * mercPerMetre(my);
-      view.zoom = this.engine.camera.zoomFor([mx - size, my - size, mx + size, my + size], 24);
-    }
-    this.isRingShown = isDanger;
-    return view;
-  }
-
   /** Keep the robot in the middle, or stop doing so. */
   follow(isFollowing) {
-    if (this.isFollowing === isFollowing || this.options.mode !== 'robot') return;
-    this.isFollowing = isFollowing;
+    if (!this.viewpoint.follow(isFollowing)) return;
     this.controls.setFollowing(isFollowing);
     this.engine?.setFollowing(isFollowing);
     if (isFollowing && this.engine) this.#lay(performance.now());
   }
 
-  #fit() {
-    this.isPlaced = false;
-    this.#place();
-  }
-
-  /** First view, as soon as there is something to look at: the robot, else the whole farm. */
-  #place() {
-    if (this.isPlaced || !this.engine) return;
-    const robot = this.options.mode === 'robot' ? robotView(this.intake, this.engine.camera) : null;
-    const view = robot ?? wholeView(this.intake, this.engine.camera, this.fleet);
-    if (!view) return;
-    this.isPlaced = Boolean(robot) || (this.fleet.placed > 0 && this.intake.farmState !== 'loading');
-    this.engine.jump(view);
-    this.placedAt = seenFrom(this.engine.camera);
-  }
-
-  /** A tablet was turned: who has not moved the map sees as much as before. */
-  #resized() {
-    if (!this.engine || this.options.mode === 'robot' || this.placedAt !== seenFrom(this.engine.camera)) return;
-    this.#fit();
-  }
-
-  /** Come as near as the field of a new mission allows, unless a zoom was chosen by hand. */
-  #showField() {
-    if (!this.isPlaced || !this.isFollowing || this.isZoomChosen || !this.intake.model) return;
-    this.engine?.jump({ zoom: fieldZoom(this.intake, this.engine.camera) });
-  }
-
   #zoom(step) {
-    this.isZoomChosen = true;
+    this.viewpoint.isZoomChosen = true;
     this.engine?.ease({ zoom: this.engine.camera.zoom + step });
   }
 
@@ -362,8 +306,20 @@ export class LiveMap {
     this.#update();
   }
 
+  async #doses() {
+    const { model } = this.intake;
+    if (!this.doses && !model?.areas.length && !model?.pieces.some((one) => one.dose !== 1)) return;
+    try {
+      const { DoseLegend } = await import('./dose_legend.js');
+      this.doses ??= new DoseLegend(this.host);
+      this.doses.show(this.intake.model); // the one of now: another may have come meanwhile
+    } catch (error) {
+      console.warn('map: the legend of doses did not load:', error);
+    }
+  }
+
   #rows() {
-    if (this.engine) this.strips.later(this.engine, this.shown.rows ? this.intake.farm.features : NO_ROWS);
+    if (this.engine) this.rows.later(this.shown.rows ? this.intake.farm.features : NO_ROWS);
   }
 
   #layer(name, isOn) {
@@ -387,7 +343,7 @@ export class LiveMap {
   setFleet(fleet) {
     const need = this.fleet.set(fleet);
     if (!need || !this.engine) return;
-    if (need === 'now' || this.intake.robots.size <= CROWD) return void (this.#place(), this.#draw(true));
+    if (need === 'now' || this.intake.robots.size <= CROWD) return void (this.viewpoint.place(), this.#draw(true));
     this.laidCount = 0; // the next picture has it
     this.#soon();
   }
@@ -415,7 +371,7 @@ export class LiveMap {
     for (const timer of [this.gliding, this.later, this.gathering, this.lostTimer]) clearTimeout(timer);
     this.unwatch?.();
     if (this.keys) this.host.removeEventListener('keydown', this.keys);
-    for (const part of [this.intake, this.fleet, this.base, this.engine, this.labelLayer, this.controls, this.list, this.strips]) part?.destroy();
+    for (const part of [this.intake, this.fleet, this.base, this.engine, this.labelLayer, this.controls, this.list, this.rows]) part?.destroy();
     this.surface.remove();
   }
 }

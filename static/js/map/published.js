@@ -16,7 +16,7 @@ function describe({ engine, intake, scene, look, ...map }) {
   return {
     engine: engine?.kind ?? null,
     camera: camera ? { lon: lonOf(camera.mx), lat: latOf(camera.my), zoom: camera.zoom, bearing: camera.bearing, metresPerPx: camera.metresPerPx } : null,
-    isFollowing: map.isFollowing,
+    isFollowing: map.viewpoint.isFollowing,
     frame: map.frameNumber,
     texts: map.labelLayer.texts ?? [],
     stations: map.fleet.said?.stations?.map(({ id, state, isChosen }) => ({ id, state, isChosen: Boolean(isChosen) })) ?? [],

@@ -4,7 +4,6 @@
 import { boxOf, latOf, lonOf, viewBox } from './geometry.js';
 import { hatch } from './hatch.js';
 
-const REST_MS = 180; // after the last movement
 const LEAST_PX = 9; // between two lines
 const LEAST_SIDE_PX = 48; // smaller parcels show no lines
 const FARTHEST_M = 20; // metres per px beyond which nobody sees them
@@ -50,33 +49,11 @@ export class Strips {
   }
 }
 
-/** Lays the strips of a live map once it rests. */
-export class MapStrips {
-  #strips = new Strips();
-  #shown = null;
-
-  constructor(host) {
-    this.host = host;
-  }
-
-  later(engine, features) {
-    clearTimeout(this.timer);
-    this.timer = setTimeout(() => this.#lay(engine, features), REST_MS);
-  }
-
-  #lay(engine, features) {
-    const { lines, key } = this.#strips.of(features, engine.camera);
-    if (this.#shown?.key === key && this.#shown.features === features && this.#shown.engine === engine) return;
-    this.#shown = { key, features, engine };
-    const rows = { type: 'Feature', properties: { kind: 'rows' }, geometry: { type: 'MultiLineString', coordinates: lines } };
-    engine.setRows({ type: 'FeatureCollection', features: lines.length ? [rows] : [] });
-    this.host.dataset.rows = lines.length;
-  }
-
-  destroy() {
-    clearTimeout(this.timer);
-  }
-}
+/** What the strips of a live map are drawn from. */
+export const rowsOf = (lines) => ({
+  type: 'FeatureCollection',
+  features: lines.length ? [{ type: 'Feature', properties: { kind: 'rows' }, geometry: { type: 'MultiLineString', coordinates: lines } }] : [],
+});
 
 const hasRows = ({ properties, geometry }) =>
   properties?.kind === 'parcel' && Number.isFinite(properties.row_bearing_deg) && (geometry.type === 'Polygon' || geometry.type === 'MultiPolygon');
