@@ -119,6 +119,12 @@ class Route:
         t = (min(max(s_m, 0.0), self.length_m) - a) / (b - a)
         return self._x[i] + t * (self._x[i + 1] - self._x[i]), self._y[i] + t * (self._y[i + 1] - self._y[i])
 
+    def part(self, from_m: float, until_m: float) -> list[Point]:
+        """Return the points of the line between two distances, its own corners among them."""
+        first, last = bisect_right(self._s, from_m), bisect_left(self._s, until_m)
+        corners = [(self._x[i], self._y[i]) for i in range(first, last)]
+        return [self.point_at(from_m), *corners, self.point_at(until_m)]
+
     def heading_after(self, s_m: float) -> float:
         """Return how the machine looks just after ``s_m``: along the line, or against it."""
         x0, y0 = self.point_at(s_m)

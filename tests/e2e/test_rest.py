@@ -60,6 +60,8 @@ def test_pause_replan_continue_reboot_resume_later_and_every_row_is_treated_once
     wait_for(lambda: calm.world(ROBOT)["standstill"], within_s=5, what="paused robot stands")
 
     martha.hook("mission-change").click()
+    expect(martha.hook("rest-said")).to_have_text("Nothing changed yet.", timeout=60_000)
+    expect(martha.hook("rest-send")).to_be_disabled()
     for piece in pieces(caller):
         if piece["row"] in LEFT_OUT:
             martha.hook(f"rest-piece-{piece['number']}").click()

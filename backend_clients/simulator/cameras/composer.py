@@ -14,12 +14,12 @@ from backend_clients.simulator.cameras.bodies import box_of, draw_crane, draw_so
 from backend_clients.simulator.cameras.caption import write_caption
 from backend_clients.simulator.cameras.crops import LEAVES_SHARE, crop_of
 from backend_clients.simulator.cameras.eye import Eye
-from backend_clients.simulator.cameras.ground_painter import Frame, paint, paint_patches
+from backend_clients.simulator.cameras.ground_painter import Frame, frame_of, paint, paint_patches
 from backend_clients.simulator.cameras.lamp import lit
 from backend_clients.simulator.cameras.mounts import MOUNTS, Mount
 from backend_clients.simulator.cameras.scene import Box, Look, Rows, Thing
 from backend_clients.simulator.cameras.sky import Light, light_at, paint_sky
-from backend_clients.simulator.cameras.stage import Stage
+from backend_clients.simulator.cameras.stage import Stage, rows_of
 from backend_clients.simulator.cameras.textures import far_field, field_of, is_made, plain
 from backend_clients.simulator.cameras.weeds import Spot, draw_litter, draw_weeds
 
@@ -118,8 +118,9 @@ def _paint_grounds(canvas: Canvas, horizon: int) -> Rows | None:
     for number in present:
         mask = None if numbers is None else numbers == number
         ground = shown.get(number)
-        if ground is not None and ground.rows is not None:
-            _paint_field(canvas, ground.rows, mask)
+        rows = rows_of(ground, canvas.look) if ground is not None else None
+        if rows is not None:
+            _paint_field(canvas, rows, mask)
         else:
             close = canvas.mount.view == "head"
             kind = "humus" if close else ground.kind if ground is not None else "grass"
@@ -127,11 +128,11 @@ def _paint_grounds(canvas: Canvas, horizon: int) -> Rows | None:
     _paint_haze(canvas, horizon)
     if eye.z_m > HIGH_UP_M:
         paint_patches(canvas.pixels, eye, horizon)
-    return canvas.stage.field_at(*_looked_at(eye))
+    return canvas.stage.field_at(canvas.look, *_looked_at(eye))
 
 
 def _paint_field(canvas: Canvas, rows: Rows, mask: NDArray[np.bool_] | None) -> None:
-    eye, frame = canvas.eye, Frame(*rows.anchor, rows.bearing_rad)
+    eye, frame = canvas.eye, frame_of(rows)
     high = crop_of(rows.crop).high_m
     is_far = eye.z_m > HIGH_UP_M or not _is_near(eye, mask)
     is_owed = not is_far and canvas.look.is_hasty and not is_made(rows)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from backend_clients.simulator.cameras.row_frame import from_field, to_field
 from backend_clients.simulator.cameras.scene import Line, Rows
 
 Floats = NDArray[np.float64]
@@ -75,21 +76,6 @@ def tile_plants(rows: Rows) -> Floats:
     found = np.column_stack([one.ravel() for one in (along, across, size, turn)])
     kept: Floats = found[rng.random(len(found)) > 0.035]
     return kept
-
-
-def to_field(rows: Rows, points: Floats) -> Floats:
-    """Return ENU points, shape (N, 2), in the frame of a field."""
-    cos, sin = math.cos(rows.bearing_rad), math.sin(rows.bearing_rad)
-    away = np.asarray(points, dtype=np.float64) - rows.anchor
-    return np.column_stack((away[:, 0] * cos + away[:, 1] * sin, away[:, 1] * cos - away[:, 0] * sin))
-
-
-def from_field(rows: Rows, points: Floats) -> Floats:
-    """Return points of a field's frame, shape (N, 2), in ENU."""
-    cos, sin = math.cos(rows.bearing_rad), math.sin(rows.bearing_rad)
-    x = rows.anchor[0] + points[:, 0] * cos - points[:, 1] * sin
-    y = rows.anchor[1] + points[:, 0] * sin + points[:, 1] * cos
-    return np.column_stack((x, y))
 
 
 def plants_near(rows: Rows, x_m: float, y_m: float, radius_m: float) -> Floats:

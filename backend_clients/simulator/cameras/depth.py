@@ -12,7 +12,7 @@ from PIL import Image, ImageDraw
 from backend_clients.simulator.cameras.bodies import box_of
 from backend_clients.simulator.cameras.caption import font
 from backend_clients.simulator.cameras.crops import LEAVES_SHARE, crop_of
-from backend_clients.simulator.cameras.ground_painter import Frame, canopy_mask
+from backend_clients.simulator.cameras.ground_painter import canopy_mask, frame_of
 from backend_clients.simulator.cameras.leaves import person_stamp
 from backend_clients.simulator.cameras.textures import field_of
 
@@ -35,11 +35,11 @@ def distances(canvas: Canvas) -> NDArray[np.float32]:
     stretch = np.sqrt(1 + side**2 + down**2)
     reach, _ = eye.ground_rows()
     found = (reach[:, None] * stretch).astype(np.float32)
-    rows = canvas.stage.field_at(eye.x_m + 2 * np.cos(eye.yaw_rad), eye.y_m + 2 * np.sin(eye.yaw_rad))
+    rows = canvas.stage.field_at(canvas.look, eye.x_m + 2 * np.cos(eye.yaw_rad), eye.y_m + 2 * np.sin(eye.yaw_rad))
     if rows is not None:
         tiles, high = field_of(rows), crop_of(rows.crop).high_m
         plane = LEAVES_SHARE * high
-        leaves = canopy_mask(eye, tiles.leaves, Frame(*rows.anchor, rows.bearing_rad), plane, FURTHEST_M + 1)
+        leaves = canopy_mask(eye, tiles.leaves, frame_of(rows), plane, FURTHEST_M + 1)
         above, _ = eye.ground_rows(plane)
         np.copyto(found, (above[:, None] * stretch).astype(np.float32), where=leaves)
     for thing in canvas.look.things:

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from backend_clients.simulator.cameras.eye import Eye, Floats
+from backend_clients.simulator.cameras.row_frame import straightened
+from backend_clients.simulator.cameras.scene import Rows
 from backend_clients.simulator.cameras.textures import Tile
 
 Pixels = NDArray[np.uint32]
@@ -29,11 +31,19 @@ ONE = float(1 << 32)
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """How a tile lies on the ground: its corner and the direction it runs along."""
+    """How a tile lies on the ground: its corner and the direction it runs along; bent ones as ``scene.Rows``."""
 
     x_m: float = 0.0
     y_m: float = 0.0
     bearing_rad: float = 0.0
+    bend_1pm: float = 0.0
+    along_m: float = 0.0
+    across_m: float = 0.0
+
+
+def frame_of(rows: Rows) -> Frame:
+    """Return how the tile of a crop lies along its rows."""
+    return Frame(*rows.anchor, rows.bearing_rad, rows.bend_1pm, *rows.at)
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,16 +121,21 @@ def _chunks(
     if not found.runs:
         return
     step = max(CHUNK_PX // eye.width_px, 4)
-    laid = _laid(eye, tile, frame, found)
+    metres = _metres(eye, frame, found)
+    laid = _fixed(metres, np.array((tile.along_m, tile.across_m) * 2)[:, None])
     for run_first, run_end, level in found.runs:
         for first in range(run_first, run_end, step):
             end = min(first + step, run_end)
             if mask is None or mask[first:end].any():
-                yield first, end, level, _places(tile, laid[:, first:end, None], eye.width_px, level)
+                if frame.bend_1pm:
+                    down, over = _bent(tile, metres[:, first:end, None], eye.width_px, frame)
+                else:
+                    down, over = _even(laid[:, first:end, None], eye.width_px)
+                yield first, end, level, _places(tile, down, over, level)
 
 
-def _laid(eye: Eye, tile: Tile, frame: Frame, found: Bands) -> NDArray[np.uint32]:
-    """Return for each row where its first pixel is on the tile, along and across, and the steps on; (4, rows)."""
+def _metres(eye: Eye, frame: Frame, found: Bands) -> Floats:
+    """Return for each row where its first pixel is in the frame, along and across, and the steps on; (4, rows)."""
     reach, ahead = np.where(np.isfinite(found.reach_m), found.reach_m, 0.0), found.ahead
     turn = eye.yaw_rad - frame.bearing_rad
     cos, sin = math.cos(turn), math.sin(turn)
@@ -129,22 +144,39 @@ def _laid(eye: Eye, tile: Tile, frame: Frame, found: Bands) -> NDArray[np.uint32
     side = (0.5 - eye.middle[0]) / eye.focal_px
     return np.stack(
         (
-            _fixed(dx * fc + dy * fs + reach * (ahead * cos + side * sin), tile.along_m),
-            _fixed(dy * fc - dx * fs + reach * (ahead * sin - side * cos), tile.across_m),
-            _fixed(reach * sin / eye.focal_px, tile.along_m),
-            _fixed(-reach * cos / eye.focal_px, tile.across_m),
+            dx * fc + dy * fs + reach * (ahead * cos + side * sin),
+            dy * fc - dx * fs + reach * (ahead * sin - side * cos),
+            reach * sin / eye.focal_px,
+            -reach * cos / eye.focal_px,
         )
     )
 
 
-def _places(tile: Tile, laid: NDArray[np.uint32], wide_px: int, level: int) -> NDArray[np.int64]:
-    """Return the flat places on a tile's level of the pixels of some rows; ``laid`` has shape (4, rows, 1)."""
+def _even(laid: NDArray[np.uint32], wide_px: int) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
+    """Return where the pixels of some rows are on the tile; ``laid`` are fractions, shape (4, rows, 1)."""
     along, across, along_step, across_step = laid
     columns = np.arange(wide_px, dtype=np.uint32)[None, :]
     down = along_step * columns
     down += along
     over = across_step * columns
     over += across
+    return down, over
+
+
+def _bent(tile: Tile, metres: Floats, wide_px: int, frame: Frame) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
+    """Return the same along rows that bend; ``metres`` has shape (4, rows, 1)."""
+    ahead, left, ahead_step, left_step = metres.astype(np.float32)
+    columns = np.arange(wide_px, dtype=np.float32)[None, :]
+    along, across = straightened(
+        ahead + ahead_step * columns, left + left_step * columns, frame.bend_1pm, frame.across_m
+    )
+    # the first row's own place is taken off before: a hundred metres in 32 bits are too coarse for leaves
+    start, side = frame.along_m % tile.along_m, frame.across_m % tile.across_m
+    return _fixed(along + np.float32(start), tile.along_m), _fixed(across + np.float32(side), tile.across_m)
+
+
+def _places(tile: Tile, down: NDArray[np.uint32], over: NDArray[np.uint32], level: int) -> NDArray[np.int64]:
+    """Return the flat places on a tile's level; works in the arrays it is given."""
     bits_down, bits_over = tile.along_bits - level, tile.across_bits - level
     down >>= np.uint32(32 - bits_down)
     down <<= np.uint32(bits_over)
@@ -154,7 +186,7 @@ def _places(tile: Tile, laid: NDArray[np.uint32], wide_px: int, level: int) -> N
     return found
 
 
-def _fixed(metres: Floats, period_m: float) -> NDArray[np.uint32]:
+def _fixed(metres: Floats | NDArray[np.float32], period_m: float | Floats) -> NDArray[np.uint32]:
     """Return lengths as 32-bit fractions of a period."""
     share = metres / period_m
     share -= np.floor(share)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from backend_clients.edge import messages_up as up
+from backend_clients.simulator.cameras.bent_rows import BentRows, is_bent, leading_row
 from backend_clients.simulator.cameras.mounts import MOUNTS
 from backend_clients.simulator.cameras.scene import Crane, Line, Look, Scene, Thing
 from backend_clients.simulator.cameras.scenery import Scenery, scene_of
@@ -55,6 +56,7 @@ class Observer:
     scenery: Scenery
     is_always_day: bool = False
     settings: dict[tuple[str, str], Setting] = field(default_factory=dict)
+    _bent: dict[str, tuple[str, BentRows | None]] = field(default_factory=dict)
 
     def setting(self, robot_id: str, camera: str) -> Setting:
         """Return what is set on a camera."""
@@ -71,6 +73,7 @@ class Observer:
         x, y, theta = _pose(robot, now_s)
         width = max(min(width_px, camera.width_px), 64) // 2 * 2
         pose = machine.limbs.pose if machine.limbs is not None else {}
+        bent = self._bent_rows(robot, run)
         look = Look(
             scene=self.scenery.key(robot.config, run),
             robot=robot.config.id,
@@ -91,18 +94,32 @@ class Observer:
             age_of_shot_s=min(now_s - setting.shot_s, 1e9),
             is_tool_on=machine.tool_on,
             is_unsure=machine.is_unsure,
-            treated=_treated(run, (x, y)) if robot.config.family == "weeder" else [],
+            treated=_treated(run, (x, y), bent) if robot.config.family == "weeder" else [],
             trail=_trail(run, (x, y)),
             things=self._things(robot, (x, y)),
             crane=_crane(machine),
             sun_ms=morning_ms(robot.config.datum_lon_deg) if self.is_always_day else None,
             is_hasty=is_hasty,
+            rows=bent.near((x, y)) if bent is not None else None,
         )
         return look, lambda: scene_of(self.scenery, robot.config, run)
 
     def wall_ms(self, robot: SimRobot) -> int:
         """Return the robot's wall clock."""
         return int((self.clock.utc().timestamp() + robot.faults.wall_offset_s) * 1000)
+
+    def _bent_rows(self, robot: SimRobot, run: MissionRun | None) -> BentRows | None:
+        """Return the rows of its mission if they lie along a curve."""
+        if run is None or robot.config.family == "planter":
+            return None
+        key, found = self._bent.get(robot.config.id, ("", None))
+        if key != run.sha256:
+            leg = leading_row(run.route)
+            found = None
+            if leg is not None and is_bent(run.route, leg):
+                found = BentRows(run.route, leg, *self.scenery.crop_of(run.mission.field_name))
+            self._bent[robot.config.id] = (run.sha256, found)
+        return found
 
     def _things(self, robot: SimRobot, here: tuple[float, float]) -> list[Thing]:
         found = []
@@ -153,7 +170,7 @@ def _pose(robot: SimRobot, now_s: float) -> tuple[float, float, float]:
     return base.x_m + far * math.cos(theta), base.y_m + far * math.sin(theta), theta
 
 
-def _treated(run: MissionRun | None, here: tuple[float, float]) -> list[Line]:
+def _treated(run: MissionRun | None, here: tuple[float, float], bent: BentRows | None) -> list[Line]:
     """Return the stretches near a place on which the tool was on."""
     if run is None or run.status == "loaded":
         return []
@@ -162,6 +179,9 @@ def _treated(run: MissionRun | None, here: tuple[float, float]) -> list[Line]:
         if leg.own_start_m >= s_m:
             break
         if not leg.is_tool_on:
+            continue
+        if bent is not None:
+            found += bent.worked(leg, s_m, here, TREATED_M)
             continue
         a, b = run.route.point_at(leg.own_start_m), run.route.point_at(min(leg.end_m, s_m))
         if _away(here, a, b) < TREATED_M:

@@ -9,20 +9,30 @@ Line = tuple[float, float, float, float]
 
 
 class Rows(Struct, frozen=True, array_like=True):
-    """How crop stands in a field: rows ``spacing_m`` apart along ``bearing_rad``, one of them through ``anchor``."""
+    """How crop stands in a field: rows ``spacing_m`` apart along ``bearing_rad``, one of them through ``anchor``.
+
+    Rows along a curve are told near one place: ``anchor`` is then ``at`` so far along and across the rows, which run
+    along ``bearing_rad`` there and bend to the left by ``bend_1pm``, with their first at 0 across.
+    """
 
     crop: str
     spacing_m: float
     bearing_rad: float
     anchor: Point
+    bend_1pm: float = 0.0
+    at: Point = (0.0, 0.0)
 
 
 class Ground(Struct, frozen=True, array_like=True):
-    """A surface on the map: ``kind`` is field, road, yard, water, grass or forest; ``rows`` where crop grows."""
+    """A surface on the map: ``kind`` is field, road, yard, water, grass or forest; ``rows`` where crop grows.
+
+    ``is_bent``: how its rows lie where the machine is comes with each look.
+    """
 
     kind: str
     ring: list[Point]
     rows: Rows | None = None
+    is_bent: bool = False
 
 
 class Solid(Struct, frozen=True, array_like=True):
@@ -72,6 +82,7 @@ class Look(Struct, frozen=True, array_like=True):
     ``sun_ms``: the moment whose daylight it is, ``None`` for that of the wall clock.
     ``lamp``: ``None`` is by itself, on when it is dark. ``age_of_shot_s``: since a picture was triggered.
     ``is_hasty``: somebody waits for a first picture; plants nobody has drawn yet may be as coarse as from afar.
+    ``rows``: how rows along a curve lie near the machine.
     """
 
     scene: str
@@ -99,6 +110,7 @@ class Look(Struct, frozen=True, array_like=True):
     crane: Crane | None = None
     sun_ms: int | None = None
     is_hasty: bool = False
+    rows: Rows | None = None
 
 
 class Box(Struct, frozen=True, omit_defaults=False):

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from backend_clients.simulator.cameras.bent_rows import is_bent, leading_row
 from backend_clients.simulator.cameras.map_feature import MapFeature
 from backend_clients.simulator.cameras.scene import Ground, Point, Rows, Scene, Solid
 from backend_clients.simulator.cameras.shapes import disc
@@ -63,11 +64,12 @@ def _own_field(scenery: Scenery, config: RobotConfig, run: MissionRun, frame: En
     crop, spacing_m = scenery.crop_of(run.mission.field_name)
     if config.family == "planter":  # what it plants is not there yet
         return Ground("forest", ring)
-    leg = next((one for one in run.route.legs if one.kind == "row"), None)
+    leg = leading_row(run.route)
     if leg is None:
         return Ground("field", ring, Rows(crop, spacing_m, 0.0, ring[0]))
     a, b = run.route.point_at(leg.own_start_m), run.route.point_at(leg.end_m)
-    return Ground("field", ring, Rows(crop, spacing_m, math.atan2(b[1] - a[1], b[0] - a[0]), a))
+    rows = Rows(crop, spacing_m, math.atan2(b[1] - a[1], b[0] - a[0]), a)
+    return Ground("field", ring, rows, is_bent=is_bent(run.route, leg))
 
 
 def _place(one: MapFeature, frame: EnuFrame, grounds: list[Ground], solids: list[Solid]) -> None:

@@ -10,11 +10,16 @@ from PIL import Image, ImageDraw
 
 from backend_clients.simulator.cameras.crops import weeds_near
 from backend_clients.simulator.cameras.eye import Eye, Floats
-from backend_clients.simulator.cameras.scene import Ground, Rows, Scene, Solid
+from backend_clients.simulator.cameras.scene import Ground, Look, Rows, Scene, Solid
 
 SOLID_FAR_M = 420.0
 GROUND_FAR_M = 600.0
 MOST_PLACES = 64
+
+
+def rows_of(ground: Ground, look: Look) -> Rows | None:
+    """Return the rows of a ground; those of a curve as they lie near the machine."""
+    return look.rows if ground.is_bent and look.rows is not None else ground.rows
 
 
 class Stage:
@@ -24,14 +29,14 @@ class Stage:
         self.scene = scene
         self._grounds = [(one, _flat(one.ring)) for one in scene.grounds]
         self._boxes = np.array([_box(ring) for _, ring in self._grounds]).reshape(-1, 4)
-        self._weeds: dict[tuple[float, float, float], Floats] = {}
+        self._weeds: dict[tuple[Rows, float, float, float], Floats] = {}
         self._solid_boxes = np.array([_box(one.ring) for one in scene.solids]).reshape(-1, 4)
 
-    def field_at(self, x_m: float, y_m: float) -> Rows | None:
+    def field_at(self, look: Look, x_m: float, y_m: float) -> Rows | None:
         """Return the rows that grow at a place."""
         for ground, ring in reversed(self._grounds):
             if _is_inside(ring, x_m, y_m):
-                return ground.rows
+                return rows_of(ground, look)
         return None
 
     def ground_at(self, x_m: float, y_m: float) -> str:
@@ -41,25 +46,25 @@ class Stage:
                 return ground.kind
         return "grass"
 
-    def is_in_field(self, rows: Rows, points: Floats) -> NDArray[np.bool_]:
+    def is_in_field(self, look: Look, rows: Rows, points: Floats) -> NDArray[np.bool_]:
         """Return which points, shape (N, 2 or more), lie in the field of these rows and not on a road over it."""
         found = np.zeros(len(points), dtype=bool)
         for ground, ring in self._grounds:
-            if ground.rows is rows or ground.rows == rows:
+            if rows_of(ground, look) == rows:
                 found |= _inside(ring, points)
             elif ground.rows is None:
                 found &= ~_inside(ring, points)
         return found
 
-    def weeds(self, rows: Rows, x_m: float, y_m: float, radius_m: float) -> Floats:
+    def weeds(self, look: Look, rows: Rows, x_m: float, y_m: float, radius_m: float) -> Floats:
         """Return the weeds of a field around a place, as ``crops.weeds_near``; the same place again costs nothing."""
-        key = (x_m, y_m, radius_m)
+        key = (rows, x_m, y_m, radius_m)
         found = self._weeds.get(key)
         if found is None:
             if len(self._weeds) > MOST_PLACES:
                 self._weeds.clear()
             every = weeds_near(rows, x_m, y_m, radius_m)
-            found = self._weeds[key] = every[self.is_in_field(rows, every)]
+            found = self._weeds[key] = every[self.is_in_field(look, rows, every)]
         return found
 
     def cover(self, eye: Eye) -> tuple[Image.Image, dict[int, Ground]]:

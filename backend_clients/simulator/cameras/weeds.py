@@ -38,7 +38,7 @@ def draw_weeds(image: Image.Image, eye: Eye, rows: Rows, look: Look, stage: Stag
     """Draw the weeds in sight, far ones first; return where they are."""
     ahead = 0.0 if eye.pitch_rad < -1.2 else 4.0
     x, y = eye.x_m + ahead * float(np.cos(eye.yaw_rad)), eye.y_m + ahead * float(np.sin(eye.yaw_rad))
-    weeds = stage.weeds(rows, round(x / STEP_M) * STEP_M, round(y / STEP_M) * STEP_M, 2.0 if ahead == 0 else 5.5)
+    weeds = stage.weeds(look, rows, round(x / STEP_M) * STEP_M, round(y / STEP_M) * STEP_M, 2.0 if ahead == 0 else 5.5)
     outcome = outcome_of(weeds, look.treated)
     u, v, depth = eye.project(np.column_stack((weeds[:, :2], np.full(len(weeds), 0.03))))
     found = []

@@ -42,6 +42,7 @@
       if (this.kind === "change") this.options.replaceChildren(...this.choices(places.ok ? places.data.homes : []));
       else this.options.replaceChildren(el("p", { class: "h-t16" }, `It goes on exactly where it stopped${this.place()}: nothing twice, nothing left out. First it drives there with the tool off.`));
       this.map.areas = this.rest.areas ?? [];
+      this.asItIs = JSON.stringify(this.wish());
       this.map.tools.hidden = this.map.note.hidden = this.kind !== "change";
       if (shape.ok) this.map.show((this.base = shape.data));
       this.plan();
@@ -98,11 +99,12 @@
       if (!answer.ok) return this.say(answer.text || "Not planned: no answer. Try again.", "error");
       this.planned = answer.data;
       const { left_out: out, notes, kept_until: kept, way_m: way } = this.planned;
-      this.say(this.kind === "change" ? kept : `Way back ${Math.round(way)} m.`, "ready");
+      const isSame = this.kind === "change" && JSON.stringify(this.wish()) === this.asItIs;
+      this.say(isSame ? "Nothing changed yet." : this.kind === "change" ? kept : `Way back ${Math.round(way)} m.`, "ready");
       const lines = [...(out.length ? [`Left out: ${out.join(", ")}.`] : []), ...notes];
       this.shown.append(this.kind === "change" ? table(this.planned) : "", ...lines.map((line) => el("div", { class: "h-row h-t14 h-b" }, icon("info", "m"), line)));
       this.map.show(this.pictured(this.planned.geometry));
-      this.button.disabled = false;
+      this.button.disabled = isSame;
     }
     // areas with a dose of their own stay as they were planned
     pictured(geometry) {
