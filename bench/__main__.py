@@ -30,6 +30,7 @@ MODULES: dict[str, tuple[str, ...]] = {
     "bench.editor": ("editor_drag_ms_10000",),
     "bench.planter_times": ("planter_total_s",),
     "bench.twin": ("twin_50x10_cpu_pct", "twin_naive_ratio"),
+    "bench.twin_browser": ("twin_reconnect_ms",),
     "bench.video": (
         "video_32_viewers_cpu_pct",
         "video_viewer_naive_ratio",

@@ -27,7 +27,7 @@ from hmi.cameras.picture_wire import (
 from hmi.domain.camera import Source
 
 PRELOADED = [
-    "hmi.cameras.worker", "hmi.cameras.pull_rtsp", "hmi.cameras.clip",
+    "hmi.cameras.worker_process", "hmi.cameras.worker", "hmi.cameras.pull_rtsp", "hmi.cameras.clip",
     "httpcore", "certifi",  # httpx loads them with its first request, which somebody would wait for
 ]  # fmt: skip
 END_S = 1.0
@@ -111,11 +111,16 @@ def _nothing() -> None:
     """Run in the first fork."""
 
 
-def _fork(source: Source, plan: Plan, theirs: socket.socket) -> ForkServerProcess:
+def _work(source_json: bytes, plan_json: bytes, link: socket.socket) -> None:
+    """Run in the fork. The camera process has no decoder, and loads none: half a second that a first viewer waits."""
     from hmi.cameras.worker import run_worker
 
+    run_worker(source_json, plan_json, link)
+
+
+def _fork(source: Source, plan: Plan, theirs: socket.socket) -> ForkServerProcess:
     arguments = (msgspec.json.encode(source), msgspec.json.encode(plan), theirs)
-    process = context.Process(target=run_worker, args=arguments, name=source.name, daemon=True)
+    process = context.Process(target=_work, args=arguments, name=source.name, daemon=True)
     with theirs:  # closed here and not by who waits: the zygote would be handed a file that is no more
         process.start()
     return process

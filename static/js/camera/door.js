@@ -5,6 +5,7 @@
   const { el, icon, attr, LiveElement, define } = HL;
   const AGAIN_MS = 10000;
   const NONE_MS = 30000; // a robot that was just switched on says later what it has
+  const FETCH_MS = 1000; // after the values are there: what the first tap needs comes beside, not before them
   const KEY = "headland.pip";
   const door = { cameras: [], choice: { isOpen: false, isBig: false, corners: {}, camera: {}, ...HL.keep.read(KEY, {}) } };
 
@@ -12,6 +13,13 @@
     Object.assign(door.choice, change);
     HL.keep.write(KEY, door.choice);
     HL.repaint();
+  }
+
+  const fetched = new Set();
+  function fetchAhead(address, kind) {
+    if (fetched.has(address)) return;
+    fetched.add(address);
+    document.head.append(el("link", { rel: "prefetch", as: kind, href: address }));
   }
 
   class Door extends LiveElement {
@@ -26,6 +34,7 @@
     }
     leave() {
       clearTimeout(this.timer);
+      clearTimeout(this.ahead);
       this.pip?.remove();
       this.pip = null;
       door.cameras = [];
@@ -42,6 +51,14 @@
       const seg = this.querySelector(".h-seg");
       if (cameras.length && this.camera.parentElement !== seg) seg.replaceChildren(this.map, this.camera, this.small);
       this.open();
+      if (cameras.length) this.getReady();
+    }
+    async getReady() {
+      await HL.port.firstPicture();
+      this.ahead = setTimeout(() => {
+        for (const address of this.dataset.camera.split(" ")) fetchAhead(address, "script");
+        for (const address of (document.querySelector("[data-screen-style]")?.dataset.screenStyle ?? "").split(" ").filter(Boolean)) fetchAhead(address, "style");
+      }, FETCH_MS);
     }
     // the picture comes with its own script and style
     open() {
