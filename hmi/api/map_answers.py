@@ -10,13 +10,14 @@ from fastapi.responses import JSONResponse
 
 from hmi.api.errors import ApiError, answer
 from hmi.commands.map_book import MapBlocked, MapShrinks
-from hmi.domain.map_log import ChangedMeanwhile, FeatureChange, MapFeatures, next_redo, next_undo
+from hmi.domain.map_log import ChangedMeanwhile, FeatureChange, MapFeatures, Transaction, next_redo, next_undo
 from hmi.map_files.errors import BadMapFile
 from hmi.mapping.errors import BadFeature, BadWalk, OperationRefused
 from hmi.security.session_info import SessionInfo
 from hmi.store.maps import MapDraft, MapLocked, MapOutdated, MapVersion
 
 LOG_SHOWN = 50
+NAMES_SHOWN = 2  # one is named, several are not
 
 
 def collection(features: MapFeatures) -> dict[str, Any]:
@@ -47,10 +48,23 @@ def state_json(draft: MapDraft, session: SessionInfo) -> dict[str, Any]:
         "undo": undo.label if undo else None,
         "redo": redo.label if redo else None,
         "log": [
-            {"id": one.ref, "label": one.label, "by": one.by, "utc": utc(one.at), "is_undone": one.is_undone}
+            {
+                "id": one.ref,
+                "label": one.label,
+                "names": _names(one),
+                "by": one.by,
+                "utc": utc(one.at),
+                "is_undone": one.is_undone,
+            }
             for one in reversed(draft.log[-LOG_SHOWN:])
         ],
     }
+
+
+def _names(transaction: Transaction) -> list[str]:
+    """Return the names of what was changed, as they were before; without those that have none."""
+    shapes = [one.before or one.after or {} for one in transaction.changes[:NAMES_SHOWN]]
+    return [name for shape in shapes if (name := shape.get("properties", {}).get("name"))]
 
 
 def draft_json(draft: MapDraft, session: SessionInfo) -> dict[str, Any]:

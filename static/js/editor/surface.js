@@ -15,7 +15,7 @@ import { addEditorStyle, paintEditorStyle, showBed, showStrips } from './editor_
 import { idOf } from './draft.js';
 
 const LOST_CONTEXT_MS = 3000;
-const FIT_MARGIN_PX = 72;
+const FREE_PX = [52, 104, 52, 52]; // for handles and lengths of edges, and for the buttons at the right
 const NEAREST_ZOOM = 20.5; // a single corner must not fill the screen
 const BELOW_PX = 20;
 const SAME_SCALE_DEG = 0.5; // a metre is drawn within 1 % of what it should be
@@ -216,8 +216,7 @@ export class Surface {
     const box = boxOf(features);
     if (!box) return false;
     this.#rescale(latOf((box[1] + box[3]) / 2));
-    const zoom = Math.min(this.camera.zoomFor(box, FIT_MARGIN_PX), NEAREST_ZOOM);
-    this.engine.jump({ mx: (box[0] + box[2]) / 2, my: (box[1] + box[3]) / 2, zoom });
+    this.engine.jump(this.camera.viewOf(box, FREE_PX, NEAREST_ZOOM));
     return true;
   }
 

@@ -5,7 +5,7 @@ import { boxOf } from './geometry.js';
 const ROBOT_ZOOM = 16.8; // 2.3 px per metre at 52 degrees north: a field of a hectare fills the screen
 const FIELD_ZOOMS = [16.2, 19.5]; // a large field keeps its rows apart, a small one its surroundings in sight
 const FIELD_MARGIN_PX = 40;
-const MARGIN_PX = 48;
+const FREE_PX = [40, 88, 40, 40]; // top, right with the map's buttons, bottom, left
 
 /** As near as the field of the mission allows. */
 export function fieldZoom(intake, camera) {
@@ -37,5 +37,5 @@ export function wholeView(intake, camera, fleet) {
   // a farm may have sites in several countries: the map of a fleet, or of stations, begins where those are
   const box = fleet.isOn && places.length ? withFields(boxOf(places), farm.features) : boxOf([...farm.features, ...parcels.features, ...places]);
   if (!box) return null;
-  return { mx: (box[0] + box[2]) / 2, my: (box[1] + box[3]) / 2, zoom: Math.min(camera.zoomFor(box, MARGIN_PX), ROBOT_ZOOM) };
+  return camera.viewOf(box, FREE_PX, ROBOT_ZOOM);
 }

@@ -51,9 +51,21 @@ export class Camera {
   }
 
   /** Zoom at which `box` ([west, south, east, north] in mercator terms x0,y0,x1,y1) fits, with a margin in px. */
-  zoomFor([x0, y0, x1, y1], margin) {
-    const width = Math.max(this.width - 2 * margin, 40);
-    const height = Math.max(this.height - 2 * margin, 40);
+  zoomFor(box, margin) {
+    return this.#zoomIn(box, 2 * margin, 2 * margin);
+  }
+
+  /** {mx, my, zoom} at which `box` lies in the middle of what [top, right, bottom, left] px leave free; `most` is the nearest zoom. */
+  viewOf(box, [top, right, bottom, left], most) {
+    const zoom = Math.min(this.#zoomIn(box, left + right, top + bottom), most);
+    const [px, py] = [(right - left) / 2, (bottom - top) / 2].map((away) => away / (TILE_PX * 2 ** zoom));
+    const [cos, sin] = [Math.cos(this.bearing * DEG), Math.sin(this.bearing * DEG)];
+    return { mx: (box[0] + box[2]) / 2 + px * cos - py * sin, my: (box[1] + box[3]) / 2 + px * sin + py * cos, zoom };
+  }
+
+  #zoomIn([x0, y0, x1, y1], across, down) {
+    const width = Math.max(this.width - across, 40);
+    const height = Math.max(this.height - down, 40);
     const perUnit = Math.min(width / Math.max(x1 - x0, 1e-12), height / Math.max(y1 - y0, 1e-12));
     return Math.log2(perUnit / TILE_PX);
   }

@@ -12,7 +12,7 @@
     if (value === null || value === undefined || value === "") return "–";
     if (!field) return typeof value === "object" ? "other values" : String(value);
     const unit = field.type === "number" && field.unit ? ` ${field.unit}` : "";
-    return `${M.shown(field, value)}${unit}`;
+    return `${M.told(field, value)}${unit}`;
   }
 
   function row(one, fields) {
@@ -20,7 +20,7 @@
     const label = field?.label ?? one.label;
     const isFirst = [undefined, null, "", one.after].includes(one.before);
     const head = one.key ? (isFirst ? `${label}: ${words(one.after, field)}` : `${label}: ${words(one.before, field)} to ${words(one.after, field)}`) : one.label;
-    const valid = one.valid_from ? `valid from ${one.valid_from}` : "";
+    const valid = one.valid_from ? `valid from ${HL.words.date(new Date(`${one.valid_from}T00:00`))}` : "";
     const line = [`v${one.version}`, HL.records.when(one.published_utc), one.by, one.note, valid].filter(Boolean).join(" · ");
     return el("div", { class: "m-item m-past", "data-testid": `history-${one.key || "feature"}-${one.version}` }, el("div", { class: "h-sp" }, el("div", { class: "h-t16 h-b" }, head), el("div", { class: "h-t13 h-2" }, line)));
   }

@@ -67,6 +67,9 @@
     return field.key === "row_bearing_deg" ? scaled.toFixed(1) : String(Number(scaled.toFixed(field.digits)));
   }
 
+  // the same where it is told and not edited
+  const told = (field, value) => (field.type === "date" && value ? HL.words.date(new Date(`${value}T00:00`)) : shown(field, value));
+
   function stored(field, input) {
     const string = input.trim();
     if (string === "") return null;
@@ -80,7 +83,7 @@
 
   // "Row direction 11.5 to 9.0", "Crop set to Maize", "Status removed"
   function changeLabel(field, before, after) {
-    const [from, to] = [shown(field, before), shown(field, after)];
+    const [from, to] = [told(field, before), told(field, after)];
     const unit = field.type === "number" && field.unit.length < 4 && !field.unit.startsWith("°") ? ` ${field.unit}` : "";
     if (!to) return `${field.label} removed`;
     return from ? `${field.label} ${from} to ${to}${unit}` : `${field.label} set to ${to}${unit}`;
@@ -95,5 +98,5 @@
 
   const newId = (kind) => `${kind}-${window.headland.uuid().slice(0, 12)}`;
 
-  HL.maps = { KINDS, LAYERS, kindOf, label, nameOf, fieldsOf, moreOf, kindsFor, shown, stored, bounds, changeLabel, withProperty, newId };
+  HL.maps = { KINDS, LAYERS, kindOf, label, nameOf, fieldsOf, moreOf, kindsFor, shown, told, stored, bounds, changeLabel, withProperty, newId };
 })();

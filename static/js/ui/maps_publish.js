@@ -6,10 +6,16 @@
 
   const parcelArea = (features) => [...features.values()].filter((one) => M.kindOf(one) === "parcel").reduce((sum, one) => sum + (M.areaM2(one) ?? 0), 0);
 
+  // "Dijkveld: soil set to Clay": for the others a change says of what it is
+  function noted(one) {
+    const names = one.names ?? one.changes?.map(({ before, after }) => (before ?? after)?.properties?.name) ?? [];
+    return names.length !== 1 || !names[0] || one.label.includes(names[0]) ? one.label : `${names[0]}: ${one.label[0].toLowerCase()}${one.label.slice(1)}`;
+  }
+
   function usualNote(log) {
     const done = log.filter((one) => !one.is_undone);
     if (!done.length) return "";
-    return done.length === 1 ? done[0].label : `${done[0].label}, and ${done.length - 1} more`;
+    return done.length === 1 ? noted(done[0]) : `${noted(done[0])}, and ${done.length - 1} more`;
   }
 
   // done(version) after the server took it; checked(findings) when it found what blocks

@@ -27,7 +27,7 @@
   }
 
   const list = (answer, key) => (Array.isArray(answer.data) ? answer.data : answer[key] ?? []);
-  const when = (utc) => (utc ? new Date(utc).toLocaleString("en-GB", { dateStyle: "short", timeStyle: "medium" }) : "–");
+  const when = (utc) => (utc ? `${HL.words.date(new Date(utc))}, ${HL.words.wallSeconds(new Date(utc))}` : "–");
 
   HL.records = { table, load, empty, list, when };
 })();

@@ -29,14 +29,16 @@
 
   const pad = (number) => String(number).padStart(2, "0");
   const wall = (date) => `${pad(date.getHours())}:${pad(date.getMinutes())}`;
-  // 14:36 today, Tue 14:36 on another day of the week to come, 24.11. 14:36 later
-  function day(date) {
-    const days = Math.round((new Date(date).setHours(0, 0, 0, 0) - new Date().setHours(0, 0, 0, 0)) / 86400000);
-    if (days === 0) return wall(date);
-    return `${days > 0 && days < 7 ? date.toLocaleDateString("en-GB", { weekday: "short" }) : `${date.getDate()}.${date.getMonth() + 1}.`} ${wall(date)}`;
+  // 24 Nov 2026: in this order and with the month's name nobody takes one for the other
+  const date = (at) => at.toLocaleDateString("en-GB", { day: "numeric", month: "short", year: "numeric" });
+  // 14:36 today, Tue 14:36 on another day of the week to come, 24 Nov 14:36 later
+  function day(at) {
+    const days = Math.round((new Date(at).setHours(0, 0, 0, 0) - new Date().setHours(0, 0, 0, 0)) / 86400000);
+    if (days === 0) return wall(at);
+    return `${at.toLocaleDateString("en-GB", days > 0 && days < 7 ? { weekday: "short" } : { day: "numeric", month: "short" })} ${wall(at)}`;
   }
   const wallSeconds = (date) => `${wall(date)}:${pad(date.getSeconds())}`;
   const initials = (name) => name.split(/\s+/).filter(Boolean).map((part) => part[0]).slice(0, 2).join("").toUpperCase() || "?";
 
-  Object.assign(HL, { words: { age, since, clock, left, wall, day, wallSeconds, initials } });
+  Object.assign(HL, { words: { age, since, clock, left, wall, date, day, wallSeconds, initials } });
 })();

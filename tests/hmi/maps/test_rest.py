@@ -58,6 +58,7 @@ async def test_a_planner_changes_takes_back_does_again_and_publishes(rig: MapRig
         [stored] = answer["changes"]
         assert stored["after"]["properties"]["crop"] == "Maize"
         assert answer["draft"]["undo"] == "Drew West"
+        assert answer["draft"]["log"][0]["names"] == [new["properties"]["name"]]
         taken = (await client.post("/map/draft/undo")).json()
         assert taken["changes"] == [{"id": "west", "before": stored["after"], "after": None}]
         assert taken["draft"]["redo"] == "Drew West"

@@ -152,7 +152,10 @@ class Step:
 
     def shown(self) -> dict[str, Any]:
         """Return it as the log shows it."""
-        return {"id": self.id, "label": self.label, "by": self.by, "utc": self.utc, "is_undone": self.is_undone}
+        shapes = [one["before"] or one["after"] for one in self.changes[:2]]
+        names = [shape["properties"]["name"] for shape in shapes if shape["properties"].get("name")]
+        return {"id": self.id, "label": self.label, "names": names, "by": self.by, "utc": self.utc,
+                "is_undone": self.is_undone}  # fmt: skip
 
 
 @dataclass

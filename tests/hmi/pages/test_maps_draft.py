@@ -35,7 +35,7 @@ def test_publishing_asks_for_a_note_and_makes_the_next_version(show: Show, theat
     page.evaluate(SAVING_TAKES_LONG)
     set_field(page, "feature-status", "BBCH 16")
     page.get_by_test_id("editor-publish").click()
-    expect(page.get_by_test_id("publish-note")).to_have_value("Status BBCH 14 to BBCH 16")
+    expect(page.get_by_test_id("publish-note")).to_have_value("Nordfeld 12: status BBCH 14 to BBCH 16")
     page.get_by_test_id("publish-note").fill("Second weeding")
     page.evaluate(NEWS_BEFORE_ANSWER)
     page.get_by_test_id("publish-go").click()

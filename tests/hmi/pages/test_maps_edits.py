@@ -230,7 +230,7 @@ def test_history_tells_what_changed_and_takes_the_day_a_value_holds_from(show: S
     page.get_by_test_id("feature-history").click()
     sheet = page.get_by_test_id("history")
     expect(sheet.get_by_test_id("history-crop-14")).to_contain_text("Crop: Maize to Sugar beet")
-    expect(sheet.get_by_test_id("history-crop-14")).to_contain_text("valid from 2026-04-09")
+    expect(sheet.get_by_test_id("history-crop-14")).to_contain_text("valid from 9 Apr 2026")
     expect(sheet.get_by_test_id("history-row_spacing_m-13")).to_contain_text("Row spacing: 45 cm")
     sheet.get_by_test_id("history-choice").select_option("crop")
     expect(sheet.get_by_test_id("history-row_spacing_m-13")).to_have_count(0)
