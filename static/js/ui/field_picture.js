@@ -4,6 +4,7 @@
   const NS = "http://www.w3.org/2000/svg";
   const METRES_PER_DEGREE = 111320;
   const MARGIN = 0.05;
+  const LEAST_ROW_PX = 4;
   const LAYERS = [["exit", "way"], ["approach", "way"], ["turn", "turn"], ["idle", "idle"], ["headland", "headland"], ["row", "row"]];
 
   function svg(tag, props, ...children) {
@@ -37,11 +38,45 @@
   // a dose in words of one line
   const doseWords = (dose) => (dose === 0 ? "Off" : dose === 0.5 ? "Half dose" : dose === 1 ? "Usual dose" : dose === 2 ? "Double dose" : `${dose} × dose`);
 
+  // metres between neighbouring rows: the median, for a row may lie there in pieces
+  function spacingOf(rows) {
+    const middles = rows.map(({ points }) => points[0].map((_, axis) => (points[0][axis] + points.at(-1)[axis]) / 2));
+    const gaps = rows.slice(1).map(({ points: [a, ...rest] }, i) => {
+      const [b, [x, y]] = [rest.at(-1) ?? a, middles[i]];
+      const long = Math.hypot(b[0] - a[0], b[1] - a[1]) || 1;
+      return Math.abs((x - a[0]) * (b[1] - a[1]) - (y - a[1]) * (b[0] - a[0])) / long;
+    }).filter((gap) => gap > 0.05).sort((p, q) => p - q);
+    return gaps[gaps.length >> 1] ?? 0;
+  }
+
+  // rows that would stand too close to be told apart are drawn as worked ground with every so many rows on it: lines
+  // nearer than a few pixels make bands that are not there
+  function rowsIn(root, rows) {
+    const spacing = spacingOf(rows);
+    const ground = svg("path", { class: "swath", d: "", "stroke-width": spacing || 1 });
+    const lines = svg("path", { class: "row", d: "" });
+    let step = 0;
+    const look = () => {
+      const { width, height } = root.getBoundingClientRect();
+      const [, , wide, high] = root.getAttribute("viewBox").split(" ").map(Number);
+      const px = Math.min(width / wide, height / high) * spacing;
+      const wanted = px > 0 ? 2 ** Math.max(0, Math.ceil(Math.log2(LEAST_ROW_PX / px))) : 1;
+      if (wanted === step) return;
+      step = wanted;
+      lines.setAttribute("d", rows.filter(({ row }, i) => (row || i) % step === 0).map((one) => path(one.points, false)).join(""));
+      ground.setAttribute("d", step > 1 ? rows.map((one) => path(one.points, false)).join("") : "");
+    };
+    look();
+    new ResizeObserver(look).observe(root);
+    new MutationObserver(look).observe(root, { attributeFilter: ["viewBox"] });
+    return [ground, lines];
+  }
+
   // fieldPicture(GeoJSON of a mission) -> <svg>; its `frame` has flat, unflat and the box of everything
   function fieldPicture(collection, title) {
     const { features } = collection;
     const { flat, unflat } = projection(features);
-    const lines = features.filter((one) => one.geometry.type === "LineString").map((one) => ({ kind: lookOf(one.properties), points: one.geometry.coordinates.map(flat) }));
+    const lines = features.filter((one) => one.geometry.type === "LineString").map((one) => ({ kind: lookOf(one.properties), row: one.properties.row, points: one.geometry.coordinates.map(flat) }));
     const parcels = features.filter((one) => one.properties.kind === "parcel").map((one) => one.geometry.coordinates.map((ring) => ring.map(flat)));
     const homes = features.filter((one) => one.properties.kind === "home").map((one) => flat(one.geometry.coordinates));
     const [x0, y0, x1, y1] = box([...parcels.flat(2), ...lines.flatMap((one) => one.points), ...homes]);
@@ -56,11 +91,15 @@
       shape.append(svg("title", {}, doseWords(properties.dose)));
       root.append(shape);
     }
+    const rows = lines.filter((one) => one.kind === "row");
     for (const [kind, look] of LAYERS) {
+      if (kind === "row" && rows.length > 1) {
+        root.append(...rowsIn(root, rows));
+        continue;
+      }
       const d = lines.filter((one) => one.kind === kind).map((one) => path(one.points, false)).join("");
       if (d) root.append(svg("path", { class: look, d }));
     }
-    const rows = lines.filter((one) => one.kind === "row");
     if (rows.length) {
       const [sx, sy] = rows[0].points[0];
       const [ex, ey] = lines.filter((one) => one.kind === "row" || one.kind === "headland").at(-1).points.at(-1);

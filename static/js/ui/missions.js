@@ -15,7 +15,7 @@
     constructor(mission, open, pick) {
       this.box = el("input", { type: "checkbox", "aria-label": `Choose ${mission.name}`, "data-testid": `mission-pick-${mission.id}`, onchange: () => pick(mission.id, this.box.checked) });
       this.pick = el("label", { class: "h-mpick", hidden: true }, this.box);
-      this.name = el("span", { class: "h-t16 h-b h-ell" });
+      this.name = el("span", { class: "h-t16 h-b h-mname" });
       this.line = el("span", { class: "h-t13 h-2 h-ell" });
       this.chip = el("span", { class: "h-chip line" });
       this.row = el("button", { type: "button", class: "h-mrow", "data-testid": `mission-row-${mission.id}`, onclick: () => open(mission.id) }, el("span", { class: "h-col" }, this.name, this.line), this.chip);
@@ -27,7 +27,8 @@
       attr(this.pick, "hidden", isPicked === null);
       this.box.checked = Boolean(isPicked);
       text(this.name, mission.name);
-      text(this.line, `${mission.field_name} · ${robotName(mission.robot_id)} · ${HL.queue.when(Date.parse(mission.updated_utc), undefined)}`);
+      const others = [mission.field_name, robotName(mission.robot_id)].filter((one) => one && !mission.name.includes(one)); // not said twice
+      text(this.line, `${others.map((one) => `${one} · `).join("")}${HL.queue.when(Date.parse(mission.updated_utc), undefined)}`);
       text(this.chip, HL.plan.status(mission.status));
     }
   }

@@ -87,7 +87,7 @@
       const refusal = HL.queue.arm.refusal(queue);
       attr(this.armButton, "disabled", Boolean(refusal));
       text(this.armWhy, queue.frozen ? "" : refusal);
-      attr(this.hint, "hidden", !this.mayEdit);
+      attr(this.hint, "hidden", !this.mayEdit || !queue.entries.length);
       text(this.weather, `${zoneWords(queue.zone)}${weatherWords(queue)}`);
       // the banner keeps its slide and the reason that was tapped
       const frozen = queue.frozen ? `${queue.frozen.by}${queue.frozen.utc}` : "";
