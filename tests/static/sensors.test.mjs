@@ -3,7 +3,6 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import { test } from 'node:test';
 import vm from 'node:vm';
-import { apart } from '../../static/js/map/stations_view.js';
 
 const chosen = { speed: 'm/s', temperature: '°C' };
 const HL = { preferences: { get: (key) => chosen[key] } };
@@ -189,12 +188,4 @@ test('units follow the person, in sentences too, where a limit is in the unit of
   assert.equal(U.words(3, 'mm/h'), '3.0 mm/h');
   assert.equal(U.words(null, 'm/s'), '––');
   Object.assign(chosen, { speed: 'm/s', temperature: '°C' });
-});
-
-test('signs of stations that stand together make room for each other, the others stay where they are', () => {
-  const put = apart([[100, 100], [104, 102], [108, 100], [300, 100]], 38);
-  for (const [i, one] of put.entries()) for (const other of put.slice(i + 1)) assert.ok(Math.hypot(one.x - other.x, one.y - other.y) >= 38 - 1e-9);
-  assert.deepEqual(put.map((one) => one.shift > 0), [false, true, true, false]);
-  assert.deepEqual(put.map((one) => one.x - one.shift), [100, 104, 108, 300]);
-  assert.deepEqual(apart([], 38), []);
 });

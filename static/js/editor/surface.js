@@ -15,7 +15,7 @@ import { addEditorStyle, paintEditorStyle, showBed, showStrips } from './editor_
 import { idOf } from './draft.js';
 
 const LOST_CONTEXT_MS = 3000;
-const FREE_PX = [52, 104, 52, 52]; // for handles and lengths of edges, and for the buttons at the right
+const FREE_PX = 52; // for handles and lengths of edges
 const NEAREST_ZOOM = 20.5; // a single corner must not fill the screen
 const BELOW_PX = 20;
 const SAME_SCALE_DEG = 0.5; // a metre is drawn within 1 % of what it should be
@@ -216,7 +216,7 @@ export class Surface {
     const box = boxOf(features);
     if (!box) return false;
     this.#rescale(latOf((box[1] + box[3]) / 2));
-    this.engine.jump(this.camera.viewOf(box, FREE_PX, NEAREST_ZOOM));
+    this.engine.jump(this.camera.viewOf(box, this.controls.freePx(FREE_PX), NEAREST_ZOOM));
     return true;
   }
 

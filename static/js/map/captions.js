@@ -148,7 +148,7 @@ const shortened = (text) => (text.length > MOST_LETTERS ? `${text.slice(0, MOST_
 
 function fleetLabel(robot, at, look) {
   const { palette } = look;
-  if (robot.level) {
+  if (robot.level && !robot.isQuiet) {
     const text = robot.text ? `${robot.name} ${shortened(robot.text)}` : robot.name;
     const pill = { fill: palette[`p${robot.level}`], ink: palette[`onP${robot.level}`] };
     return { ...at, lines: [{ text, size: 13, weight: 650 }], dx: 18, align: 'left', priority: 80 - robot.level, pill };

@@ -10,6 +10,7 @@ const SIGNS = {
 };
 const SCALE_STEPS = [1, 2, 5];
 const SCALE_MOST_PX = 116;
+const EDGE_PX = 16;
 
 const SVG = 'http://www.w3.org/2000/svg';
 
@@ -58,7 +59,7 @@ export class Controls {
     const menu = button('hl-map-button', 'Layers', 'layers', 'map-layers', () => this.#toggleMenu());
     menu.setAttribute('aria-expanded', 'false');
     this.menuButton = menu;
-    const buttons = node('div', 'hl-map-buttons', this.first, menu,
+    this.buttons = node('div', 'hl-map-buttons', this.first, menu,
       button('hl-map-button', 'Zoom in', 'plus', 'map-zoom-in', () => act.zoom(1)),
       button('hl-map-button', 'Zoom out', 'minus', 'map-zoom-out', () => act.zoom(-1)));
     this.menu = this.#layerMenu(layers, act);
@@ -71,10 +72,17 @@ export class Controls {
     this.notice.setAttribute('role', 'status');
     this.notice.dataset.testid = 'map-notice';
     this.notice.hidden = true;
-    if (hasButtons) this.root.append(buttons, this.menu, foot);
+    if (hasButtons) this.root.append(this.buttons, this.menu, foot);
     this.root.append(this.notice);
     host.append(this.root);
     this.act = act;
+  }
+
+  /** Px of the edges to leave free: `least`, and what the buttons stand on. [top, right, bottom, left] */
+  freePx(least) {
+    const { offsetWidth: wide, offsetHeight: high } = this.buttons; // 0 without buttons
+    const taken = (size) => Math.max(least, size && size + 2 * EDGE_PX);
+    return wide > high ? [taken(high), least, least, least] : [least, taken(wide), least, least]; // low maps have them in a row
   }
 
   #layerMenu(layers, act) {

@@ -5,7 +5,7 @@ import { boxOf } from './geometry.js';
 const ROBOT_ZOOM = 16.8; // 2.3 px per metre at 52 degrees north: a field of a hectare fills the screen
 const FIELD_ZOOMS = [16.2, 19.5]; // a large field keeps its rows apart, a small one its surroundings in sight
 const FIELD_MARGIN_PX = 40;
-const FREE_PX = [40, 88, 40, 40]; // top, right with the map's buttons, bottom, left
+const MARGIN_PX = 40;
 
 /** As near as the field of the mission allows. */
 export function fieldZoom(intake, camera) {
@@ -30,12 +30,12 @@ function withFields(box, features) {
 }
 
 /** All robots of a fleet or all stations, else the farm with what is on it; null while there is nothing to look at. */
-export function wholeView(intake, camera, fleet) {
+export function wholeView(intake, camera, fleet, controls) {
   const { farm, parcels, robots } = intake;
   const places = (fleet.places?.() ?? [...robots.values()].filter((robot) => robot.pose).map(({ pose }) => [pose.lon, pose.lat]))
     .map((coordinates) => ({ geometry: { type: 'Point', coordinates } }));
   // a farm may have sites in several countries: the map of a fleet, or of stations, begins where those are
   const box = fleet.isOn && places.length ? withFields(boxOf(places), farm.features) : boxOf([...farm.features, ...parcels.features, ...places]);
   if (!box) return null;
-  return camera.viewOf(box, FREE_PX, ROBOT_ZOOM);
+  return camera.viewOf(box, controls.freePx(Math.min(MARGIN_PX, camera.height / 10)), ROBOT_ZOOM);
 }

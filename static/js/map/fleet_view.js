@@ -44,12 +44,13 @@ export class View {
     const verdict = verdicts.get(robot.id);
     if (!verdict) return false;
     const { level } = verdict;
+    const isQuiet = Boolean(verdict.isOver); // a sign without words: what is over asks nobody to look there first
     const text = level ? verdict.head : '';
     const isOut = !isSeen(robot.id);
     const isAsking = verdict.look === 'unacknowledged';
-    if (robot.level === level && robot.text === text && robot.isOut === isOut && robot.isAsking === isAsking) return false;
+    if (robot.level === level && robot.text === text && robot.isOut === isOut && robot.isAsking === isAsking && robot.isQuiet === isQuiet) return false;
     const isOnlyWords = robot.level === level && robot.isOut === isOut && robot.isAsking === isAsking;
-    Object.assign(robot, { level, text, isOut, isAsking });
+    Object.assign(robot, { level, text, isOut, isAsking, isQuiet });
     return !isOnlyWords || this.map.intake.robots.size <= FEW; // in a crowd new words wait for the next picture
   }
 

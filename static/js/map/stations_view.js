@@ -2,6 +2,7 @@
 
 import { mercX, mercY } from './geometry.js';
 
+const WAYS = 12; // around a place that is taken
 const TAP_PX = 34; // a gloved finger
 const HALF_PX = 17;
 const SIGN_BOX = 24; // units the pictures of the kinds are drawn in
@@ -72,18 +73,20 @@ export class View {
     if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
     context.setTransform(ratio, 0, 0, ratio, 0, 0);
     context.clearRect(0, 0, camera.width, camera.height);
-    this.at = apart(this.spots.map((spot) => camera.project(spot.mx, spot.my)), HALF_PX * palette.scale * 2 + 4);
+    const half = HALF_PX * palette.scale;
+    const [top, right, bottom, left] = this.map.controls.freePx(half + 6);
+    this.at = apart(this.spots.map((spot) => camera.project(spot.mx, spot.my)), half * 2 + 4, [left, top, camera.width - right, camera.height - bottom]);
     const order = this.spots.map((spot, i) => ({ spot, at: this.at[i] })).sort((a, b) => (a.spot.isChosen ? 1 : 0) - (b.spot.isChosen ? 1 : 0)); // the chosen one on top
-    for (const { at } of order) if (at.shift) this.#stalk(at, palette);
+    for (const { at } of order) if (at.dx || at.dy) this.#stalk(at, palette);
     for (const { spot, at } of order) this.#sign(spot, at.x, at.y, palette);
-    return order.flatMap(({ spot, at }) => labelsOf(spot, at.shift ? camera.unproject(at.x, at.y) : [spot.mx, spot.my], palette));
+    return order.flatMap(({ spot, at }) => labelsOf(spot, at.dx || at.dy ? camera.unproject(at.x, at.y) : [spot.mx, spot.my], palette));
   }
 
   /** From a sign that had to make room to where its station stands. */
-  #stalk({ x, y, shift }, palette) {
+  #stalk({ x, y, dx, dy }, palette) {
     const { context } = this;
     context.beginPath();
-    context.moveTo(x - shift, y);
+    context.moveTo(x - dx, y - dy);
     context.lineTo(x, y);
     context.lineWidth = 3;
     context.strokeStyle = palette.ink;
@@ -153,20 +156,31 @@ export class View {
   }
 }
 
-/** Where signs go so that none lies on another: {x, y, shift}, moved to the right by `shift` px where needed. */
-export function apart(places, leastPx) {
+/**
+ * Where signs go so that none lies on another: {x, y, dx, dy}, moved from its place by so many px; as near as there is
+ * room, and within [left, top, right, bottom] if the place itself is.
+ */
+export function apart(places, leastPx, [left, top, right, bottom]) {
   const put = [];
+  const isWithin = (x, y) => x >= left && x <= right && y >= top && y <= bottom;
   for (const [x, y] of places) {
-    const at = { x, y, shift: 0 };
-    for (let tries = 0; tries < places.length; tries += 1) {
-      const other = put.find((one) => Math.hypot(one.x - at.x, one.y - at.y) < leastPx);
-      if (!other) break;
-      at.x = other.x + leastPx;
-    }
-    at.shift = at.x - x;
-    put.push(at);
+    const isHeld = isWithin(x, y);
+    const isFree = (at) => (!isHeld || isWithin(at.x, at.y)) && put.every((one) => Math.hypot(one.x - at.x, one.y - at.y) >= leastPx);
+    put.push(around(x, y, (leastPx * 1.001) / 2, places.length + 2).find(isFree) ?? { x, y, dx: 0, dy: 0 });
   }
   return put;
+}
+
+/** The place itself, then places on wider and wider rings around it. */
+function around(x, y, stepPx, rings) {
+  const found = [{ x, y, dx: 0, dy: 0 }];
+  for (let ring = 1; ring <= rings; ring += 1) {
+    for (let turn = 0; turn < WAYS; turn += 1) {
+      const [dx, dy] = [Math.cos, Math.sin].map((of) => ring * stepPx * of((2 * Math.PI * turn) / WAYS));
+      found.push({ x: x + dx, y: y + dy, dx, dy });
+    }
+  }
+  return found;
 }
 
 /** Colours by state: only what does not report, or is over its limit, has one. */

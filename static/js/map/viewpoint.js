@@ -39,7 +39,7 @@ export class Viewpoint {
     const { engine, intake, fleet } = this.map;
     if (this.isPlaced || !engine) return;
     const robot = this.isOfRobot ? robotView(intake, engine.camera) : null;
-    const view = robot ?? wholeView(intake, engine.camera, fleet);
+    const view = robot ?? wholeView(intake, engine.camera, fleet, this.map.controls);
     if (!view) return;
     this.isPlaced = Boolean(robot) || (fleet.placed > 0 && intake.farmState !== 'loading');
     engine.jump(view);
