@@ -13,6 +13,8 @@ from hmi.presenters.words import TOOL_STATES, tool_label
 
 BODY_MS = 500  # at rest a machine tells its joints and gauges twice a second
 GAUGES = {Family.PLANTER: ("tilt",), Family.UAV: ("height", "wind", "return-time")}
+MOST_OF_OTHERS = 4  # gauges of a machine that nobody here knows: the first it declares
+PLAIN = frozenset({"speed", "battery", "gnss", "delay", "tool", "cross-track"})  # tiles that every machine has
 
 
 def tiles(robot: Robot) -> list[Tile]:
@@ -21,6 +23,8 @@ def tiles(robot: Robot) -> list[Tile]:
     if sheet is None:
         return []
     shown = GAUGES.get(sheet.family, ())
+    if sheet.family is Family.OTHER:
+        shown = tuple(one.key for one in sheet.gauges if one.key not in PLAIN)[:MOST_OF_OTHERS]
     gauges = [_gauge(one, robot.body) for key in shown for one in sheet.gauges if one.key == key]
     return [_crane(robot), *gauges, _stock(robot.body)] if sheet.family is Family.PLANTER else gauges
 

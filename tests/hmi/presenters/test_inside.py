@@ -230,3 +230,14 @@ def test_a_drone_shows_height_wind_and_time_to_return_only_where_it_tells_them()
         body=Body({}, {}, {"wind": 11.0}, None, None, None, (), r.T),
     )
     assert (tile(windy, "wind")["text"], tile(windy, "wind")["level"]) == ("11.0", 2)
+
+
+def test_a_machine_that_nobody_here_knows_shows_the_first_gauges_it_declares() -> None:
+    gauges = tuple(
+        replace(TILT, key=key, label=key.title()) for key in ("crate", "speed", "vacuum", "oil", "hand", "x")
+    )
+    body = Body({}, {}, {"crate": 3.4}, None, None, None, (), r.T)
+    other = replace(r.RUNNING, factsheet=replace(r.SHEET, family=Family.OTHER, gauges=gauges), body=body)
+    keys = [one["key"] for one in tiles(other)]
+    assert keys == ["speed", "battery", "crate", "vacuum", "oil", "hand", "tool", "gnss", "delay", "cross-track"]
+    assert (tile(other, "crate")["text"], tile(other, "oil")["text"]) == ("3.4", "––")
