@@ -46,7 +46,7 @@
     let free = now;
     if (robot.now && !open.some((one) => one.mission_id === robot.now.mission_id)) {
       free = now + (robot.now.remaining_s ?? GUESS_S) * 1000;
-      done.push({ entry: null, name: robot.now.name, from: now, to: free, look: "other" });
+      done.push({ entry: null, name: robot.now.status === "paused" ? `${robot.now.name}, paused` : robot.now.name, from: now, to: free, look: "other" });
     }
     const isUnderWay = (one) => ["running", "paused", "resuming"].includes(one.status);
     const planned = [...open].sort((a, b) => isUnderWay(b) - isUnderWay(a)).map((one) => {

@@ -19,7 +19,7 @@
   }
 
   // what a person started, which the queue waits for
-  const nowWords = ({ name, remaining_s: left }) => `Under way: ${name}${left ? `, about ${HL.queue.duration(left)} left` : ""}. Not from the queue.`;
+  const nowWords = ({ name, status, remaining_s: left }) => `${status === "paused" ? "Paused" : "Under way"}: ${name}${left ? `, about ${HL.queue.duration(left)} of work left` : ""}. Not from the queue.`;
 
   function row(queue, entry, movable, actions) {
     const isFixed = HL.queue.isFixed(entry) || !actions.mayEdit;
