@@ -53,7 +53,8 @@
   // nearer than a few pixels make bands that are not there
   function rowsIn(root, rows) {
     const spacing = spacingOf(rows);
-    const ground = svg("path", { class: "swath", d: "", "stroke-width": spacing || 1 });
+    const ground = svg("path", { class: "swath", d: "" });
+    Object.assign(ground.style, { stroke: "var(--hl-m-path)", vectorEffect: "none", strokeOpacity: "0.3", strokeWidth: String(spacing || 1) });
     const lines = svg("path", { class: "row", d: "" });
     let step = 0;
     const look = () => {

@@ -15,7 +15,7 @@
     constructor(mission, open, pick) {
       this.box = el("input", { type: "checkbox", "aria-label": `Choose ${mission.name}`, "data-testid": `mission-pick-${mission.id}`, onchange: () => pick(mission.id, this.box.checked) });
       this.pick = el("label", { class: "h-mpick", hidden: true }, this.box);
-      this.name = el("span", { class: "h-t16 h-b h-mname" });
+      this.name = el("span", { class: "h-t16 h-b" });
       this.line = el("span", { class: "h-t13 h-2 h-ell" });
       this.chip = el("span", { class: "h-chip line" });
       this.row = el("button", { type: "button", class: "h-mrow", "data-testid": `mission-row-${mission.id}`, onclick: () => open(mission.id) }, el("span", { class: "h-col" }, this.name, this.line), this.chip);
