@@ -49,9 +49,9 @@ class MediaModels:
 
 
 def _judged(answer: httpx.Response) -> dict[str, Any]:
+    if answer.is_error and answer.status_code != 422:
+        raise ModelsAway
     found: dict[str, Any] = answer.json() if answer.content else {}
     if answer.status_code == 422:
         raise ModelRefused(str(found["code"]), str(found["text"]))
-    if answer.is_error:
-        raise ModelsAway
     return found

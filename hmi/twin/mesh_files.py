@@ -5,6 +5,7 @@ What a stranger made is parsed by ``trimesh``; callers do that in a process of i
 
 from __future__ import annotations
 
+import codecs
 import io
 import json
 import re
@@ -27,6 +28,8 @@ STAND_IN = Box((0.3, 0.3, 0.3))  # metres; drawn where a mesh is missing
 STAND_IN_COLOUR = (214, 120, 30)
 _SCHEME = re.compile(r"[a-zA-Z][a-zA-Z0-9+.-]*:")
 _DECLARES = re.compile(rb"<!(DOCTYPE|ENTITY)", re.IGNORECASE)
+_ENCODING = re.compile(rb"<\?xml[^>]*?\bencoding\s*=\s*[\"']([^\"']*)")
+_PLAIN = (b"utf-8", b"us-ascii", b"ascii", b"iso-8859-1", b"windows-1252")  # ASCII is itself in all of them
 _PACKED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_texture_basisu")
 
 
@@ -65,7 +68,7 @@ class MeshFolder:
         return _stand_in(mesh)
 
     def _find(self, name: str, where: str) -> Path | None:
-        text = unquote(name).replace("\\", "/").strip()
+        text = plain_name(name)
         if text.startswith("package://"):
             text = text.removeprefix("package://").lstrip("/")  # some tools write three slashes
             choices = [text, *_endings(text)]  # a ROS package is uploaded with its folder or without
@@ -76,7 +79,7 @@ class MeshFolder:
         for choice in choices:
             if "\0" in choice or not (path := (self._folder / choice).resolve()).is_relative_to(self._folder):
                 raise UnsafeModel(f'{where}: "{name[:80]}" lies outside the upload. It is refused.')
-            if choice and path.is_file():
+            if choice and is_file(path):
                 return path
         return self._only_one(choices) if len(choices) > 1 else None
 
@@ -88,6 +91,19 @@ class MeshFolder:
             if found:
                 return found[0] if len(found) == 1 else None
         return None
+
+
+def plain_name(name: str) -> str:
+    """Return a mesh's name as a path: escapes read, slashes forward."""
+    return unquote(name).replace("\\", "/").strip()
+
+
+def is_file(path: Path) -> bool:
+    """Whether a file is there; a name longer than any file's may be is none."""
+    try:
+        return path.is_file()
+    except OSError:
+        return False
 
 
 def _endings(text: str) -> list[str]:
@@ -103,6 +119,8 @@ def _stand_in(mesh: MeshFile) -> tuple[Floats, NDArray[np.uint8]]:
 
 def _check(kind: str, data: bytes, where: str, name: str) -> None:
     """Refuse what a parser might follow or choke on, before it sees it."""
+    if kind == "dae" and not _is_readable(data):
+        raise UnsafeModel(f'{where}: "{name}" is not written in UTF-8. Save it in UTF-8.')
     if kind == "dae" and _DECLARES.search(data):
         raise UnsafeModel(f'{where}: "{name}" declares a document type or entities. It is refused.')
     if kind == "glb":
@@ -113,6 +131,12 @@ def _check(kind: str, data: bytes, where: str, name: str) -> None:
         count = struct.unpack_from("<I", data, 80)[0]
         if count > MAX_FACES or 84 + 50 * count > len(data) + 1024:
             raise UnsafeModel(f'{where}: "{name}" claims {count} faces, at most {MAX_FACES} are drawn.')
+
+
+def _is_readable(xml: bytes) -> bool:
+    """Whether the bytes that are searched are the ones a parser reads: other encodings hide what they declare."""
+    declared = _ENCODING.match(xml.removeprefix(codecs.BOM_UTF8))
+    return b"\0" not in xml and (declared is None or declared[1].lower() in _PLAIN)
 
 
 def _check_glb(data: bytes, where: str, name: str) -> None:

@@ -5,10 +5,13 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import json
+import lzma
 import shutil
 import zipfile
+import zlib
 from dataclasses import asdict, replace
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -17,13 +20,14 @@ import numpy as np
 
 from hmi.twin.errors import ModelError, UnsafeModel
 from hmi.twin.limits import MAX_FILES, MAX_UNPACKED_BYTES, MAX_ZIP_BYTES
-from hmi.twin.mesh_files import KINDS, MeshFolder, check_extent
+from hmi.twin.mesh_files import KINDS, MeshFolder, check_extent, is_file, plain_name
 from hmi.twin.model import Mimic, Model, ModelJoint
 from hmi.twin.skin import LinkSkin, Skin, skin_of
 from hmi.twin.urdf import XACRO, parse_urdf
 
 KEPT = {*KINDS, ".urdf", ".mtl", ".png", ".jpg", ".jpeg", ".txt", ".md", ".xacro"}
 MODEL, SKIN = "model.json", "skin.npz"
+_NAMES = (errno.EEXIST, errno.EISDIR, errno.ENOTDIR, errno.ENAMETOOLONG)
 
 
 def read_upload(archive: Path, target: Path) -> dict[str, Any]:
@@ -96,12 +100,13 @@ class _Nested(MeshFolder):
         self._beside = urdf.parent.resolve()
 
     def _find(self, name: str, where: str) -> Path | None:
-        if not name.startswith("package://"):
-            beside = (self._beside / name).resolve()
-            inside = beside.is_relative_to(self._folder) and "\0" not in name and not name.startswith("/")
-            if inside and beside.is_file():
+        text = plain_name(name)
+        if not text.startswith("package://"):
+            beside = (self._beside / text).resolve() if "\0" not in text else self._beside
+            inside = beside.is_relative_to(self._folder) and "\0" not in text and not text.startswith("/")
+            if inside and is_file(beside):
                 return beside
-            if inside and ":" not in name:
+            if inside and ":" not in text:
                 return None
         return super()._find(name, where)
 
@@ -117,7 +122,13 @@ def _unpack(archive: Path, folder: Path) -> None:
             for entry in entries:
                 if PurePosixPath(entry.filename).suffix.lower() in KEPT:
                     left -= _write(packed, entry, folder, left)
-    except (zipfile.BadZipFile, EOFError, NotImplementedError, RuntimeError) as error:
+    except OSError as error:  # names of one file and of a folder alike, or longer than a file's may be
+        if error.errno not in _NAMES:
+            raise
+        raise ModelError(
+            "Two names in the zip contradict each other, or one is too long. Pack it once more."
+        ) from error
+    except (zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, NotImplementedError, RuntimeError) as error:
         raise ModelError("The upload is no zip file, or it is damaged or locked. Pack it once more.") from error
 
 

@@ -157,6 +157,34 @@ def test_a_dae_with_entities_is_refused(tmp_path: Path) -> None:
         read_upload(packed(tmp_path, {"robot.urdf": robot("a.dae"), "a.dae": data}), tmp_path / "kept")
 
 
+@pytest.mark.parametrize("coding", ["utf-16", "utf-16-le", "utf-32", "utf-7"])
+def test_a_dae_whose_encoding_hides_what_it_declares_is_refused(tmp_path: Path, coding: str) -> None:
+    said = f'<?xml version="1.0" encoding="{coding}"?>' + '<!DOCTYPE c [<!ENTITY x "1 2 3">]><COLLADA>&x;</COLLADA>'
+    data = said.encode(coding) if coding != "utf-7" else said.replace("<!", "+ADw-!").encode()
+    with pytest.raises(UnsafeModel, match="UTF-8"):
+        read_upload(packed(tmp_path, {"robot.urdf": robot("a.dae"), "a.dae": data}), tmp_path / "kept")
+
+
+def test_a_damaged_zip_and_names_that_no_disk_takes_are_the_uploads_fault(tmp_path: Path) -> None:
+    whole = packed(tmp_path, {"robot.urdf": robot("a.stl"), "a.stl": cube("stl") * 40})
+    torn = bytearray(whole.read_bytes())
+    at = torn.rindex(b"a.stl", 0, torn.index(b"PK\x01\x02")) + 5
+    torn[at : at + 60] = b"\xff" * 60
+    whole.write_bytes(torn)
+    with pytest.raises(ModelError, match="Pack it once more"):
+        read_upload(whole, tmp_path / "kept")
+    for files in ({"a.stl": cube("stl"), "a.stl/b.stl": cube("stl")}, {"a" * 300 + ".stl": cube("stl")}):
+        with pytest.raises(ModelError, match="names in the zip"):
+            read_upload(packed(tmp_path, {"robot.urdf": robot("a.stl"), **files}), tmp_path / "kept")
+    long = packed(tmp_path, {"robot.urdf": robot("a" * 300 + ".stl")})
+    assert "A box stands in" in read_upload(long, tmp_path / "kept")["notices"][0]
+
+
+def test_an_escaped_name_is_found_beside_a_urdf_in_a_folder(tmp_path: Path) -> None:
+    files = {"own/robot.urdf": robot("my%20meshes/a.stl"), "own/my meshes/a.stl": cube("stl")}
+    assert read_upload(packed(tmp_path, files), tmp_path / "kept")["notices"] == []
+
+
 def test_corners_that_are_no_numbers_are_refused(tmp_path: Path) -> None:
     data = b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
     with pytest.raises(ModelError, match='Link "arm"'):
