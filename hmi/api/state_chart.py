@@ -71,7 +71,8 @@ def state_chart_routes(parts: StateRoutes) -> APIRouter:
     ) -> dict[str, Any]:  # fmt: skip
         found = await _find(parts, session, robot_id, (start, end, mission, minutes))
         sums = add_up(found.stays, found.chart, found.start, found.end)
-        return state_times.state_times(found.stays, sums, found.chart, (found.start, found.end))
+        now = parts.clock.utc(), parts.clock.mono_s()
+        return state_times.state_times(found.stays, sums, found.chart, (found.start, found.end), now)
 
     @router.get("/robots/{robot_id}/state-times.csv", summary="Stays in states as a table")
     async def times_csv(

@@ -12,6 +12,7 @@ from hmi.domain.state_chart import Chart
 from hmi.domain.state_share import Sums, resting
 from hmi.domain.state_times import Interval
 from hmi.presenters.alarms import epoch_ms
+from hmi.presenters.units import milliseconds
 
 MOST_SHOWN = 4000  # more bars than a screen has places for; sums are of all
 COLUMNS = ("start_utc", "end_utc", "seconds", "state", "label", "subsystem", "path", "result", "is_guessed")
@@ -21,9 +22,18 @@ _AT_ONCE = timedelta(seconds=1)
 
 
 def state_times(
-    stays: Sequence[Interval], sums: Sums, chart: Chart | None, span: tuple[datetime, datetime]
+    stays: Sequence[Interval],
+    sums: Sums,
+    chart: Chart | None,
+    span: tuple[datetime, datetime],
+    now: tuple[datetime, float],
 ) -> dict[str, Any]:
-    """Return stays of innermost states in a span, with sums by subsystem and by state."""
+    """Return stays of innermost states in a span, with sums by subsystem and by state.
+
+    Args:
+        now: one moment by the wall clock and by the console's own (monotonic seconds). With it a browser puts what
+            the lane tells beside what is on record, whatever its own clock says.
+    """
     start, end = span
     inside = [one for one in stays if one.is_leaf and one.start <= end and (one.end is None or one.end >= start)]
     shown = inside
@@ -35,6 +45,8 @@ def state_times(
     return {
         "from": epoch_ms(start),
         "to": epoch_ms(end),
+        "now": epoch_ms(now[0]),
+        "now_m": milliseconds(now[1]),
         "intervals": [_interval(one, normal.get(one.state), lanes) for one in shown],
         "is_thinned": len(shown) < len(inside),
         "share": [

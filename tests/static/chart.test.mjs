@@ -172,20 +172,30 @@ test('the states are placed before the lines are found, and stay there', () => {
 test('what ended between two looks at the record stays in the picture until the record has it', () => {
   const facts = chartFacts.index(planter);
   const kept = ganttRows.memory();
-  const wall = (t) => t * 1000;
-  ganttRows.follow(kept, { t: 10, states: [['hold', 5], ['dock', 10]] }, wall);
-  ganttRows.follow(kept, { t: 14.1, states: [['hold', 5], ['crane-idle', 14]] }, wall);
-  ganttRows.follow(kept, { t: 16.1, states: [['hold', 5], ['above-plant', 16]] }, wall);
-  const active = [...kept.on].map(([id, one]) => [id, one.start]);
-  const found = (recorded) => plain(ganttRows.withActive(recorded, facts, active, kept.ended).map((one) => [one.state, one.start, one.end]));
+  ganttRows.follow(kept, { t: 10000, states: [['hold', 5000], ['dock', 10000]] });
+  ganttRows.follow(kept, { t: 14100, states: [['hold', 5000], ['crane-idle', 14000]] });
+  ganttRows.follow(kept, { t: 16100, states: [['hold', 5000], ['above-plant', 16000]] });
+  const { active, ended } = ganttRows.onRecord(kept, { now: 20000, now_m: 20000 });
+  const found = (recorded) => plain(ganttRows.withActive(recorded, facts, active, ended).map((one) => [one.state, one.start, one.end]));
   assert.deepEqual(found([stay('hold', 'Base', 5000, null)]), [['hold', 5000, null], ['dock', 10000, 14000], ['crane-idle', 14000, 16000], ['above-plant', 16000, null]]);
   assert.deepEqual(found([stay('hold', 'Base', 5000, null), stay('dock', 'Crane', 10100, 13900), stay('crane-idle', 'Crane', 13900, null)]), [['hold', 5000, null], ['dock', 10100, 13900], ['crane-idle', 13900, 16000], ['above-plant', 16000, null]]);
 });
 
+test('the record and the reports are put together on the clock of the console, whatever this machine says', () => {
+  const facts = chartFacts.index(planter);
+  const kept = ganttRows.memory();
+  ganttRows.follow(kept, { t: 500, states: [['dock', 100]] });
+  ganttRows.follow(kept, { t: 40500, states: [['above-plant', 40100]] });
+  const hour = 3600000;
+  const { active, ended } = ganttRows.onRecord(kept, { now: hour + 41000, now_m: 41000 });
+  const stays = ganttRows.withActive([stay('dock', 'Crane', hour + 100, hour + 40100), stay('above-plant', 'Crane', hour + 40100, null)], facts, active, ended);
+  assert.deepEqual(plain(stays.map((one) => [one.state, one.start - hour, one.end && one.end - hour])), [['dock', 100, 40100], ['above-plant', 40100, null]]);
+});
+
 test('a state that was entered again is another stay', () => {
   const kept = ganttRows.memory();
-  ganttRows.follow(kept, { t: 10, states: [['hold', 5]] }, (t) => t * 1000);
-  ganttRows.follow(kept, { t: 20, states: [['hold', 18]] }, (t) => t * 1000);
+  ganttRows.follow(kept, { t: 10000, states: [['hold', 5000]] });
+  ganttRows.follow(kept, { t: 20000, states: [['hold', 18000]] });
   assert.deepEqual(plain(kept.ended), [{ state: 'hold', start: 5000, end: 18000 }]);
 });
 

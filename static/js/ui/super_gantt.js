@@ -49,7 +49,7 @@
       times.refresh();
       const { data } = times;
       const { active } = HL.port.inside(HL.view.robot);
-      if (active) HL.ganttRows.follow(this.seen, active, (t) => Date.now() - HL.port.age(t));
+      if (active) HL.ganttRows.follow(this.seen, active);
       attr(this, "data-state", data ? "shown" : times.problem ? "error" : "loading");
       const blank = data ? (data.intervals.length || active?.states.length ? "" : "No change of state is on record for this time.") : times.problem || "Loading durations";
       text(this.blank, blank);
@@ -75,17 +75,18 @@
       const { active } = HL.port.inside(HL.view.robot);
       const ageMs = active ? HL.port.age(active.t) : Infinity;
       const isFresh = isLive && ageMs <= HL.STALE_MS;
-      const now = Date.now();
+      const now = data.now + HL.port.age(data.now_m);
       const end = isLive ? (isFresh ? now : Math.max(data.to, active ? now - ageMs : data.to)) : data.to;
       const start = HL.superTimes.span === "mission" ? data.from : end - (data.to - data.from > 0 ? HL.superTimes.span * 60000 : 1);
-      const begun = isLive && active ? [...this.seen.on].map(([id, one]) => [id, one.start]) : null;
-      return { start, end, isLive, intervals: HL.ganttRows.withActive(data.intervals, HL.superChart?.facts, begun, this.seen.ended) };
+      const since = HL.ganttRows.onRecord(this.seen, data);
+      return { start, end, isLive, intervals: HL.ganttRows.withActive(data.intervals, HL.superChart?.facts, isLive && active ? since.active : null, since.ended) };
     }
 
     draw(data) {
       const { width, height: room } = this.stage.getBoundingClientRect();
       if (width < 100) return;
       const scene = this.scene(data);
+      this.end = scene.end;
       const wide = width - LEFT - RIGHT;
       const rows = HL.ganttRows.rows(scene.intervals, HL.superChart?.facts, data.resting ?? [], { ...scene, width: wide });
       HL.style(this.closest("section") ?? this, "--lanes", String(rows.length)); // on a tablet the card is as high as it has lanes
@@ -127,7 +128,7 @@
       const node = svg("g", { class: `s-bar t${tone}${isOver ? " over" : ""}${isOpen ? " open" : ""}`, "data-key": key, "data-state": one.state });
       node.append(svg("rect", { x: (LEFT + x).toFixed(1), y, width: w.toFixed(1), height: high, rx: 2 }));
       if (planned !== null && (isOver || w > 40)) node.append(svg("path", { class: "planned", d: `M${(LEFT + planned).toFixed(1)} ${y}v${high}` }));
-      const said = isOver && one.normal_s ? `${label}: ${HL.chartFacts.span(((one.end ?? Date.now()) - one.start) / 1000)}, normal ${HL.chartFacts.span(one.normal_s)}` : label;
+      const said = isOver && one.normal_s ? `${label}: ${HL.chartFacts.span(((one.end ?? this.end) - one.start) / 1000)}, normal ${HL.chartFacts.span(one.normal_s)}` : label;
       const fits = [said, label].find((word) => word && w > word.length * 6.9 + 10);
       if (fits) {
         const written = svg("text", { x: (LEFT + x + 6).toFixed(1), y: y + high / 2 + 4 });

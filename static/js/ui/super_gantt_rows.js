@@ -20,21 +20,24 @@
     return [...regions, ...others];
   }
 
-  // What begins and ends between two looks at the record. A report says which states are active since when (t and since
-  // on the console's clock, wall(t) on this one); memory: {on: {id: {since, start}}, ended: [{state, start, end}]}
+  // What begins and ends between two looks at the record. A report says which states are active since when, in ms of the
+  // console's own clock; memory: {on: {id: since}, ended: [{state, start, end}]}
   const memory = () => ({ on: new Map(), ended: [] });
-  function follow(kept, { t, states }, wall) {
-    const on = new Map();
-    for (const [id, since] of states) {
-      const known = kept.on.get(id);
-      on.set(id, known?.since === since ? known : { since, start: wall(since) });
-    }
-    const begun = [...on].filter(([id, one]) => kept.on.get(id) !== one).map(([, one]) => one.start);
+  function follow(kept, { t, states }) {
+    const on = new Map(states);
+    const begun = states.filter(([id, since]) => kept.on.get(id) !== since).map(([, since]) => since);
     if (!begun.length && on.size === kept.on.size) return;
-    const end = Math.min(wall(t), ...begun);
-    for (const [state, one] of kept.on) if (on.get(state) !== one) kept.ended.push({ state, start: one.start, end: Math.max(end, one.start) });
+    const end = Math.min(t, ...begun);
+    for (const [state, start] of kept.on) if (on.get(state) !== start) kept.ended.push({ state, start, end: Math.max(end, start) });
     kept.ended = kept.ended.filter((one) => one.end > end - KEPT_MS);
     kept.on = on;
+  }
+
+  // The same on the record's clock, which is the console's: this machine's may be minutes apart. now and now_m are one
+  // moment by both.
+  function onRecord(kept, { now, now_m }) {
+    const wall = (t) => now + t - now_m;
+    return { active: [...kept.on].map(([id, since]) => [id, wall(since)]), ended: kept.ended.map((one) => ({ ...one, start: wall(one.start), end: wall(one.end) })) };
   }
 
   // intervals of the record, with what ended since: a record that knows the end is right
@@ -50,7 +53,7 @@
 
   const isLeaf = (facts, id) => facts.byId.has(id) && !facts.kids(id).length;
 
-  // intervals of the record, with what began and ended since: active is [[id, start (wall ms)]]
+  // intervals of the record, with what began and ended since: active is [[id, start (ms of the record)]]
   function withActive(recorded, facts, active, ended = []) {
     if (!facts || !active) return recorded;
     const intervals = withEnded(recorded, facts, ended);
@@ -137,5 +140,5 @@
 
   const ago = (ms) => (ms >= 7200000 ? `${Math.round(ms / 3600000)} h` : ms >= 60000 && ms % 60000 === 0 ? `${ms / 60000} min` : `${Math.round(ms / 1000)} s`);
 
-  home.ganttRows = { rows, memory, follow, withActive, axis, laneOf };
+  home.ganttRows = { rows, memory, follow, onRecord, withActive, axis, laneOf };
 })();
