@@ -23,7 +23,7 @@ from hmi.presenters import state_chart, state_times
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
 from hmi.store.database import Database
-from hmi.store.state_times import StateRecords
+from hmi.store.state_times import SILENCE_S, StateRecords
 
 MOST_MINUTES = 7 * 24 * 60
 MOST_SPAN = timedelta(minutes=MOST_MINUTES)
@@ -130,7 +130,14 @@ async def _find(
 
     def read() -> list[Interval]:
         marks = _marks(parts.records.events(robot_id, start, end))
-        return intervals(marks, _chart(robot), active, heard or (marks[-1].at if marks else None))
+        last = heard or (marks[-1].at if marks else None)
+        stays = intervals(marks, _chart(robot), active, last)
+        guessed = [one for one in stays if one.is_guessed and one.seconds(start, end) > SILENCE_S]
+        if not guessed:
+            return stays
+        # a robot that was switched off told no end: what it told after it came back is not when the stay ended
+        silences = parts.records.silences(robot_id, min(one.start for one in guessed), end)
+        return intervals(marks, _chart(robot), active, last, silences)
 
     # a day of events takes a while: not on the event loop
     return _Found(await parts.database.run(read), _chart(robot), start, max(start, end))

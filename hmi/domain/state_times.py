@@ -17,6 +17,8 @@ from hmi.domain.state_chart import Chart, ChartState
 
 SAME_S = 1.0
 """An entry and the start told at the end are one: both are mapped on our clock, which drifts by less."""
+NEAR_S = 5.0
+"""A stay that began this shortly after a robot was heard last began before the silence: it is heard once a second."""
 ENTERED, LEFT = "state_entered", "state_left"
 
 
@@ -55,6 +57,14 @@ class Interval:
         return max(0.0, (until - max(self.start, start)).total_seconds())
 
 
+@dataclass(frozen=True, slots=True)
+class Silence:
+    """Nothing was heard of the robot from one moment to another: it may have been off."""
+
+    start: datetime
+    end: datetime
+
+
 def mark_of(event: RobotEvent) -> Mark | None:
     """Return what an event says about a state; ``None`` for any other, and for one that makes no sense."""
     if event.kind not in (ENTERED, LEFT):
@@ -82,6 +92,7 @@ def intervals(
     chart: Chart | None = None,
     active: Mapping[str, datetime] | None = None,
     heard: datetime | None = None,
+    silences: Sequence[Silence] = (),
 ) -> list[Interval]:
     """Return all stays, leaves and what holds them, by start.
 
@@ -89,6 +100,7 @@ def intervals(
         chart: tells which states exclude each other; without one, those of the same parent path do.
         active: what the robot says is active now, since when; ``None`` if nothing is known of now.
         heard: when it was heard last: a stay whose end nobody told and that is over ended then at the latest.
+        silences: when nothing was heard of it; the same holds for the one after such a stay began.
     """
     states = {one.id: one for one in chart.states} if chart else {}
     by_state: dict[str, list[Mark]] = defaultdict(list)
@@ -100,7 +112,7 @@ def intervals(
         ended, open_ones = _matched(same)
         told += ended
         begun += open_ones
-    found = _closed(told, begun, states, active, heard)
+    found = _closed(told, begun, states, active, heard, silences)
     found += _still_active(found, active or {}, states)
     return _apart(sorted(found, key=lambda one: (one.start, len(one.path))), states)
 
@@ -190,6 +202,7 @@ def _closed(
     states: Mapping[str, ChartState],
     active: Mapping[str, datetime] | None,
     heard: datetime | None,
+    silences: Sequence[Silence],
 ) -> list[Interval]:
     """Give every stay without a told end the earliest end that follows from the others."""
     starts: dict[tuple[str, ...], list[datetime]] = defaultdict(list)
@@ -205,12 +218,21 @@ def _closed(
         group = _group(one, states)
         after = _after(starts[group], one.start) if group is not None else None
         ends = [*holders.ends(one), *([after] if after is not None else [])]
+        is_on = _is_since((active or {}).get(one.state), one.start)
+        if not is_on:
+            ends += _fell_silent(silences, one.start)
         stay = one
-        if ends or not (is_now_unknown or _is_since((active or {}).get(one.state), one.start)):
+        if ends or not (is_now_unknown or is_on):
             stay = replace(one, end=min(ends) if ends else max(one.start, heard or one.start), is_guessed=True)
         found.append(stay)
         holders.add(stay)
     return found
+
+
+def _fell_silent(silences: Sequence[Silence], start: datetime) -> list[datetime]:
+    """Return when the robot fell silent in a stay; one that began while it was silent was told later, it was on."""
+    near = timedelta(seconds=NEAR_S)
+    return [max(start, one.start) for one in silences if one.start >= start - near][:1]
 
 
 def _is_since(since: datetime | None, start: datetime) -> bool:

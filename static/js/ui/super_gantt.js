@@ -50,6 +50,7 @@
       const { data } = times;
       const { active } = HL.port.inside(HL.view.robot);
       if (active) HL.ganttRows.follow(this.seen, active);
+      attr(this.save, "disabled", !data);
       attr(this, "data-state", data ? "shown" : times.problem ? "error" : "loading");
       const blank = data ? (data.intervals.length || active?.states.length ? "" : "No change of state is on record for this time.") : times.problem || "Loading durations";
       text(this.blank, blank);

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import csv
 import io
+from collections.abc import Iterable
 from datetime import timedelta
 from typing import Any
 
 from sqlalchemy import insert
 
 from hmi.domain.role import Role
-from hmi.store.tables import EventRow
+from hmi.store.tables import Base, EventRow, MissionLogRow, MissionRow, SampleRow
 from tests.hmi.api.console import Console
 from tests.hmi.commands.field import FARM
 
@@ -26,12 +27,38 @@ async def record(console: Console, state: str, ago_s: float, lasted_s: float | N
         "at": console.field.clock.utc() - timedelta(seconds=ago_s), "kind": "state_left" if end else "state_entered",
         "name": state.title(), "data": data,
     }  # fmt: skip
+    await write(console, EventRow, [{**row, **more}])
 
-    def write() -> None:
+
+async def log(console: Console, mission_id: str, ago_s: dict[str, float]) -> None:
+    """Put a mission's life on record."""
+    rows = [
+        {"farm_id": FARM, "mission_id": mission_id, "at": console.field.clock.utc() - timedelta(seconds=ago),
+         "status": status, "by": "weeder-01", "why": "", "data": {}}
+        for status, ago in ago_s.items()
+    ]  # fmt: skip
+    now = console.field.clock.utc()
+    mission = {"id": mission_id, "farm_id": FARM, "name": "Weed", "field_name": "North", "document": {}, "sha256": "",
+               "created_by": "ana", "created_at": now, "updated_at": now}  # fmt: skip
+    await write(console, MissionRow, [mission])
+    await write(console, MissionLogRow, rows)
+
+
+async def heard(console: Console, ago_s: Iterable[float]) -> None:
+    """Put on record when the robot was heard."""
+    now = console.field.clock.utc()
+    rows = [{"farm_id": FARM, "robot_id": "weeder-01", "at": now - timedelta(seconds=ago)} for ago in ago_s]
+    await write(console, SampleRow, rows)
+
+
+async def write(console: Console, table: type[Base], rows: list[dict[str, Any]]) -> None:
+    """Insert rows as they are."""
+
+    def insert_all() -> None:
         with console.database.connect_writing() as connection:
-            connection.execute(insert(EventRow), [{**row, **more}])
+            connection.execute(insert(table), rows)
 
-    await console.database.run(write)
+    await console.database.run(insert_all)
 
 
 async def lap(console: Console) -> None:
@@ -67,6 +94,26 @@ async def test_a_mission_is_from_its_first_to_its_last_change(console: Console) 
     assert found["wall_s"] == 50
     gone = await client.get("/robots/weeder-01/state-times", params={"mission": "m-9"})
     assert (gone.status_code, gone.json()["code"]) == (404, "not_found")
+
+
+async def test_a_mission_that_only_lay_on_the_robot_is_not_counted(console: Console) -> None:
+    await record(console, "idle", 4000)
+    await lap(console)
+    await record(console, "idle", 30, 5)
+    await log(console, "m-1", {"accepted": 4000, "running": 105, "done": 45})
+    client = await console.browser(Role.VIEWER)
+    found = (await client.get("/robots/weeder-01/state-times", params={"mission": "m-1"})).json()
+    assert found["wall_s"] == 60, "from its start to its end"
+
+
+async def test_a_power_cut_is_no_work(console: Console) -> None:
+    await record(console, "dock", 3600)
+    await record(console, "plant", 100)
+    await record(console, "plant", 50, 50)
+    await heard(console, [*range(3650, 3500, -5), *range(120, 0, -5)])
+    client = await console.browser(Role.VIEWER)
+    found = (await client.get("/robots/weeder-01/state-times", params={"minutes": 120})).json()
+    assert {one["state"]: one["total_s"] for one in found["per_state"]} == {"dock": 95, "plant": 50}
 
 
 async def test_the_newest_changes_come_first_with_how_long_the_state_before_took(console: Console) -> None:

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from hmi.domain.event import RobotEvent
 from hmi.domain.state_chart import Chart, ChartState
 from hmi.domain.state_share import add_up, resting
-from hmi.domain.state_times import Interval, Mark, intervals, mark_of
+from hmi.domain.state_times import Interval, Mark, Silence, intervals, mark_of
 
 T0 = datetime(2026, 5, 20, 12, 0, tzinfo=UTC)
 
@@ -235,3 +235,21 @@ def test_a_state_that_takes_clearly_longer_than_usual_is_flagged_after_three_sta
     many = add_up(intervals(log_of(long), CHART), CHART, T0, at(100)).states[0]
     assert (few.is_drifting, many.is_drifting) == (False, True)
     assert many.drift == pytest.approx(0.6)
+
+
+def test_a_stay_that_a_power_cut_ended_ends_when_the_robot_was_heard_last() -> None:
+    marks = [mark("a2", 100), mark("idle", 40_000), mark("walk", 40_010)]
+    night = Silence(at(130), at(39_990))
+    assert said(intervals(marks, CHART, {}, at(40_100)))["a2"] == [(100, 40_100)]
+    (stay,) = [one for one in intervals(marks, CHART, {}, at(40_100), [night]) if one.state == "a2"]
+    assert (stay.end, stay.is_guessed) == (at(130), True)
+
+
+def test_a_silence_ends_no_stay_that_lasts_or_was_told() -> None:
+    quiet = Silence(at(130), at(700))
+    told = intervals([mark("a2", 100), mark("a2", 600, 500.0)], CHART, {}, at(900), [quiet])
+    assert said(told)["a2"] == [(100, 600)]
+    lasting = intervals([mark("a2", 100)], CHART, {"a2": at(100)}, at(900), [quiet])
+    assert said(lasting)["a2"] == [(100, None)]
+    within = intervals([mark("a2", 300), mark("a3", 400)], CHART, {}, at(900), [quiet])
+    assert said(within)["a2"] == [(300, 400)], "it was on: what it told came later"
