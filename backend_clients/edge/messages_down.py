@@ -47,8 +47,9 @@ class Order(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class Command(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """An instant action. ``pause``, ``abort`` and ``node_*`` need no lease (``lease_token`` 0).
 
-    ``node`` names the node of ``node_*``; ``place`` is where ``go_to`` drives and ``tool_go_to`` moves the tool's tip,
-    ENU metres of the factsheet's datum.
+    ``node`` names the node of ``node_*``; ``place`` is where ``go_to`` drives and ``tool_go_to`` moves the tool's tip:
+    east and north are ENU metres of the factsheet's datum, the third is metres above the ground at that place. A
+    ``go_to`` orders no height.
     """
 
     command_id: Ref

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from backend_clients.edge.machine import Point3
 from backend_clients.simulator.crane import TRANSPORT, Crane, Pose, pose_for
 from backend_clients.simulator.planting_site import CARRY_M, to_machine
-from backend_clients.simulator.terrain import height_m
 
 if TYPE_CHECKING:
     from backend_clients.simulator.kinematics import Base
@@ -44,13 +43,13 @@ def retract(crane: Crane) -> CraneTask:
 
 
 def send_tip(crane: Crane, base: Base, place: Point3) -> CraneTask:
-    """Return the way of the tip to a place of the ENU frame: up, across, down.
+    """Return the way of the tip to a place of the ENU frame, its height above the ground there: up, across, down.
 
     Raises:
         OutOfReach: a joint would be beyond its soft limit.
     """
     x_m, y_m = to_machine(base, (place[0], place[1]))
-    z_m = max(place[2] - height_m(base.x_m, base.y_m), 0.0)
+    z_m = max(place[2], 0.0)
     goal = pose_for((x_m, y_m, z_m))
     over = pose_for((x_m, y_m, max(z_m, CARRY_M)))
     return CraneTask("Crane sent to a place", crane, [over, goal])

@@ -38,7 +38,7 @@ class CommandBody(Body):
     node: Annotated[Id | None, Field(description="for node_start, node_stop and node_restart")] = None
     place: Annotated[
         tuple[Metres, Metres, Metres] | None,
-        Field(description="for go_to and tool_go_to: ENU metres of the robot's datum", strict=False),
+        Field(description="for go_to and tool_go_to: east, north, height above the ground there; metres", strict=False),
     ] = None
 
 
