@@ -89,6 +89,20 @@ test('charts that make no sense are drawn all the same: parents in a circle, unk
   assert.equal(chartLayout({ states: [one('a', 'gone')], transitions: [{ source: 'a', target: 'nowhere', event: '' }] }, {}, WINDOWS[0]).places.length, 1);
 });
 
+test('parents in a circle are cut open in lists as in the drawing: no state is lost', () => {
+  const state = (id, parent) => ({ id, label: id, parent, kind: 'simple', subsystem: 'A', normal_s: null });
+  const facts = chartFacts.index({ states: [state('a', 'b'), state('b', 'a'), state('c', 'a'), state('d', 'd')], transitions: [] });
+  assert.deepEqual(plain(facts.kids(null).map((one) => one.id)), ['a', 'b', 'd']);
+  assert.deepEqual(plain(facts.path('c').map((one) => one.id)), ['a', 'c']);
+  assert.ok(chartFacts.isLeaf(facts, 'b') && chartFacts.isLeaf(facts, 'd'));
+});
+
+test('a state that its chart does not have goes on in the durations under its own name', () => {
+  const facts = chartFacts.index(planter);
+  const found = ganttRows.withActive([stay('new-state', 'Other', 5000, null)], facts, [['new-state', 5000], ['newer', 9000]]);
+  assert.deepEqual(plain(found.map((one) => [one.state, one.lane, one.start, one.end])), [['new-state', 'Other', 5000, null], ['newer', 'Other', 9000, null]]);
+});
+
 test('the same chart in the same window has the same places', () => {
   assert.deepEqual(plain(chartLayout(planter, widthsOf(planter), WINDOWS[0])), plain(chartLayout(planter, widthsOf(planter), WINDOWS[0])));
 });

@@ -163,7 +163,7 @@
       text(this.age, t === null ? "" : `data ${words.age(ageMs)} old`);
       attr(this, "data-age-ms", Number.isFinite(ageMs) ? Math.round(ageMs) : null);
       this.say(t, ageMs, link, chart);
-      if (this.chart && active) this.mark(active, ageMs);
+      if (this.chart && active) this.mark(active, ageMs, supervisor?.path ?? []);
       else this.bare(supervisor);
     }
 
@@ -183,15 +183,15 @@
       attr(this.root, "aria-hidden", blank ? "true" : null);
     }
 
-    mark(active, ageMs) {
-      const key = JSON.stringify([active.states, active.last]);
+    mark(active, ageMs, told) {
+      const key = JSON.stringify([active.states, active.last, told]);
       if (key !== this.marked) {
         this.marked = key;
         const last = active.last && { ...active.last, wall: words.wallSeconds(HL.wallOf(active.last.at)) };
         this.drawing?.mark(active.states, last);
         attr(this, "data-state", active.states.map(([id]) => this.facts.byId.get(id)?.label ?? id).join(", "));
         attr(this, "data-active", active.states.map(([id]) => id).join(" "));
-        this.crumbs(active);
+        this.crumbs(active, told);
         if (this.shown === "tree") this.tree.mark(active.states);
         if (this.shown === "moves") this.moves.load(active.last);
       }
@@ -206,10 +206,18 @@
       }
     }
 
-    crumbs(active) {
+    crumbs(active, told) {
+      if (!active.states.some(([id]) => this.facts.byId.has(id))) return this.unknown(active, told);
       const trail = HL.chartFacts.crumbs(this.facts, active.states, active.last).filter((one) => one.kind !== "region");
       this.lastName = trail.at(-1)?.label;
       this.path.replaceChildren(...trail.flatMap((one, i) => [i ? icon("chevron_right", "s") : "", el("button", { type: "button", class: "s-crumb", onclick: () => this.open(one.id) }, one.label)]));
+    }
+
+    // its states are not in the chart it sent, or it names none: nothing is lit, and that is said
+    unknown({ states }, told) {
+      const said = told.length ? told : states.map(([id]) => id);
+      this.lastName = said.at(-1);
+      this.path.replaceChildren(el("span", {}, said.length ? `It says: ${said.join(", ")}. Its chart has no such state.` : "It does not say in which state it is."));
     }
 
     // a robot without a chart: its path in words

@@ -8,18 +8,26 @@
   function index(chart) {
     const byId = new Map(chart.states.map((one) => [one.id, one]));
     const children = new Map();
+    const parents = new Map();
     for (const one of chart.states) {
-      const parent = byId.has(one.parent) ? one.parent : null;
+      const parent = byId.has(one.parent) && !goesRound(one, byId) ? one.parent : null;
+      parents.set(one.id, parent);
       if (!children.has(parent)) children.set(parent, []);
       children.get(parent).push(one);
     }
     // outermost first, the state itself last
     const path = (id) => {
       const found = [];
-      for (let one = byId.get(id); one && !found.includes(one); one = byId.get(one.parent)) found.unshift(one);
+      for (let one = byId.get(id); one; one = byId.get(parents.get(one.id))) found.unshift(one);
       return found;
     };
     return { byId, children, path, kids: (id) => children.get(id) ?? [] };
+  }
+
+  // whether a state is among those that hold it: such a circle is cut open, as in the drawing
+  function goesRound(state, byId) {
+    for (let at = byId.get(state.parent), steps = 0; at && steps <= byId.size; at = byId.get(at.parent), steps += 1) if (at === state) return true;
+    return false;
   }
 
   const isLeaf = (facts, id) => !facts.kids(id).length;

@@ -51,7 +51,7 @@
     return [...known, ...[...left].map((one) => ({ ...begun(facts, one.state, one.start), end: one.end }))];
   }
 
-  const isLeaf = (facts, id) => facts.byId.has(id) && !facts.kids(id).length;
+  const isLeaf = (facts, id) => !facts.kids(id).length; // one that its chart does not have is shown by its name
 
   // intervals of the record, with what began and ended since: active is [[id, start (ms of the record)]]
   function withActive(recorded, facts, active, ended = []) {
@@ -76,7 +76,7 @@
   }
 
   function begun(facts, id, start) {
-    const state = facts.byId.get(id);
+    const state = facts.byId.get(id) ?? { label: id, subsystem: "", normal_s: null };
     return { state: id, label: state.label, subsystem: state.subsystem, lane: laneOf(facts, id), path: facts.path(id).map((one) => one.label), start, end: null, result: "", normal_s: state.normal_s, is_guessed: false };
   }
 
