@@ -91,12 +91,14 @@ class CameraRoutes:
 
     Args:
         holds: whether this session controls this robot.
+        obstacle: why this robot's cameras take no orders, empty if they do.
         stamp: burns who looks into a picture that leaves; ``None`` where nobody wants that.
     """
 
     cameras: CameraAsk
     authorize: Authorize
     holds: Callable[[str, str], bool]
+    obstacle: Callable[[str], str]
     audit: AuditSink
     stamp: Stamp | None = None
 
@@ -173,6 +175,8 @@ def _add_acting(router: APIRouter, parts: CameraRoutes) -> None:
         parts.authorize(session, Permission.LEASE, robot_id)
         if not parts.holds(session.session_id, robot_id):
             raise ApiError(409, "no_lease", "Take control of the robot first.")
+        if why := parts.obstacle(robot_id):
+            raise ApiError(409, "function_off", why)
         order = body.model_dump(exclude_none=True)
         try:
             await parts.cameras.control(robot_id, camera, order)

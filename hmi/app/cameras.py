@@ -24,6 +24,7 @@ from hmi.cameras.door import CAPTURED_HEADER, SEQ_HEADER, VIEWER_HEADER, WATCHER
 from hmi.commands.lease_service import LeaseService
 from hmi.commands.watermark import mark_of, watermarked
 from hmi.domain.camera import CameraSetting, Source
+from hmi.domain.function_use import camera_obstacle
 from hmi.ingest.sender import EdgeSender
 from hmi.live.lane import SessionGate
 from hmi.security.authorization import Authorize
@@ -82,12 +83,18 @@ class CameraDesk:
         """Return the route of ``/cameras/live``."""
         return CameraSockets(self.link, self._gate, self._authorize, origins, self._look).routes()
 
-    def rest(self, records: Records, leases: LeaseService) -> APIRouter:
+    def rest(self, records: Records, leases: LeaseService, fleet: FleetView) -> APIRouter:
         """Return the REST routes."""
+
+        def obstacle(robot_id: str) -> str:
+            robot = fleet.robot(robot_id)
+            return "" if robot is None else camera_obstacle(robot)
+
         parts = CameraRoutes(
             cameras=self,
             authorize=self._authorize,
             holds=lambda session_id, robot_id: leases.holds(session_id, robot_id) is not None,
+            obstacle=obstacle,
             audit=records.audit,
             stamp=_stamped if self.has_watermark else None,
         )

@@ -13,6 +13,7 @@ WORK = ("treat", "plant", "search", "work")
 PATH = ("follow-path",)
 DRIVE = ("manual-drive",)
 TOOL = ("move-tool", "move-crane")
+CAMERA = ("take-pictures",)
 HAND = ("manual-tool", "manual-crane", *TOOL)
 """Joints moved by hand; a robot that tells only of its tool as a whole is asked about that."""
 
@@ -52,6 +53,10 @@ class Uses:
         """Return why the joints cannot be moved by hand; empty if they can."""
         return self._first_off((HAND,))
 
+    def camera_obstacle(self) -> str:
+        """Return why its cameras take no orders; empty if they do."""
+        return self._first_off((CAMERA,))
+
     def limited(self) -> FunctionState | None:
         """Return the first function that is limited."""
         return next((one for one in self._states.values() if one.ability is Ability.LIMITED), None)
@@ -72,6 +77,11 @@ def obstacle(robot: Robot, action: Action) -> str:
 def jog_obstacle(robot: Robot) -> str:
     """See ``Uses.jog_obstacle``."""
     return Uses(robot).jog_obstacle()
+
+
+def camera_obstacle(robot: Robot) -> str:
+    """See ``Uses.camera_obstacle``."""
+    return Uses(robot).camera_obstacle()
 
 
 def sentence(state: FunctionState) -> str:

@@ -16,9 +16,10 @@ from hmi.presenters.words import HARDWARE_STOP, NO_LINK, NOT_REGISTERED, RESET_F
 Verdict = dict[str, Any]
 ACTIONS = (
     "start", "pause", "resume", "later", "fresh", "change", "abort", "return_home", "drive", "reset",
-    "go_to", "tool_retract", "tool_go_to", "skip_target", "stock_refilled", "jog",
+    "go_to", "tool_retract", "tool_go_to", "skip_target", "stock_refilled", "jog", "camera",
 )  # fmt: skip
-"""The robot's commands, three that send a mission (resume later, start fresh, change the rest), and moving joints."""
+"""The robot's commands, three that send a mission (resume later, start fresh, change the rest), moving joints, and
+lamp, zoom and trigger of its cameras."""
 _USES = {
     "start": Action.START,
     "resume": Action.RESUME,
@@ -57,6 +58,7 @@ def actions(robot: Robot) -> dict[str, Verdict]:
         "skip_target": _skip_target(robot),
         "stock_refilled": _held(robot),
         "jog": _held(robot),
+        "camera": "",
     }
     blocked = _blocked(robot)
     uses = Uses(robot)
@@ -83,6 +85,8 @@ def _lacking(uses: Uses, name: str) -> str:
     """Return which function that it uses is off, and what turns it on."""
     if name == "jog":
         return uses.jog_obstacle()
+    if name == "camera":
+        return uses.camera_obstacle()
     return uses.obstacle(_USES[name]) if name in _USES else ""
 
 

@@ -47,7 +47,14 @@
     }
 
     act(sign, label, hook, act) {
-      return el("button", { type: "button", class: "h-btn ico", "aria-label": label, title: label, "data-testid": `camera-${hook}`, onclick: () => (mine(this.one.robot) ? act() : HL.toast("Take control of the robot first.", "lock")) }, icon(sign));
+      return el("button", { type: "button", class: "h-btn ico", "aria-label": label, title: label, "data-testid": `camera-${hook}`, onclick: () => (this.off() ? HL.toast(this.off(), "lock") : act()) }, icon(sign));
+    }
+
+    // why it takes no orders; the server asks the same again
+    off() {
+      const { robot } = this.one;
+      if (!mine(robot)) return "Take control of the robot first.";
+      return HL.port.robot(robot).actions?.camera?.reason ?? "";
     }
 
     async begin() {
@@ -94,8 +101,8 @@
     }
 
     paint() {
-      const { robot } = this.one;
-      for (const node of this.acts) attr(node, "aria-disabled", mine(robot) ? null : "true");
+      const off = this.off();
+      for (const node of this.acts) attr(node, "aria-disabled", off ? "true" : null);
       if (!this.pads) return;
       const isMoving = HL.jog.isMine() && HL.jog.check();
       attr(this.take, "hidden", isMoving);

@@ -77,6 +77,7 @@ class CameraConsole:
         self.gate = Gate(None if role is None else session_of(role))
         self.lines: list[Any] = []
         self.holds = False
+        self.off = ""
         registered = SimpleNamespace(name="Weeder 01", farm_id="farm")
         elsewhere = SimpleNamespace(name="Other", farm_id="another")
         known = {"weeder-01": registered, "weeder-99": elsewhere}
@@ -90,7 +91,7 @@ class CameraConsole:
         sender = EdgeSender(None, lambda _robot: SimpleNamespace(http_url=robot.url, token=TOKEN))  # type: ignore[arg-type]
         self.desk = CameraDesk(CameraLink(data), lambda: self.sources, self.gate, self.authorize, sender)
         self._sockets = Starlette(routes=self.desk.routes(lambda origin, _host: origin == ORIGIN["origin"]))
-        parts = CameraRoutes(self.desk, self.authorize, lambda *_: self.holds, self)
+        parts = CameraRoutes(self.desk, self.authorize, lambda *_: self.holds, lambda _robot: self.off, self)
         api = FastAPI()
         api.state.access = Access(self.gate, None, self.authorize)  # type: ignore[arg-type]
         api.include_router(camera_routes(parts))

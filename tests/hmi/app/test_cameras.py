@@ -159,6 +159,10 @@ async def test_lamp_and_zoom_need_control_of_the_robot_and_one_order_at_a_time(d
             assert (await console.client.post(f"{FRONT}/control", json=body)).status_code == 422
         assert (await console.client.post(f"{FRONT}/control", json={"zoom": 2.0})).status_code == 204
         assert robot.orders == [{"zoom": 2.0}]
+        console.off = "Take pictures is off: its node Camera is stopped."
+        answer = await console.client.post(f"{FRONT}/control", json={"trigger": True})
+        assert (answer.status_code, answer.json()["code"], answer.json()["text"]) == (409, "function_off", console.off)
+        assert robot.orders == [{"zoom": 2.0}]
 
 
 async def test_how_a_camera_is_set_is_what_its_robot_says_and_nothing_is_made_up(data: Path, robot: FakeCamera) -> None:

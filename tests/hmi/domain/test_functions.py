@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmi.domain.command import Action
-from hmi.domain.function_use import jog_obstacle, obstacle
+from hmi.domain.function_use import camera_obstacle, jog_obstacle, obstacle
 from hmi.domain.functions import Ability, evaluate, needing, tree
 from hmi.domain.machine import Body, FunctionInfo, GaugeInfo, JointInfo
 from hmi.domain.robot import Node, Robot, Stamp
@@ -226,6 +226,13 @@ def test_an_order_is_off_with_the_function_it_uses(stopped: set[str], off_action
     found = with_stopped(*stopped)
     assert {action for action in Action if obstacle(found, action)} == off_actions
     assert bool(jog_obstacle(found)) == ("crane" in stopped)
+
+
+def test_a_camera_takes_no_orders_while_its_node_is_stopped() -> None:
+    functions = [function("take-pictures", "gnss", label="Take pictures")]
+    assert camera_obstacle(robot([node("gnss", "started")], functions)) == ""
+    assert camera_obstacle(robot([node("gnss", "stopped")], functions)).startswith("Take pictures is off: ")
+    assert camera_obstacle(with_stopped("gnss")) == "", "it declares no such function"
 
 
 def test_the_reason_names_the_function_the_cause_and_what_to_do() -> None:
