@@ -27,14 +27,16 @@
   let offset = null;             // smallest (performance.now() - m) of the window
   let tickId = null, tickM = null, tickAt = -Infinity;
   let asked = [], wanted = '[]';  // what sub() was told, and what the console was told
-  let pings = new Map(), pingNumber = 0, rtt = null;
+  const pings = new Map(), legs = []; // when each was sent; half the round trips of the last minute
+  let pingNumber = 0, rtt = null, leg = 0;
   let control = null;
   let linkState = 'server-lost', linkSince = performance.now();
   let reconnects = 0;
 
   // ---- time ---------------------------------------------------------------------------------------------
 
-  function now() { return offset === null ? null : performance.now() - offset; }
+  // The fastest frame of the window was under way too: half of the shortest round trip.
+  function now() { return offset === null ? null : performance.now() - offset + leg; }
 
   function learn(m) {
     const seen = performance.now() - m;
@@ -214,7 +216,12 @@
       case 'event': tell('event', frame.d, null); break;
       case 'pong': {
         const sent = pings.get(frame.n);
-        if (sent !== undefined) { rtt = performance.now() - sent; pings = new Map(); }
+        if (sent === undefined) break;
+        rtt = performance.now() - sent;
+        pings.clear();
+        legs.push(rtt / 2);
+        if (legs.length > 60) legs.shift();
+        leg = Math.min.apply(null, legs);
         break;
       }
       case 'bye':
@@ -292,6 +299,7 @@
     socket = null;
     rtt = null;
     pings.clear();
+    legs.length = 0; // the next connection may take another way
     if (code === 4401 && !isEnded) { isEnded = true; dispatch('headland:bye', { code: 'signed_out', text: '' }); }
     if (!isEnded) {
       const wait = BACKOFF_MS[Math.min(attempt, BACKOFF_MS.length - 1)];

@@ -76,6 +76,30 @@ test("a line that brings only old pictures gets two a second, and is tried again
   assert.equal(feed(ways, 8300, 8400, { ageMs: 300 }).way, "jpeg");
 });
 
+test("the same old picture sent once more is no sign of a poor line, and after good seconds the next trouble is the first", () => {
+  const ways = new Ways(0, { hasDirect: false });
+  for (let now = 0; now < 8000; now += 500) ways.serverPicture(now, 300000 + now, 7);
+  assert.equal(ways.look(1000).way, "jpeg");
+  const line = new Ways(0, { hasDirect: false });
+  feed(line, 0, 3200, { ageMs: 1400 });
+  assert.equal(line.drops, 1);
+  assert.equal(feed(line, 8300, 12000).way, "jpeg");
+  assert.equal(line.drops, 1, "not steady yet");
+  feed(line, 12066, 19000);
+  assert.equal(line.drops, 0);
+});
+
+test("still pictures are frozen after one second as all others, and those of a slow camera say their age", () => {
+  const sight = looked(4000, { period: 500 });
+  assert.equal(sight.judge(sight.last + 900, sight.last + 900, { ...INFO, period_s: 0.07 }).state, "live");
+  assert.equal(sight.judge(sight.last + 1010, sight.last + 1010, { ...INFO, period_s: 0.07 }).state, "frozen");
+  const station = new Sight(0);
+  station.picture(0, -300000, 0);
+  const judged = station.judge(130000, 130000, { ...INFO, period_s: 900 });
+  assert.equal(says.corner(judged, { way: "still" }), "still pictures, 7:10 old");
+  assert.match(says.sentence("Pole", judged, { way: "still" }), /^Pole\. Still pictures, 7:10 old/);
+});
+
 const INFO = { state: "live", fps: 15, reason: "", restarts: 0 };
 
 function looked(until, { period = 66, delay = 110, isDated = true } = {}) {

@@ -260,6 +260,28 @@ test('the round trip is measured once a second and tells how far behind we are',
   assert.equal(w.headland.rtt(), null);
 });
 
+test('ages count what the fastest frame was under way: half of the shortest round trip', () => {
+  const w = new World();
+  w.connect();
+  w.run(1000);
+  const answer = (ping) => w.socket.say({ k: 'pong', n: ping.n, m: w.m });
+  w.offset -= 60; // 60 ms each way: what arrives is as old
+  for (let i = 0; i < 700; i++) { w.advance(100); w.tick(); } // the whole window
+  const ping = w.sent('ping').at(-1);
+  const at = w.m;
+  w.advance(120 - (w.m - at) % 120);
+  w.socket.sent.length = 0;
+  w.advance(1000);
+  const late = w.sent('ping').at(-1);
+  w.advance(120);
+  answer(late);
+  const rtt = w.headland.rtt();
+  assert.ok(rtt >= 120 && rtt < 1200, `${ping.n} ${rtt}`);
+  assert.ok(Math.abs(w.headland.age(w.m - 1000) - (1 + rtt / 2000)) < 0.011, String(w.headland.age(w.m - 1000)));
+  w.socket.fail();
+  assert.equal(w.headland.rtt(), null);
+});
+
 test('a command carries a fresh tick, a fresh id and the CSRF header', async () => {
   const w = new World();
   w.connect();

@@ -59,9 +59,13 @@
     " ": (wall, event) => event.target.closest?.(".c-tile") && (event.preventDefault(), wall.enlarge(wall.current())),
     Escape: (wall) => (wall.alone ? wall.enlarge(null) : wall.choose(null)),
   };
+  const LEADER_MS = 1500;
+  let ledAt = -Infinity;
   window.addEventListener("keydown", (event) => {
     const wall = HL.camera.shown;
-    if (!wall || event.ctrlKey || event.altKey || event.metaKey || event.defaultPrevented || isTyping(event.target) || document.querySelector(".h-scrim")) return;
+    const isLed = performance.now() - ledAt < LEADER_MS; // "g s" leads to Supervisor
+    ledAt = event.key === "g" ? performance.now() : -Infinity;
+    if (isLed || (event.repeat && event.key.toLowerCase() === "s") || !wall || event.ctrlKey || event.altKey || event.metaKey || event.defaultPrevented || isTyping(event.target) || document.querySelector(".h-scrim")) return;
     KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key]?.(wall, event);
   });
 

@@ -16,13 +16,15 @@
   const old = ({ isDated, ageMs }) => `${isDated ? "" : "over "}${words.since(ageMs)} old`;
   const rate = (judged) => [judged.isSlow && judged.ageMs !== null ? old(judged) : delay(judged), fps(judged.fps)].filter(Boolean).join(", ");
 
+  const still = (judged) => (judged.isSlow && judged.ageMs !== null ? old(judged) : judged.delayMs === null ? "delay unknown" : words.age(judged.delayMs));
+
   // the corner of a tile: short, always with its unit
   function corner(judged, { way }) {
     if (judged.state === "connecting") return "starting";
     if (judged.state === "off") return `no picture ${words.since(judged.silentMs)}`;
     if (judged.state === "frozen") return `frozen ${words.since(judged.ageMs)}`;
     if (judged.state === "late") return `late, ${judged.isSlow ? old(judged) : `${words.age(judged.delayMs)} old`}`;
-    if (way === "still") return `still pictures, ${judged.delayMs === null ? "delay unknown" : words.age(judged.delayMs)}`;
+    if (way === "still") return `still pictures, ${still(judged)}`;
     return rate(judged);
   }
 
@@ -36,7 +38,7 @@
     if (judged.state === "off") return `${label}: no picture for ${words.since(judged.silentMs)}`;
     if (judged.state === "connecting") return `${label}, starting`;
     const undated = judged.isDated ? "" : ". Delay without the camera's own";
-    if (how.way === "still") return `${label}. Still pictures, ${judged.delayMs === null ? "delay unknown" : words.age(judged.delayMs)}${undated}`;
+    if (how.way === "still") return `${label}. Still pictures, ${still(judged)}${undated}`;
     return `${label}, ${rate(judged)}${undated}${how.hasGivenUp ? `. Single pictures: ${(how.why || "no direct way").replace(/\.$/, "")}` : ""}`;
   }
 

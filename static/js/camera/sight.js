@@ -1,8 +1,7 @@
 // What is on the screen and how old it is: delay, rate, frozen or not. Pure: the caller tells both clocks.
 (() => {
   "use strict";
-  const FROZEN_MS = 1000; // of streams of 2 Hz and more
-  const STILL_MS = 1500; // three periods of still pictures
+  const FROZEN_MS = 1000; // of streams of 2 Hz and more, still pictures among them
   const SLOW_PERIODS = 3;
   const LOADING_MS = 5000; // then it is said what is wrong
   const GONE_MS = 30000; // a picture this old tells nothing about now
@@ -10,6 +9,8 @@
   const FPS_MS = 2000;
   const DELAYS = 9;
   const MOST_TIMES = 256;
+
+  const isSlow = (periodS) => periodS > 0.5; // its pictures are old when the next one comes
 
   const median = (list) => [...list].sort((a, b) => a - b)[list.length >> 1];
 
@@ -82,22 +83,21 @@
     }
 
     // without a new picture for longer than this it is frozen
-    limitMs(periodS, way) {
-      const slowMs = periodS > 0.5 ? SLOW_PERIODS * 1000 * periodS : FROZEN_MS;
-      return way === "still" ? Math.max(STILL_MS, slowMs) : slowMs;
+    limitMs(periodS) {
+      return isSlow(periodS) ? SLOW_PERIODS * 1000 * periodS : FROZEN_MS;
     }
 
-    // camera: what the server says of it, or null; way: "direct", "jpeg" or "still"
-    judge(now, m, camera, way) {
-      const limit = this.limitMs(camera?.period_s, way);
-      const isSlow = limit > STILL_MS;
+    // camera: what the server says of it, or null
+    judge(now, m, camera) {
+      const limit = this.limitMs(camera?.period_s);
+      const hasSlow = isSlow(camera?.period_s);
       const silentMs = now - (this.last ?? this.began);
       const ageMs = this.captured !== null && m !== null ? Math.max(0, m - this.captured) : this.last === null ? null : silentMs;
       const isDown = camera !== null && ["failed", "off"].includes(camera.state);
-      const facts = { silentMs, ageMs, delayMs: this.delayMs(), fps: this.fps(now), isDated: this.isDated, isSlow, hasPicture: this.last !== null };
+      const facts = { silentMs, ageMs, delayMs: this.delayMs(), fps: this.fps(now), isDated: this.isDated, isSlow: hasSlow, hasPicture: this.last !== null };
       if (this.last === null) return { ...facts, state: isDown || silentMs > LOADING_MS ? "off" : "connecting" };
       if (silentMs > limit || (ageMs > limit && isDown)) return { ...facts, state: ageMs > Math.max(GONE_MS, limit) ? "off" : "frozen" };
-      return { ...facts, state: (isSlow ? ageMs > limit : facts.delayMs > FROZEN_MS) ? "late" : "live" };
+      return { ...facts, state: (hasSlow ? ageMs > limit : facts.delayMs > FROZEN_MS) ? "late" : "live" };
     }
   }
 
@@ -121,5 +121,5 @@
     }
   }
 
-  Object.assign(HL.camera, { Times, Sight, Again });
+  Object.assign(HL.camera, { Times, Sight, Again, isSlow });
 })();

@@ -150,7 +150,9 @@
 
     // one is decoded at a time; of those that come meanwhile only the newest is kept
     #frame(one) {
-      this.ways.serverPicture(performance.now(), pageM() === null ? null : pageM() - one.captured);
+      const m = pageM();
+      const isNoSign = m === null || HL.camera.isSlow(this.info?.period_s); // an old picture of a slow camera is no sign of a poor line
+      this.ways.serverPicture(performance.now(), isNoSign ? null : m - one.captured, one.seq);
       this.next = one;
       if (!this.isDecoding) this.#decode();
     }
@@ -198,7 +200,7 @@
       if (!how.direct && this.direct) this.#closeDirect();
       HL.camera.socket.change(this.n, { way: how.way, width: this.#width(), fps: this.fps });
       this.how = { ...how, way: how.shown === "direct" ? "direct" : how.way };
-      this.judged = this.sight.judge(now, pageM(), this.info, this.how.way);
+      this.judged = this.sight.judge(now, pageM(), this.info);
       if (this.problem && this.judged.state === "connecting") this.judged.state = "off"; // refused: waiting would change nothing
       if (this.retry.isDue(now, this.judged.state)) this.again();
       this.#tell();

@@ -18,7 +18,7 @@
   class Ways {
     constructor(now, { hasDirect = true, why = "" } = {}) {
       Object.assign(this, { direct: hasDirect ? "trying" : "never", since: now, tries: 0, retryAt: Infinity, hasGivenUp: !hasDirect && Boolean(why), why }); // without a reason it is a choice, not a loss
-      Object.assign(this, { server: "jpeg", poorSince: null, drops: 0, betterAt: Infinity });
+      Object.assign(this, { server: "jpeg", poorSince: null, goodSince: null, drops: 0, betterAt: Infinity, arrived: null });
       Object.assign(this, { lastDirect: -Infinity, firstCamera: null, lastCamera: -Infinity });
     }
 
@@ -44,11 +44,15 @@
       this.lastCamera = now;
     }
 
-    // a picture came over the server
-    serverPicture(now, ageMs) {
+    // a picture came over the server; the same once more says nothing new, and a null age nothing about the line
+    serverPicture(now, ageMs, seq = null) {
+      if (seq !== null && seq === this.arrived) return;
+      this.arrived = seq;
       this.cameraPicture(now);
-      if (ageMs === null || ageMs < POOR_MS) this.poorSince = null;
-      else this.poorSince ??= now;
+      const isPoor = ageMs !== null && ageMs >= POOR_MS;
+      this.poorSince = isPoor ? this.poorSince ?? now : null;
+      this.goodSince = isPoor || this.server === "still" ? null : this.goodSince ?? now;
+      if (this.goodSince !== null && now - this.goodSince > STEADY_MS) this.drops = 0;
     }
 
     // everything from the beginning: the camera or the server came back, or somebody asked for it
