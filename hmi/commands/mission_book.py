@@ -231,7 +231,7 @@ class MissionBook:
         robot = self._parts.fleet.robot(robot_id)
         if robot is not None:
             _refuse_if_far(robot, mission, document)
-        note = await self._map.check(farm_id, mission.map_version, document)
+        note = await self._map.check(farm_id, mission.planned_on(document), document)
         if is_fresh:  # the same bytes again would be no new beginning for a robot that has them
             await self._database.run(self.revisions.propose, farm_id, mission_id, document, statistics, "", FRESH)
         return StoredMission(mission_id, mission.name, document, mission_sha256(document), note)
@@ -303,6 +303,7 @@ class MissionBook:
             created_by=by,
             statistics=statistics,
             revision=1,
+            map_version=known.planned_on(document),
             progress=None,
             pending_sha256="",
         )

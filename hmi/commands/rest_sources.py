@@ -104,8 +104,7 @@ class FreshSource:
         run, by = self._parts.database.run, self._session.user_name
         document, statistics = await run(self._parts.revisions.whole, farm_id, mission_id)
         document = for_robot(document, robot_id)
-        stamp = document.get("map_version")
-        note = await self._map.check(farm_id, stamp["number"] if stamp else self._mission.map_version, document)
+        note = await self._map.check(farm_id, self._mission.planned_on(document), document)
         areas = drawn_on(self._mission)
         if areas:  # nothing moves yet: whoever starts it can still look
             note = " ".join(filter(None, (note, f"It knows nothing of what was drawn: {drawn_words(areas)}.")))

@@ -76,8 +76,6 @@ class MissionRevisions:
             if row is None:
                 raise NotFound("no such document was sent")
             row.state = TAKEN
-            version = row.document.get("map_version")
-            number = version["number"] if version else mission.map_version
             is_whole = "continues" not in row.document
             return (
                 replace(
@@ -85,7 +83,8 @@ class MissionRevisions:
                     revision=row.revision,
                     statistics=dict(row.statistics),
                     pending_sha256="",
-                    map_version=number,
+                    # the rows a rest leaves out come back with the next copy: nobody planned them on its map
+                    map_version=mission.planned_on(row.document) if is_whole else mission.map_version,
                     robot_id=row.document["robot"],
                     progress=None if is_whole else _kept(mission, row.document, sha256),
                 ),

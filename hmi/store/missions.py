@@ -32,7 +32,8 @@ class Mission:
     """A stored mission without its document. ``statistics`` are the planner's figures, SI.
 
     Args:
-        map_version: number of the published map it was planned on; ``None`` for one that is older than map versions.
+        map_version: number of the published map the whole of it was planned on, 0 for a farm that had none, ``None``
+            for one that is older than map versions; see ``planned_on``.
         progress: how far a robot came on this document, see ``hmi.domain.mission_rest.Progress``.
         pending_sha256: of a document that was sent and not read back yet; empty if there is none.
     """
@@ -54,6 +55,11 @@ class Mission:
     map_version: int | None = None
     progress: dict[str, Any] | None = None
     pending_sha256: str = ""
+
+    def planned_on(self, document: Document) -> int | None:
+        """Return the number of the map that a document of this mission was planned on: a rest has its own."""
+        stamp = document.get("map_version")
+        return stamp["number"] if stamp else self.map_version
 
 
 @dataclass(frozen=True, slots=True)
