@@ -85,6 +85,10 @@ class StartRules(Protocol):
         """
         ...
 
+    def is_supervised(self, robot: Robot, order: Order) -> bool:
+        """Say whether somebody has to look on while the robot carries out what it says it has."""
+        ...
+
 
 LaneEvent = Callable[[dict[str, Any]], None]
 """Hands a discrete event to every open lane, see ``{"k":"event"}`` in docs/protocols/lane.md."""

@@ -291,7 +291,7 @@ async def test_a_mission_that_did_nothing_has_nothing_to_resume(desk: Desk) -> N
 
 def test_a_start_needs_the_stored_document_and_the_list(desk: Desk) -> None:
     lists = Checklists(desk.rig.database, desk.rig.clock)
-    rules = MissionStartRules(desk.rig.missions, lists, lambda: True)
+    rules = MissionStartRules(desk.rig.missions, lists, lambda: True, lambda _robot_id: False)
     robot = desk.reports(OrderStatus.LOADED, Mode.IDLE)
     assert robot.state is not None
     said = robot.state.order
@@ -301,8 +301,8 @@ def test_a_start_needs_the_stored_document_and_the_list(desk: Desk) -> None:
         rules.check(desk.supervisor, robot, other, None)
     with pytest.raises(Exception, match="Tick the list"):
         rules.check(desk.supervisor, robot, said, None)
-    rules.check(desk.supervisor, robot, replace(said, is_supervised=False), None)
-    MissionStartRules(desk.rig.missions, lists, lambda: False).check(desk.supervisor, robot, said, None)
+    without = MissionStartRules(desk.rig.missions, lists, lambda: False, lambda _robot_id: False)
+    without.check(desk.supervisor, robot, said, None)
 
 
 @pytest.mark.parametrize(
