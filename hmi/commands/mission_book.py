@@ -207,8 +207,8 @@ class MissionBook:
             return ""
         return forgotten_words(mission, Progress.from_json(mission.progress))
 
-    async def stored(self, farm_id: str, mission_id: str, robot_id: str) -> StoredMission | None:
-        """Return a mission as it goes to this robot, ``None`` if there is none.
+    async def stored(self, farm_id: str, mission_id: str, robot_id: str, by: str = "") -> StoredMission | None:
+        """Return a mission as ``by`` sends it to this robot, ``None`` if there is none.
 
         Raises:
             OrderRefused: another robot works on it, the robot is at another site, or the map changed around it.
@@ -233,12 +233,18 @@ class MissionBook:
             _refuse_if_far(robot, mission, document)
         note = await self._map.check(farm_id, mission.planned_on(document), document)
         if is_fresh:  # the same bytes again would be no new beginning for a robot that has them
-            await self._database.run(self.revisions.propose, farm_id, mission_id, document, statistics, "", FRESH)
+            await self._database.run(self.revisions.propose, farm_id, mission_id, document, statistics, by, FRESH)
         return StoredMission(mission_id, mission.name, document, mission_sha256(document), note)
 
     async def sent(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> None:
         """Note that the robot holds this mission now."""
         await self._database.run(self._sent, farm_id, mission_id, robot_id, by)
+
+    async def refused(self, farm_id: str, mission_id: str, sha256: str, by: str, why: str) -> None:
+        """Wait no longer for a document that was proposed: no robot holds it; one without an answer is not meant."""
+        mission = self._missions.known(mission_id)
+        if mission is not None and mission.pending_sha256 == sha256:
+            await self._database.run(self.revisions.drop, farm_id, mission_id, by, f"Not changed: {why}")
 
     def _sent(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> None:
         robot = self._parts.fleet.robot(robot_id)

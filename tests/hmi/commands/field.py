@@ -295,13 +295,16 @@ class Missions:
         """Say what was done of a mission that was interrupted."""
         return self.done.get(mission_id, "")
 
-    async def stored(self, farm_id: str, mission_id: str, robot_id: str) -> StoredMission | None:
+    async def stored(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> StoredMission | None:
         """Return one."""
         return self.by_id.get(mission_id)
 
     async def sent(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> None:
         """Note that it was sent."""
         self.noted.append((mission_id, robot_id))
+
+    async def refused(self, farm_id: str, mission_id: str, sha256: str, by: str, why: str) -> None:
+        """Nothing was proposed."""
 
 
 @dataclass

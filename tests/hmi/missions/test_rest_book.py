@@ -27,6 +27,7 @@ from hmi.store.maps import Maps
 from hmi.store.mission_revisions import MissionRevisions
 from hmi.store.mission_tracking import MissionTracking
 from tests.hmi.missions.rig import FARM, FRAME, Rig, order
+from tests.hmi.missions.test_map_watch import publish
 from tests.hmi.missions.test_store import put, through
 
 S = MissionStatus
@@ -93,7 +94,7 @@ class Desk:
         through(rig, "m-1", *UNDER_WAY)
         self.revisions = MissionRevisions(rig.missions, rig.database, rig.clock)
         wire: Any = self.wire
-        sender = MissionSender(wire, wire, wire, rig.audit, lambda _event: None)
+        self.sender = MissionSender(wire, rig.book, wire, rig.audit, lambda _event: None)
         self.rests = MissionRests(
             RestParts(
                 missions=rig.missions,
@@ -105,7 +106,7 @@ class Desk:
                 planner=wire,
                 gate=wire,
                 leases=wire,
-                sender=sender,
+                sender=self.sender,
                 commands=wire,
                 authorize=rig.authorize,
                 clock=rig.clock,
@@ -208,6 +209,34 @@ async def test_a_refused_rest_changes_nothing(desk: Desk) -> None:
     sent = await desk.rests.send(desk.supervisor, "m-1", planned.sha256, "tick")
     assert (sent.outcome, sent.code) == (Outcome.REJECTED, "update_too_late")
     assert (desk.mission.sha256, desk.mission.pending_sha256, desk.mission.revision) == (before, "", 1)
+
+
+async def test_a_whole_mission_that_is_refused_is_not_waited_for_and_the_log_names_who_sent_it(desk: Desk) -> None:
+    desk.reports(OrderStatus.ABORTED, Mode.IDLE)
+    await desk.follow()
+    desk.wire.answer = "update_too_late"
+    sent = await desk.sender.send(desk.supervisor, "weeder-01", "m-1", is_fresh=True)
+    assert sent.outcome is Outcome.REJECTED
+    assert (desk.mission.status, desk.mission.pending_sha256) == (S.ABORTED, "")
+    assert desk.log()[-2:] == [
+        ("Supervisor Person", "Sending: The whole mission again, from its first row."),
+        ("Supervisor Person", "Not changed: The robot is past the place where the new path begins."),
+    ]
+
+
+async def test_what_may_be_on_the_robot_is_waited_for_though_the_next_one_does_not_go_out(desk: Desk) -> None:
+    desk.rig.missions.change(FARM, "m-1", lambda _s, one, doc: (replace(one, map_version=1), doc), "Pieter", "")
+    Maps(desk.rig.database, desk.rig.clock).published(FARM)
+    desk.reports(OrderStatus.ABORTED, Mode.IDLE)
+    await desk.follow()
+    desk.wire.answer = "silent"
+    await desk.rests.fresh(desk.supervisor, "m-1", "tick")
+    waited_for = desk.mission.pending_sha256
+    assert waited_for
+    publish(desk.rig, "stone", 32, 27)
+    sent = await desk.rests.fresh(desk.supervisor, "m-1", "tick")
+    assert (sent.outcome, sent.code) == (Outcome.REJECTED, "map_changed")
+    assert desk.mission.pending_sha256 == waited_for
 
 
 async def test_only_what_was_shown_is_sent(desk: Desk) -> None:
