@@ -280,7 +280,7 @@ class MissionBook:
 
         Raises:
             NotFound: there is no such mission.
-            MissionRefused: a robot holds it or a queue waits for it.
+            MissionRefused: a robot holds it, a queue waits for it, or another robot could not resume it.
         """
         self._parts.authorize(session, Permission.EDIT_MISSION, robot_id)
         stored = await self._database.run(

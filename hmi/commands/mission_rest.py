@@ -21,6 +21,7 @@ from hmi.commands.service import TTL_MS, CommandRequest
 from hmi.domain.command import Action, Outcome
 from hmi.domain.ids import new_id
 from hmi.domain.mission import ENDED, MissionStatus
+from hmi.domain.mission_document import renamed
 from hmi.domain.mission_plan import MissionRefused
 from hmi.domain.mission_rest import DrawnArea, Piece, PlannedRest, Progress, RestWish, pieces_of
 from hmi.domain.robot import Mode, Order, OrderStatus, Robot
@@ -228,7 +229,7 @@ class MissionRests:
         stamp = await self._map.now(farm)
         home = next((f.geometry["coordinates"] for f in features if f.id == order.home_id and f.kind == "home"), None)
         return RestWish(
-            base=base,
+            base=renamed(base, name=mission.name),
             base_sha256=mission.sha256,
             revision=await self._run(self._parts.revisions.next_revision, mission.id),
             progress=progress,

@@ -284,6 +284,37 @@ async def test_an_interrupted_mission_is_taken_up_again_even_when_the_robot_forg
     assert (desk.mission.status, desk.mission.sha256) == (S.PAUSED, planned.sha256)
 
 
+async def test_an_interrupted_mission_under_another_name_is_taken_up_again_all_the_same(desk: Desk) -> None:
+    desk.reports(OrderStatus.ABORTED, Mode.IDLE)
+    await desk.follow()
+    held = desk.mission.sha256
+    await desk.rig.book.rename(desk.supervisor, "m-1", "North, second half")
+    assert (desk.mission.name, desk.mission.sha256) == ("North, second half", held)
+    assert (await desk.rests.left(desk.supervisor, "m-1")).progress is not None
+    planned = await desk.rests.preview(desk.supervisor, "m-1", RestOrder("later"))
+    assert planned.document["continues"]["base_sha256"] == held
+    assert planned.document["name"] == "North, second half"
+    await desk.rests.fresh(desk.supervisor, "m-1", "tick")
+    assert desk.wire.sent[-1]["name"] == "North, second half"
+
+
+async def test_an_interrupted_mission_is_not_given_to_a_robot_that_knows_nothing_of_it(desk: Desk) -> None:
+    desk.reports(OrderStatus.ABORTED, Mode.IDLE)
+    await desk.follow()
+    with pytest.raises(MissionRefused, match=r"interrupted on weeder-01.* Copy it for another robot\.") as caught:
+        await desk.rig.book.change(desk.supervisor, "m-1", robot_id="weeder-02")
+    assert caught.value.code == "has_progress"
+    await desk.rig.book.change(desk.supervisor, "m-1", robot_id="weeder-01", is_supervised=False)
+    assert (await desk.rests.preview(desk.supervisor, "m-1", RestOrder("later"))).difference["way_m"] > 3
+
+
+async def test_an_ended_mission_with_nothing_to_resume_is_given_to_another_robot(desk: Desk) -> None:
+    desk.reports(OrderStatus.DONE, Mode.IDLE)
+    await desk.follow()
+    await desk.rig.book.change(desk.supervisor, "m-1", robot_id="weeder-02")
+    assert desk.rig.missions.document(FARM, "m-1")["robot"] == "weeder-02"
+
+
 async def test_the_robots_word_counts_before_the_stored_state_follows(desk: Desk) -> None:
     desk.reports(OrderStatus.ABORTED, Mode.IDLE)
     assert desk.mission.status is S.RUNNING
