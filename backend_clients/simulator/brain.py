@@ -256,10 +256,10 @@ class Brain:
         self._set_off()
         self.note("mission", "Mission started", self.run.mission.name)
 
-    def resume(self, *, is_supervised: bool | None = None) -> None:
-        """Go on with the paused mission, supervised as before if nothing is said; the horn sounds first."""
+    def resume(self, *, is_supervised: bool) -> None:
+        """Go on with the paused mission; the horn sounds first."""
         assert self.run is not None
-        self.run.run(is_supervised=self.run.is_supervised if is_supervised is None else is_supervised)
+        self.run.run(is_supervised=is_supervised)
         if self.pilot.lead is None:
             self.pilot.lead = self._way_to(self.run.route.point_at(self.run.tracker.s_m))
         else:

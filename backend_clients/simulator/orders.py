@@ -137,7 +137,7 @@ class OrderDesk:
             case "start":
                 return self._start(order)
             case "resume":
-                return self._resume()
+                return self._resume(order)
             case "pause":
                 return self._pause()
             case "abort":
@@ -176,7 +176,7 @@ class OrderDesk:
             brain.begin(is_supervised=order.is_supervised)
         return verdict
 
-    def _resume(self) -> Verdict:
+    def _resume(self, order: down.Command) -> Verdict:
         brain, run = self._brain, self._brain.run
         verdict = self._may_move()
         if not verdict.is_accepted:
@@ -192,7 +192,7 @@ class OrderDesk:
             )
         verdict = self._may_work()
         if verdict.is_accepted:
-            brain.resume()
+            brain.resume(is_supervised=order.is_supervised)
         return verdict
 
     def _pause(self) -> Verdict:

@@ -22,7 +22,7 @@ from hmi.commands.ports import AuditSink
 from hmi.domain.robot import Family, Robot
 from hmi.domain.role import Permission, may
 from hmi.presenters import fleet as fleet_rows
-from hmi.presenters.operate import Context, MissionTitle, present
+from hmi.presenters.operate import Context, IsSupervised, MissionTitle, present
 from hmi.presenters.start_checks import MissionFacts
 from hmi.security.session_info import SessionInfo
 from hmi.store.database import Database
@@ -86,6 +86,7 @@ class RobotRoutes:
         on_registry: called on the loop after each change, e.g. to bring the fleet store up to date.
         title_of: mission id to its name and field.
         facts_of: mission id to what the start checks need.
+        is_supervised: whether somebody has to look on while a robot carries out what it has.
     """
 
     fleet: FleetView
@@ -97,6 +98,7 @@ class RobotRoutes:
     on_registry: Callable[[], None]
     title_of: Callable[[str], MissionTitle | None] = lambda _mission_id: None
     facts_of: Callable[[str], MissionFacts | None] = lambda _mission_id: None
+    is_supervised: IsSupervised = lambda _robot, _order: True
 
 
 def robot_routes(parts: RobotRoutes) -> APIRouter:
@@ -132,7 +134,7 @@ def _add_one(router: APIRouter, parts: RobotRoutes) -> None:
         lease = parts.leases.of(robot_id)
         return {
             "now_ms": _now_ms(parts),
-            **present(robot, Context(*contact, parts.title_of, parts.facts_of)),
+            **present(robot, Context(*contact, parts.title_of, parts.facts_of, parts.is_supervised)),
             "lease": {"owner": owner_of(lease), "asked": asked_of(lease)},
             "registry": _registered(entry, session) if entry is not None else None,
         }

@@ -74,7 +74,15 @@ class Console:
             self._lane_event,
             lambda: edge.coordinator.is_broker_up,
         )
-        self.hub = LiveHub(edge.fleet, edge.ticks, clock, self.missions.title_of, self.missions.facts.of, self.alarms)
+        self.hub = LiveHub(
+            edge.fleet,
+            edge.ticks,
+            clock,
+            self.missions.title_of,
+            self.missions.facts.of,
+            self.alarms,
+            is_supervised=self.missions.start_rules.is_supervised,
+        )
         self.chores = Chores(records, self.hub, self.keeper, clock)
         self.twin = TwinDesk.of(settings, records, edge.fleet, self.authorize)
         self.cloud = CloudRoom(

@@ -23,6 +23,7 @@ class _Around(NamedTuple):
     key: tuple[str, int]
     start: Place
     fence: tuple[Place, ...]
+    map_number: int | None
     map_text: str | None
 
 
@@ -51,7 +52,7 @@ class MissionFactsBook:
             mission.revision,
             figures.get("battery_share"),
             figures.get("duration_s"),
-            mission.map_version,
+            None if around is None else around.map_number,
             None if around is None else around.map_text,
             None if around is None else around.start,
             () if around is None else around.fence,
@@ -75,17 +76,19 @@ class MissionFactsBook:
             farms = await self._database.run(self._features.all, mission.farm_id, ("farm",))
             fence = _ring(farms[0].geometry) if farms else ()
             start = await asyncio.to_thread(_start, document)  # the first one loads the geometry
-            self._around[mission.id] = _Around(key, start, fence, await self._map_text(mission, document))
+            number = mission.planned_on(document)
+            text = await self._map_text(mission.farm_id, number, document)
+            self._around[mission.id] = _Around(key, start, fence, number, text)
         except (NotFound, StoreError) as error:
             log.info("nothing is known around mission %s: %s", mission.id, error)
         finally:
             self._reading.pop(mission.id, None)
 
-    async def _map_text(self, mission: Mission, document: dict[str, Any]) -> str | None:
-        if mission.map_version is None:
+    async def _map_text(self, farm_id: str, number: int | None, document: dict[str, Any]) -> str | None:
+        if number is None:
             return None
         try:
-            await self._watch.check(mission.farm_id, mission.map_version, document)
+            await self._watch.check(farm_id, number, document)
         except OrderRefused as refused:
             return refused.text[0].upper() + refused.text[1:]
         return ""

@@ -80,7 +80,9 @@ class MissionDesk:
             is_required=settings.checklist_required,
             valid_hours=settings.checklist_hours,
         )
-        self.start_rules = MissionStartRules(records.missions, records.checklists, lambda: self.checklists.is_required)
+        self.start_rules = MissionStartRules(
+            records.missions, records.checklists, lambda: self.checklists.is_required, records.robots.may_run_alone
+        )
         self._authorize = authorize
         self.templates = TemplateBook(records.templates, records.database, records.audit, authorize)
 

@@ -132,6 +132,7 @@ def _api(console: Console) -> ApiServices:
         on_registry=console.sync_registry,
         title_of=console.missions.title_of,
         facts_of=console.missions.facts.of,
+        is_supervised=console.missions.start_rules.is_supervised,
     )
     return ApiServices(
         access=Access(records.sessions, records.tokens, console.authorize),

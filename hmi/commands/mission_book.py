@@ -207,8 +207,8 @@ class MissionBook:
             return ""
         return forgotten_words(mission, Progress.from_json(mission.progress))
 
-    async def stored(self, farm_id: str, mission_id: str, robot_id: str) -> StoredMission | None:
-        """Return a mission as it goes to this robot, ``None`` if there is none.
+    async def stored(self, farm_id: str, mission_id: str, robot_id: str, by: str = "") -> StoredMission | None:
+        """Return a mission as ``by`` sends it to this robot, ``None`` if there is none.
 
         Raises:
             OrderRefused: another robot works on it, the robot is at another site, or the map changed around it.
@@ -231,14 +231,20 @@ class MissionBook:
         robot = self._parts.fleet.robot(robot_id)
         if robot is not None:
             _refuse_if_far(robot, mission, document)
-        note = await self._map.check(farm_id, mission.map_version, document)
+        note = await self._map.check(farm_id, mission.planned_on(document), document)
         if is_fresh:  # the same bytes again would be no new beginning for a robot that has them
-            await self._database.run(self.revisions.propose, farm_id, mission_id, document, statistics, "", FRESH)
+            await self._database.run(self.revisions.propose, farm_id, mission_id, document, statistics, by, FRESH)
         return StoredMission(mission_id, mission.name, document, mission_sha256(document), note)
 
     async def sent(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> None:
         """Note that the robot holds this mission now."""
         await self._database.run(self._sent, farm_id, mission_id, robot_id, by)
+
+    async def refused(self, farm_id: str, mission_id: str, sha256: str, by: str, why: str) -> None:
+        """Wait no longer for a document that was proposed: no robot holds it; one without an answer is not meant."""
+        mission = self._missions.known(mission_id)
+        if mission is not None and mission.pending_sha256 == sha256:
+            await self._database.run(self.revisions.drop, farm_id, mission_id, by, f"Not changed: {why}")
 
     def _sent(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> None:
         robot = self._parts.fleet.robot(robot_id)
@@ -274,7 +280,7 @@ class MissionBook:
 
         Raises:
             NotFound: there is no such mission.
-            MissionRefused: a robot holds it or a queue waits for it.
+            MissionRefused: a robot holds it, a queue waits for it, or another robot could not resume it.
         """
         self._parts.authorize(session, Permission.EDIT_MISSION, robot_id)
         stored = await self._database.run(
@@ -303,6 +309,7 @@ class MissionBook:
             created_by=by,
             statistics=statistics,
             revision=1,
+            map_version=known.planned_on(document),
             progress=None,
             pending_sha256="",
         )

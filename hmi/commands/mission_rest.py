@@ -21,6 +21,7 @@ from hmi.commands.service import TTL_MS, CommandRequest
 from hmi.domain.command import Action, Outcome
 from hmi.domain.ids import new_id
 from hmi.domain.mission import ENDED, MissionStatus
+from hmi.domain.mission_document import renamed
 from hmi.domain.mission_plan import MissionRefused
 from hmi.domain.mission_rest import DrawnArea, Piece, PlannedRest, Progress, RestWish, pieces_of
 from hmi.domain.robot import Mode, Order, OrderStatus, Robot
@@ -119,13 +120,12 @@ class MissionRests:
             return MissionSent(Outcome.REJECTED, refused.code, refused.text)
         self._refuse_in_doubt(mission, robot)
         areas = _areas(mission, order)
-        source = RestSource(self._parts, mission, session, order.kind, planned, areas)
+        source = RestSource(self._parts, mission, order.kind, planned, areas)
         proof = None
         if self._is_driven(mission, robot):
             self._parts.authorize(session, Permission.START, robot.id)
             proof = partial(self._proof, session, robot.id)
         sent = await self._parts.sender.put(session, robot.id, mission_id, source, proof)
-        await self._forget_refused(session, mission_id, sent)
         if sent.outcome is Outcome.ACCEPTED:
             self._previews.pop(sha256, None)
         return sent
@@ -151,10 +151,8 @@ class MissionRests:
             ended = await self._parts.commands.submit(session, request)
             if not ended.is_accepted:
                 return MissionSent(ended.outcome, ended.code, ended.text)
-        source = FreshSource(self._parts, mission, session, self._map)
-        sent = await self._parts.sender.put(session, robot.id, mission_id, source)
-        await self._forget_refused(session, mission_id, sent)
-        return sent
+        source = FreshSource(self._parts, mission, self._map)
+        return await self._parts.sender.put(session, robot.id, mission_id, source)
 
     # questions
 
@@ -231,7 +229,7 @@ class MissionRests:
         stamp = await self._map.now(farm)
         home = next((f.geometry["coordinates"] for f in features if f.id == order.home_id and f.kind == "home"), None)
         return RestWish(
-            base=base,
+            base=renamed(base, name=mission.name),
             base_sha256=mission.sha256,
             revision=await self._run(self._parts.revisions.next_revision, mission.id),
             progress=progress,
@@ -281,13 +279,6 @@ class MissionRests:
             raise MissionRefused("no_place", f"Where {robot.name} stands is not known.")
         pose = robot.telemetry.pose
         return pose.lon_deg, pose.lat_deg, pose.theta_rad
-
-    async def _forget_refused(self, session: SessionInfo, mission_id: str, sent: MissionSent) -> None:
-        """A document that the robot refused is not waited for; one without an answer may be there all the same."""
-        mission = self._parts.missions.known(mission_id)
-        if sent.outcome is Outcome.REJECTED and mission is not None and mission.pending_sha256:
-            why = f"Not changed: {sent.text}"
-            await self._run(self._parts.revisions.drop, session.farm_id, mission_id, session.user_name, why)
 
 
 def _areas(mission: Mission, order: RestOrder) -> tuple[DrawnArea, ...]:

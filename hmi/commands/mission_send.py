@@ -117,9 +117,28 @@ class MissionSender:
         self, actor: SessionInfo, robot: Robot, mission_id: str, source: MissionSource, proof: Proof | None, way: Way
     ) -> MissionSent:
         try:
-            stored = await source.stored(actor.farm_id, mission_id, robot.id)
-            if stored is None:
-                return MissionSent(Outcome.REJECTED, UNKNOWN_MISSION, "There is no such mission.")
+            stored = await source.stored(actor.farm_id, mission_id, robot.id, actor.user_name)
+        except OrderRefused as refused:
+            return MissionSent(Outcome.REJECTED, refused.code, refused.text)
+        if stored is None:
+            return MissionSent(Outcome.REJECTED, UNKNOWN_MISSION, "There is no such mission.")
+        sent = await self._bring(robot, stored, proof, way)
+        by = actor.user_name
+        try:
+            if sent.outcome is Outcome.ACCEPTED:
+                await source.sent(actor.farm_id, mission_id, robot.id, by)
+            elif sent.outcome is Outcome.REJECTED:
+                await self._source.refused(actor.farm_id, mission_id, stored.sha256, by, sent.text)
+        except StoreError:  # what the robot has does not change by that, and its state will say so
+            log.exception("what became of mission %s on %s was not stored", mission_id, robot.id)
+        if sent.outcome is Outcome.ACCEPTED:
+            for listener in self._listeners:
+                listener(robot.id)
+        return sent
+
+    async def _bring(self, robot: Robot, stored: StoredMission, proof: Proof | None, way: Way) -> MissionSent:
+        """Upload one document and compare what the robot read back."""
+        try:
             _check_fits(robot, stored)
             document = {**stored.document, **({} if proof is None else {"proof": proof()})}
             answer = await self._by(way).upload_mission(robot.id, document)
@@ -133,12 +152,6 @@ class MissionSender:
         if answer.sha256 != stored.sha256:
             text = f"{robot.name} read back another mission than was sent. Do not start it; send it again."
             return MissionSent(Outcome.REJECTED, HASH_MISMATCH, text, answer.sha256)
-        try:
-            await source.sent(actor.farm_id, mission_id, robot.id, actor.user_name)
-        except StoreError:  # the robot has it all the same, and its state will say so
-            log.exception("mission %s is on %s but its status was not stored", mission_id, robot.id)
-        for listener in self._listeners:
-            listener(robot.id)
         text = " ".join(filter(None, (_sent_text(robot, stored), stored.note)))
         return MissionSent(Outcome.ACCEPTED, "ok", text, answer.sha256)
 
@@ -169,7 +182,7 @@ class _Careful:
         self._source = source
         self.sent = source.sent
 
-    async def stored(self, farm_id: str, mission_id: str, robot_id: str) -> StoredMission | None:
+    async def stored(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> StoredMission | None:
         """Return the mission; raises ``OrderRefused`` as its source, and for interrupted work."""
         forgotten = self._source.forgets(farm_id, mission_id)
         if forgotten:
@@ -177,7 +190,7 @@ class _Careful:
                 f"It was interrupted: {forgotten}. Resume it, resume it later, or start it fresh, which forgets that."
             )
             raise OrderRefused(HAS_PROGRESS, text)
-        return await self._source.stored(farm_id, mission_id, robot_id)
+        return await self._source.stored(farm_id, mission_id, robot_id, by)
 
 
 def _check_fits(robot: Robot, stored: StoredMission) -> None:

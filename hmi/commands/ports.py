@@ -53,8 +53,8 @@ class StoredMission:
 class MissionSource(Protocol):
     """Where stored missions come from."""
 
-    async def stored(self, farm_id: str, mission_id: str, robot_id: str) -> StoredMission | None:
-        """Return a mission of this farm as it goes to this robot, ``None`` if there is none.
+    async def stored(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> StoredMission | None:
+        """Return a mission of this farm as ``by`` sends it to this robot, ``None`` if there is none.
 
         Raises:
             OrderRefused: it must not go to this robot, with the reason.
@@ -73,6 +73,10 @@ class MissionStore(MissionSource, Protocol):
         """Say what of interrupted work sending the whole mission would forget; empty if nothing."""
         ...
 
+    async def refused(self, farm_id: str, mission_id: str, sha256: str, by: str, why: str) -> None:
+        """Note that no robot holds the document of this hash: it was refused, or did not go out."""
+        ...
+
 
 class StartRules(Protocol):
     """What must be true of people and records before a mission moves; answers from memory."""
@@ -83,6 +87,10 @@ class StartRules(Protocol):
         Raises:
             OrderRefused: the document is not the stored one, or the checklist is missing.
         """
+        ...
+
+    def is_supervised(self, robot: Robot, order: Order) -> bool:
+        """Say whether somebody has to look on while the robot carries out what it says it has."""
         ...
 
 

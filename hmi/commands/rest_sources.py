@@ -20,7 +20,6 @@ from hmi.domain.mission import ENDED, BadMove, MissionStatus, Mover
 from hmi.domain.mission_document import for_robot, mission_sha256
 from hmi.domain.mission_rest import DrawnArea, PlannedRest, Progress, RestPlanner
 from hmi.security.authorization import Authorize
-from hmi.security.session_info import SessionInfo
 from hmi.store.database import Database
 from hmi.store.features import Features
 from hmi.store.maps import Maps
@@ -56,16 +55,15 @@ class RestSource:
         self,
         parts: RestParts,
         mission: Mission,
-        session: SessionInfo,
         kind: str,
         planned: PlannedRest,
         areas: tuple[DrawnArea, ...] = (),
     ) -> None:
-        self._parts, self._mission, self._session, self._kind = parts, mission, session, kind
+        self._parts, self._mission, self._kind = parts, mission, kind
         self._planned, self._areas = planned, areas
         self._why = rest_words(kind, planned.difference, areas)
 
-    async def stored(self, farm_id: str, mission_id: str, robot_id: str) -> StoredMission | None:
+    async def stored(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> StoredMission | None:
         """Keep the document as sent, not confirmed."""
         planned, mission = self._planned, self._mission
         statistics = _merged(mission.statistics, planned.statistics)
@@ -76,7 +74,7 @@ class RestSource:
             mission_id,
             planned.document,
             statistics,
-            self._session.user_name,
+            by,
             self._why,
         )
         return StoredMission(mission_id, mission.name, planned.document, planned.sha256)
@@ -95,17 +93,16 @@ class RestSource:
 class FreshSource:
     """The whole mission on its way to the robot again."""
 
-    def __init__(self, parts: RestParts, mission: Mission, session: SessionInfo, watch: MapWatch) -> None:
-        self._parts, self._mission, self._session, self._map = parts, mission, session, watch
+    def __init__(self, parts: RestParts, mission: Mission, watch: MapWatch) -> None:
+        self._parts, self._mission, self._map = parts, mission, watch
         self._sha256 = ""
 
-    async def stored(self, farm_id: str, mission_id: str, robot_id: str) -> StoredMission | None:
+    async def stored(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> StoredMission | None:
         """Keep the whole document as sent, not confirmed."""
-        run, by = self._parts.database.run, self._session.user_name
+        run = self._parts.database.run
         document, statistics = await run(self._parts.revisions.whole, farm_id, mission_id)
         document = for_robot(document, robot_id)
-        stamp = document.get("map_version")
-        note = await self._map.check(farm_id, stamp["number"] if stamp else self._mission.map_version, document)
+        note = await self._map.check(farm_id, self._mission.planned_on(document), document)
         areas = drawn_on(self._mission)
         if areas:  # nothing moves yet: whoever starts it can still look
             note = " ".join(filter(None, (note, f"It knows nothing of what was drawn: {drawn_words(areas)}.")))

@@ -162,8 +162,12 @@ class CommandService:
             challenge=challenge,
             mission_id=mission.mission_id if mission is not None else None,
             mission_sha256=mission.sha256 if mission is not None else None,
-            is_supervised=mission.is_supervised if mission is not None else True,
+            is_supervised=self._is_supervised(robot, mission),
         )
+
+    def _is_supervised(self, robot: Robot, mission: Order | None) -> bool:
+        # never the robot's own word: it says how the mission was started last, and knows nothing of one that was not
+        return mission is None or self._rules is None or self._rules.is_supervised(robot, mission)
 
 
 def _is_complete(robot: Robot, request: CommandRequest) -> None:

@@ -19,10 +19,25 @@ class MissionStartRules:
 
     Args:
         needs_list: whether the farm wants the list ticked before a supervised start.
+        may_run_alone: whether an administrator lets a robot run without a person.
     """
 
-    def __init__(self, missions: Missions, checklists: Checklists, needs_list: Callable[[], bool]) -> None:
+    def __init__(
+        self,
+        missions: Missions,
+        checklists: Checklists,
+        needs_list: Callable[[], bool],
+        may_run_alone: Callable[[str], bool],
+    ) -> None:
         self._missions, self._checklists, self._needs_list = missions, checklists, needs_list
+        self._may_run_alone = may_run_alone
+
+    def is_supervised(self, robot: Robot, order: Order) -> bool:
+        """Say whether somebody has to look on: yes, unless mission and robot are both marked otherwise."""
+        mission = self._missions.known(order.mission_id)
+        if mission is None or mission.farm_id != robot.farm_id:
+            return True
+        return mission.is_supervised or not self._may_run_alone(robot.id)
 
     def check(self, actor: SessionInfo, robot: Robot, order: Order, checklist_id: str | None) -> None:
         """Return if this person may start or resume what the robot says it has.
@@ -34,7 +49,7 @@ class MissionStartRules:
         if mission is not None and mission.farm_id == robot.farm_id and order.sha256 != mission.sha256:
             text = f"{robot.name} has not read back {mission.name} as it is stored here. Send it again."
             raise OrderRefused(NOT_READ_BACK, text)
-        if not (order.is_supervised and self._needs_list() and is_a_start(robot)):
+        if not (self.is_supervised(robot, order) and self._needs_list() and is_a_start(robot)):
             return
         if not self._checklists.is_valid(actor.farm_id, robot.id, actor.user_id, checklist_id):
             raise OrderRefused(CHECKLIST_MISSING, "Tick the list first: Before it starts.")

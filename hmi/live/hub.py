@@ -17,7 +17,7 @@ from hmi.live import frames
 from hmi.live.inside import InsideTopic
 from hmi.live.outbox import Outbox
 from hmi.live.topics import AlarmsTopic, FleetTopic, PosesTopic, RobotNumbers, RobotTopic
-from hmi.presenters.operate import Context, MissionTitle
+from hmi.presenters.operate import Context, IsSupervised, MissionTitle
 from hmi.presenters.start_checks import MissionFacts
 from hmi.store.fleet import FleetStore
 from hmi.store.robot_record import ALL_PARTS, Part
@@ -79,6 +79,7 @@ class LiveHub:
         title_of: mission id to what people call it; answers from memory.
         facts_of: mission id to what the start checks need; answers from memory.
         alarms: what topic ``alarms`` shows.
+        is_supervised: whether somebody has to look on while a robot carries out what it has; answers from memory.
         crowd: robots beyond which places go out twice a second and not ten times.
     """
 
@@ -91,11 +92,12 @@ class LiveHub:
         facts_of: FactsOf = lambda _mission_id: None,
         alarms: AlarmSource | None = None,
         *,
+        is_supervised: IsSupervised = lambda _robot, _order: True,
         crowd: int = CROWD,
     ) -> None:
         self._crowd = crowd
         self._store, self._ticks, self._clock, self._title_of = store, ticks, clock, title_of
-        self._facts_of = facts_of
+        self._facts_of, self._is_supervised = facts_of, is_supervised
         self._lanes: set[Outbox] = set()
         self._robots: dict[str, RobotTopic] = {}
         self._insides: dict[str, InsideTopic] = {}
@@ -285,8 +287,9 @@ class LiveHub:
     def _context(self, robot_id: str) -> Context:
         entry = self._store.registration(robot_id)
         if entry is None:
-            return Context(title_of=self._title_of, facts_of=self._facts_of)
-        return Context(entry.contact_name or "", entry.contact_phone or "", self._title_of, self._facts_of)
+            return Context("", "", self._title_of, self._facts_of, self._is_supervised)
+        contact = (entry.contact_name or "", entry.contact_phone or "")
+        return Context(*contact, self._title_of, self._facts_of, self._is_supervised)
 
     def _join(self, lane: Outbox, topics: Iterable[str]) -> None:
         for name in topics:

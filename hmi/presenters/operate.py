@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
-from hmi.domain.robot import Robot
+from hmi.domain.robot import Mode, Order, Robot
 from hmi.presenters.actions import actions, why
 from hmi.presenters.start_checks import MissionFacts, start_checks
 from hmi.presenters.tiles import tiles
@@ -13,6 +13,8 @@ from hmi.presenters.units import heading_deg, milliseconds
 from hmi.presenters.words import FAULT_LEVELS, kind_label, mode_of, mode_text, tool_label
 
 Groups = dict[str, Any]
+IsSupervised = Callable[[Robot, Order], bool]
+"""Whether somebody has to look on once a robot carries out what it says it has; answers from memory."""
 
 
 class MissionTitle(NamedTuple):
@@ -29,6 +31,7 @@ class Context(NamedTuple):
     contact_phone: str = ""
     title_of: Callable[[str], MissionTitle | None] = lambda _mission_id: None
     facts_of: Callable[[str], MissionFacts | None] = lambda _mission_id: None
+    is_supervised: IsSupervised = lambda _robot, _order: True
 
 
 def present(robot: Robot, context: Context, groups: Iterable[str] | None = None) -> Groups:
@@ -102,11 +105,17 @@ def _mission(robot: Robot, context: Context) -> Any:
         "area_done_m2": round(order.area_done_m2, 1),
         "remaining_s": None if order.remaining_s is None else round(order.remaining_s),
         "sha256": order.sha256,
-        "is_supervised": order.is_supervised,
+        "is_supervised": _is_supervised(robot, order, context),
         "segment": order.segment,
         "segment_s_m": round(order.segment_s_m, 2),
         "is_pending": facts is not None and facts.is_pending,
     }
+
+
+def _is_supervised(robot: Robot, order: Order, context: Context) -> bool:
+    """Say how it runs, or how it will when somebody starts it: a robot that stands knows only how it ran before."""
+    is_at_work = robot.state is not None and robot.state.mode is Mode.AUTO
+    return order.is_supervised if is_at_work else context.is_supervised(robot, order)
 
 
 def _supervisor(robot: Robot, _context: Context) -> Any:

@@ -12,7 +12,7 @@ from sqlalchemy import func, select, update
 from sqlalchemy.orm import Session
 
 from hmi.clock import Clock
-from hmi.domain.mission_document import Document, canonical, mission_sha256
+from hmi.domain.mission_document import Document, canonical, mission_sha256, renamed
 from hmi.store.database import Database
 from hmi.store.errors import NotFound
 from hmi.store.mission_tables import MissionRevisionRow
@@ -76,8 +76,6 @@ class MissionRevisions:
             if row is None:
                 raise NotFound("no such document was sent")
             row.state = TAKEN
-            version = row.document.get("map_version")
-            number = version["number"] if version else mission.map_version
             is_whole = "continues" not in row.document
             return (
                 replace(
@@ -85,7 +83,8 @@ class MissionRevisions:
                     revision=row.revision,
                     statistics=dict(row.statistics),
                     pending_sha256="",
-                    map_version=number,
+                    # the rows a rest leaves out come back with the next copy: nobody planned them on its map
+                    map_version=mission.planned_on(row.document) if is_whole else mission.map_version,
                     robot_id=row.document["robot"],
                     progress=None if is_whole else _kept(mission, row.document, sha256),
                 ),
@@ -107,7 +106,7 @@ class MissionRevisions:
         return self._missions.change(farm_id, mission_id, work, by, why)
 
     def whole(self, farm_id: str, mission_id: str) -> tuple[Document, dict[str, Any]]:
-        """Return the newest whole document, from its first point, with its figures, under the next revision."""
+        """Return the newest whole document, from its first point, with its figures, newly named and numbered."""
         with self._database.read() as session:
             row = session.scalar(
                 select(MissionRevisionRow)
@@ -122,6 +121,7 @@ class MissionRevisions:
             document, statistics = dict(row.document), dict(row.statistics)
         else:
             document, statistics = self._missions.document(farm_id, mission_id), known.statistics
+        document = renamed(document, name=known.name)
         return canonical({**document, "revision": self.next_revision(mission_id)}), statistics
 
     def document(self, farm_id: str, mission_id: str, sha256: str) -> Document | None:

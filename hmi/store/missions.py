@@ -12,9 +12,10 @@ from sqlalchemy import delete, select
 from sqlalchemy.orm import Session, defer
 
 from hmi.clock import Clock
-from hmi.domain.mission import EDITABLE, BadMove, MissionChange, MissionStatus, Mover, check_move
+from hmi.domain.mission import EDITABLE, ENDED, BadMove, MissionChange, MissionStatus, Mover, check_move
 from hmi.domain.mission_document import Document, for_robot, mission_sha256, renamed
 from hmi.domain.mission_plan import MissionRefused
+from hmi.domain.mission_rest import Progress
 from hmi.store.database import Database
 from hmi.store.errors import AlreadyExists, NotFound
 from hmi.store.mission_tables import MissionRevisionRow
@@ -32,7 +33,8 @@ class Mission:
     """A stored mission without its document. ``statistics`` are the planner's figures, SI.
 
     Args:
-        map_version: number of the published map it was planned on; ``None`` for one that is older than map versions.
+        map_version: number of the published map the whole of it was planned on, 0 for a farm that had none, ``None``
+            for one that is older than map versions; see ``planned_on``.
         progress: how far a robot came on this document, see ``hmi.domain.mission_rest.Progress``.
         pending_sha256: of a document that was sent and not read back yet; empty if there is none.
     """
@@ -54,6 +56,18 @@ class Mission:
     map_version: int | None = None
     progress: dict[str, Any] | None = None
     pending_sha256: str = ""
+
+    @property
+    def is_resumable(self) -> bool:
+        """Whether it was interrupted and how far it came is known, which counts on the document it has alone."""
+        came = Progress.from_json(self.progress)
+        is_known = came is not None and came.is_begun and came.sha256 == self.sha256
+        return is_known and self.status in (MissionStatus.ABORTED, MissionStatus.FAILED)
+
+    def planned_on(self, document: Document) -> int | None:
+        """Return the number of the map that a document of this mission was planned on: a rest has its own."""
+        stamp = document.get("map_version")
+        return stamp["number"] if stamp else self.map_version
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,7 +190,7 @@ class Missions:
         return self._change(farm_id, mission_id, work, by, why, data or {})
 
     def rename(self, farm_id: str, mission_id: str, name: str, by: str) -> Mission:
-        """Give a mission another name; its hash changes with it.
+        """Give a mission another name; its hash changes with it, unless it ran: then only people read the new one.
 
         Raises:
             NotFound: there is no such mission.
@@ -186,7 +200,8 @@ class Missions:
         def change(_session: Session, mission: Mission, document: Document) -> tuple[Mission, Document]:
             if mission.status not in EDITABLE:
                 raise MissionRefused("in_use", f"{mission.name} is {mission.status.value}. Copy it instead.")
-            return replace(mission, name=name), renamed(document, name=name)
+            # what a robot drove stays as it was, bit by bit: to go on, it asks for that
+            return replace(mission, name=name), document if mission.status in ENDED else renamed(document, name=name)
 
         return self._change(farm_id, mission_id, change, by, "Renamed.", {"name": name})
 
@@ -203,13 +218,16 @@ class Missions:
 
         Raises:
             NotFound: there is no such mission.
-            MissionRefused: a robot holds it or a queue waits for it.
+            MissionRefused: a robot holds it, a queue waits for it, or another robot could not resume it.
         """
 
         def change(_session: Session, mission: Mission, document: Document) -> tuple[Mission, Document]:
             if mission.status not in EDITABLE:
                 raise MissionRefused("in_use", f"{mission.name} is {mission.status.value}. Copy it instead.")
             if robot_id is not None and robot_id != document["robot"]:
+                if mission.is_resumable:
+                    text = f"{mission.name} was interrupted on {document['robot']}, where it can be resumed later."
+                    raise MissionRefused("has_progress", f"{text} Copy it for another robot.")
                 document = for_robot(document, robot_id)
             attended = mission.is_supervised if is_supervised is None else is_supervised
             return replace(mission, is_supervised=attended, robot_id=robot_id or mission.robot_id), document

@@ -65,6 +65,11 @@ class Robots:
         """Return a registered robot of this farm, from memory."""
         return self._known.get(robot_id)
 
+    def may_run_alone(self, robot_id: str) -> bool:
+        """Say whether an administrator lets this robot run without a person, from memory."""
+        known = self._known.get(robot_id)
+        return known is not None and known.is_unattended_allowed
+
     def of_any_farm(self, robot_id: str) -> RegisteredRobot | None:
         """Return a registered robot of this or another farm, from memory; for deciding on rights only."""
         return self._known.get(robot_id) or self._elsewhere.get(robot_id)

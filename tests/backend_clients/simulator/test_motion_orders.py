@@ -333,6 +333,20 @@ def test_an_unattended_mission_goes_on_without_a_page_but_not_without_the_farm()
     assert rig.state.hold.code == "link_lost"
 
 
+def test_a_mission_goes_on_as_the_one_who_resumes_it_says_not_as_it_began() -> None:
+    rig = Rig()
+    rig.start(is_supervised=False)
+    rig.run(6)
+    rig.do("pause")
+    rig.run(2)
+    assert rig.do("resume", is_supervised=True).outcome == "accepted"
+    rig.run(6)
+    rig.has_page = False
+    rig.run(4.0)
+    assert rig.state.hold is not None
+    assert rig.state.hold.code == "operator_lost"
+
+
 def test_a_reboot_brings_the_mission_back_paused_with_its_progress(tmp_path: Path) -> None:
     rig = Rig(tmp_path)
     rig.start()

@@ -295,13 +295,30 @@ class Missions:
         """Say what was done of a mission that was interrupted."""
         return self.done.get(mission_id, "")
 
-    async def stored(self, farm_id: str, mission_id: str, robot_id: str) -> StoredMission | None:
+    async def stored(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> StoredMission | None:
         """Return one."""
         return self.by_id.get(mission_id)
 
     async def sent(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> None:
         """Note that it was sent."""
         self.noted.append((mission_id, robot_id))
+
+    async def refused(self, farm_id: str, mission_id: str, sha256: str, by: str, why: str) -> None:
+        """Nothing was proposed."""
+
+
+@dataclass
+class Rules:
+    """Start rules that let everything through and say whether somebody has to look on."""
+
+    supervised: bool = True
+
+    def check(self, actor: SessionInfo, robot: Robot, order: MissionOrder, checklist_id: str | None) -> None:
+        """Let it through."""
+
+    def is_supervised(self, robot: Robot, order: MissionOrder) -> bool:
+        """Say so."""
+        return self.supervised
 
 
 class AuditLog:
@@ -322,7 +339,7 @@ class AuditLog:
 class Field:
     """One console with its robots."""
 
-    def __init__(self, *, epoch: int = 1, ack_limit_s: float = 0.0) -> None:
+    def __init__(self, *, epoch: int = 1, ack_limit_s: float = 0.0, rules: Rules | None = None) -> None:
         self.clock = FakeClock()
         self.ticks = TickRing("console1", self.clock.mono_s)
         self.robots: dict[str, FakeRobot] = {}
@@ -347,6 +364,7 @@ class Field:
                 next_epoch=self._next_epoch,
                 is_signed_in=lambda session_id: session_id not in self.signed_out,
                 ack_limit_s=ack_limit_s,
+                start_rules=rules,
             )
         )
         self.wire.desk = self.desk

@@ -89,8 +89,8 @@ async def test_a_path_driven_backwards_is_not_sent_to_a_robot_that_follows_none(
     field = Field()
     source = field.missions.stored
 
-    async def backing(farm_id: str, mission_id: str, robot_id: str) -> StoredMission | None:
-        stored = await source(farm_id, mission_id, robot_id)
+    async def backing(farm_id: str, mission_id: str, robot_id: str, by: str) -> StoredMission | None:
+        stored = await source(farm_id, mission_id, robot_id, by)
         assert stored is not None
         return replace(stored, document={**stored.document, "segments": [{"kind": "turn", "backward": True}]})
 

@@ -11,7 +11,7 @@ from hmi.commands.service import CommandRequest
 from hmi.domain.command import NODE_ACTIONS, Action, CommandOrder, Outcome
 from hmi.domain.robot import Mode, OrderStatus
 from hmi.domain.role import Role
-from tests.hmi.commands.field import ANNA, JONAS, MARTHA, SHA, VERA, Field, mission, person
+from tests.hmi.commands.field import ANNA, JONAS, MARTHA, SHA, VERA, Field, Rules, mission, person
 
 
 def request(
@@ -32,6 +32,27 @@ async def test_an_accepted_command_reaches_the_robot_once_with_its_proofs() -> N
     assert (order.challenge, order.by, order.lease_seq) == (field.weeder.challenge, "Martha Keller", 1)
     assert order.lease_token > 0
     assert (order.mission_id, order.mission_sha256, order.is_supervised) == ("field-1", SHA, True)
+
+
+@pytest.mark.parametrize("action", [Action.START, Action.RESUME])
+@pytest.mark.parametrize("is_supervised", [True, False])
+async def test_the_robot_is_told_whether_somebody_looks_on_and_not_asked(action: Action, is_supervised: bool) -> None:
+    field = Field(rules=Rules(supervised=is_supervised))
+    status = OrderStatus.PAUSED if action is Action.RESUME else OrderStatus.LOADED
+    field.weeder.mission = replace(mission(status=status), is_supervised=not is_supervised)
+    assert (await field.desk.commands.submit(MARTHA, request(field, action))).is_accepted
+    [order] = field.weeder.orders
+    assert isinstance(order, CommandOrder)
+    assert order.is_supervised is is_supervised
+
+
+async def test_without_rules_of_its_own_a_console_says_that_somebody_looks_on() -> None:
+    field = Field()
+    field.weeder.mission = replace(mission(), is_supervised=False)
+    await field.desk.commands.submit(MARTHA, request(field, Action.START))
+    [order] = field.weeder.orders
+    assert isinstance(order, CommandOrder)
+    assert order.is_supervised
 
 
 async def test_a_command_takes_a_free_robot_and_says_so_to_everybody() -> None:

@@ -27,6 +27,7 @@ from hmi.store.maps import Maps
 from hmi.store.mission_revisions import MissionRevisions
 from hmi.store.mission_tracking import MissionTracking
 from tests.hmi.missions.rig import FARM, FRAME, Rig, order
+from tests.hmi.missions.test_map_watch import publish
 from tests.hmi.missions.test_store import put, through
 
 S = MissionStatus
@@ -93,7 +94,7 @@ class Desk:
         through(rig, "m-1", *UNDER_WAY)
         self.revisions = MissionRevisions(rig.missions, rig.database, rig.clock)
         wire: Any = self.wire
-        sender = MissionSender(wire, wire, wire, rig.audit, lambda _event: None)
+        self.sender = MissionSender(wire, rig.book, wire, rig.audit, lambda _event: None)
         self.rests = MissionRests(
             RestParts(
                 missions=rig.missions,
@@ -105,7 +106,7 @@ class Desk:
                 planner=wire,
                 gate=wire,
                 leases=wire,
-                sender=sender,
+                sender=self.sender,
                 commands=wire,
                 authorize=rig.authorize,
                 clock=rig.clock,
@@ -210,6 +211,34 @@ async def test_a_refused_rest_changes_nothing(desk: Desk) -> None:
     assert (desk.mission.sha256, desk.mission.pending_sha256, desk.mission.revision) == (before, "", 1)
 
 
+async def test_a_whole_mission_that_is_refused_is_not_waited_for_and_the_log_names_who_sent_it(desk: Desk) -> None:
+    desk.reports(OrderStatus.ABORTED, Mode.IDLE)
+    await desk.follow()
+    desk.wire.answer = "update_too_late"
+    sent = await desk.sender.send(desk.supervisor, "weeder-01", "m-1", is_fresh=True)
+    assert sent.outcome is Outcome.REJECTED
+    assert (desk.mission.status, desk.mission.pending_sha256) == (S.ABORTED, "")
+    assert desk.log()[-2:] == [
+        ("Supervisor Person", "Sending: The whole mission again, from its first row."),
+        ("Supervisor Person", "Not changed: The robot is past the place where the new path begins."),
+    ]
+
+
+async def test_what_may_be_on_the_robot_is_waited_for_though_the_next_one_does_not_go_out(desk: Desk) -> None:
+    desk.rig.missions.change(FARM, "m-1", lambda _s, one, doc: (replace(one, map_version=1), doc), "Pieter", "")
+    Maps(desk.rig.database, desk.rig.clock).published(FARM)
+    desk.reports(OrderStatus.ABORTED, Mode.IDLE)
+    await desk.follow()
+    desk.wire.answer = "silent"
+    await desk.rests.fresh(desk.supervisor, "m-1", "tick")
+    waited_for = desk.mission.pending_sha256
+    assert waited_for
+    publish(desk.rig, "stone", 32, 27)
+    sent = await desk.rests.fresh(desk.supervisor, "m-1", "tick")
+    assert (sent.outcome, sent.code) == (Outcome.REJECTED, "map_changed")
+    assert desk.mission.pending_sha256 == waited_for
+
+
 async def test_only_what_was_shown_is_sent(desk: Desk) -> None:
     with pytest.raises(MissionRefused, match="Look at the new rest first"):
         await desk.rests.send(desk.supervisor, "m-1", "f" * 64, "tick")
@@ -255,6 +284,37 @@ async def test_an_interrupted_mission_is_taken_up_again_even_when_the_robot_forg
     assert (desk.mission.status, desk.mission.sha256) == (S.PAUSED, planned.sha256)
 
 
+async def test_an_interrupted_mission_under_another_name_is_taken_up_again_all_the_same(desk: Desk) -> None:
+    desk.reports(OrderStatus.ABORTED, Mode.IDLE)
+    await desk.follow()
+    held = desk.mission.sha256
+    await desk.rig.book.rename(desk.supervisor, "m-1", "North, second half")
+    assert (desk.mission.name, desk.mission.sha256) == ("North, second half", held)
+    assert (await desk.rests.left(desk.supervisor, "m-1")).progress is not None
+    planned = await desk.rests.preview(desk.supervisor, "m-1", RestOrder("later"))
+    assert planned.document["continues"]["base_sha256"] == held
+    assert planned.document["name"] == "North, second half"
+    await desk.rests.fresh(desk.supervisor, "m-1", "tick")
+    assert desk.wire.sent[-1]["name"] == "North, second half"
+
+
+async def test_an_interrupted_mission_is_not_given_to_a_robot_that_knows_nothing_of_it(desk: Desk) -> None:
+    desk.reports(OrderStatus.ABORTED, Mode.IDLE)
+    await desk.follow()
+    with pytest.raises(MissionRefused, match=r"interrupted on weeder-01.* Copy it for another robot\.") as caught:
+        await desk.rig.book.change(desk.supervisor, "m-1", robot_id="weeder-02")
+    assert caught.value.code == "has_progress"
+    await desk.rig.book.change(desk.supervisor, "m-1", robot_id="weeder-01", is_supervised=False)
+    assert (await desk.rests.preview(desk.supervisor, "m-1", RestOrder("later"))).difference["way_m"] > 3
+
+
+async def test_an_ended_mission_with_nothing_to_resume_is_given_to_another_robot(desk: Desk) -> None:
+    desk.reports(OrderStatus.DONE, Mode.IDLE)
+    await desk.follow()
+    await desk.rig.book.change(desk.supervisor, "m-1", robot_id="weeder-02")
+    assert desk.rig.missions.document(FARM, "m-1")["robot"] == "weeder-02"
+
+
 async def test_the_robots_word_counts_before_the_stored_state_follows(desk: Desk) -> None:
     desk.reports(OrderStatus.ABORTED, Mode.IDLE)
     assert desk.mission.status is S.RUNNING
@@ -291,7 +351,7 @@ async def test_a_mission_that_did_nothing_has_nothing_to_resume(desk: Desk) -> N
 
 def test_a_start_needs_the_stored_document_and_the_list(desk: Desk) -> None:
     lists = Checklists(desk.rig.database, desk.rig.clock)
-    rules = MissionStartRules(desk.rig.missions, lists, lambda: True)
+    rules = MissionStartRules(desk.rig.missions, lists, lambda: True, lambda _robot_id: False)
     robot = desk.reports(OrderStatus.LOADED, Mode.IDLE)
     assert robot.state is not None
     said = robot.state.order
@@ -301,8 +361,8 @@ def test_a_start_needs_the_stored_document_and_the_list(desk: Desk) -> None:
         rules.check(desk.supervisor, robot, other, None)
     with pytest.raises(Exception, match="Tick the list"):
         rules.check(desk.supervisor, robot, said, None)
-    rules.check(desk.supervisor, robot, replace(said, is_supervised=False), None)
-    MissionStartRules(desk.rig.missions, lists, lambda: False).check(desk.supervisor, robot, said, None)
+    without = MissionStartRules(desk.rig.missions, lists, lambda: False, lambda _robot_id: False)
+    without.check(desk.supervisor, robot, said, None)
 
 
 @pytest.mark.parametrize(

@@ -222,3 +222,20 @@ def test_numbers_are_written_for_people() -> None:
         "2:14",
         "1 h 08",
     ]
+
+
+@pytest.mark.parametrize("state", ["loaded", "paused", "done"])
+@pytest.mark.parametrize("is_supervised", [True, False])
+def test_who_looks_on_is_told_as_a_start_would_say_it(state: str, is_supervised: bool) -> None:
+    context = Context(is_supervised=lambda _robot, _order: is_supervised)
+    assert present(r.EVERY[state], context, ("mission",))["mission"]["is_supervised"] is is_supervised
+
+
+@pytest.mark.parametrize("state", ["running", "going home"])
+def test_while_it_drives_the_robot_says_itself_who_looks_on(state: str) -> None:
+    robot = r.EVERY[state]
+    assert robot.state is not None
+    assert robot.state.order is not None
+    context = Context(is_supervised=lambda _robot, order: not order.is_supervised)
+    shown = present(robot, context, ("mission",))["mission"]["is_supervised"]
+    assert shown is robot.state.order.is_supervised
