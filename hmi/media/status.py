@@ -21,14 +21,14 @@ def status_of(studio: Studio, viewer: Viewer, now_s: float) -> dict[str, Any]:
     pose = intake.newest(robot_id, Up.TELEMETRY, up.Telemetry)
     body = intake.newest(robot_id, Up.BODY, machine.Body)
     scan = intake.newest(robot_id, Up.SCAN, machine.Scan)
-    site = studio.site(robot_id)
+    site, drawn_s = studio.site(robot_id), studio.world.drawn_at_s(robot_id)
     planned = body if body is not None and body[0].planned else None
     return {
         "k": "status",
         "robot": robot_id,
-        "is_drawn": studio.world.form_of(robot_id) is not None,
+        "is_drawn": drawn_s is not None,
         "model": "" if factsheet is None else studio.library.kind_of(factsheet[0]),
-        "pose_age_s": _age(pose, now_s),
+        "pose_age_s": None if drawn_s is None else _rounded(now_s - drawn_s),
         "ages_s": {
             "machine": _age(body or pose, now_s),
             "planned": _age(planned, now_s),

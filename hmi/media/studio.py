@@ -197,13 +197,13 @@ class Studio:
         telemetry = self.intake.newest(robot_id, Up.TELEMETRY, up.Telemetry)
         if factsheet is None or telemetry is None:
             return None
-        datum, said = factsheet[0].datum, telemetry[0]
+        datum, (said, at_s) = factsheet[0].datum, telemetry
         east, north = self.frame.shift(datum.lat_deg, datum.lon_deg)
         heard = self.intake.newest(robot_id, Up.BODY, machine.Body)
         body = None if heard is None else heard[0]
         height = 0.0 if body is None else height_m(body.gauges) or 0.0
         place = Place((said.x_m + east, said.y_m + north, height), yaw(said.theta_rad))
-        return Posture(place, {} if body is None else body.joints, {} if body is None else body.planned)
+        return Posture(place, {} if body is None else body.joints, {} if body is None else body.planned, at_s)
 
     def _draw(self, robot_id: str, *, is_watched: bool) -> None:
         posture = self.posture(robot_id)

@@ -42,6 +42,14 @@ test("connecting, live, stale and unavailable are told apart", () => {
   assert.equal(link.judge().state, "unavailable");
 });
 
+test("a robot that is drawn with a pose of unknown age is not live", () => {
+  const page = load();
+  const link = new page.HL.TwinLink("weeder-07", { contentWindow: "frame" });
+  page.say({ from: "headland-twin", kind: "beat", isConnected: true, ageMs: 100, frames: 3 });
+  page.socket().onmessage({ data: JSON.stringify({ k: "status", is_drawn: true, pose_age_s: null, ages_s: {} }) });
+  assert.deepEqual({ ...link.judge() }, { state: "stale", text: "The age of this pose is not known" });
+});
+
 test("a browser without WebGL is shown the map", () => {
   const page = load();
   const link = new page.HL.TwinLink("weeder-07", { contentWindow: "frame" });

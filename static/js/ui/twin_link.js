@@ -115,7 +115,8 @@
         return isLate && !this.picture.wasConnected ? { state: "unavailable", text: "3D did not load. Showing the map." } : { state: "connecting", text: "Loading model" };
       }
       const pose = this.poseAge();
-      if (!isReplay && pose !== null && pose > STALE_S) return { state: "stale", text: `Pose is ${HL.words.age(pose * 1000)} old` };
+      if (!isReplay && pose === null) return { state: "stale", text: "The age of this pose is not known" };
+      if (!isReplay && pose > STALE_S) return { state: "stale", text: `Pose is ${HL.words.age(pose * 1000)} old` };
       const picture = this.pictureAgeMs();
       if (!this.picture.isConnected || picture === null || picture > PICTURE_STALE_MS) return { state: "stale", text: `Picture is ${HL.words.age(picture ?? 0)} old` };
       return { state: "live", text: "" };

@@ -22,10 +22,11 @@ from backend_clients.edge import messages_up as up
 from backend_clients.edge.codec import encode
 from backend_clients.edge.machine import Joint, Sighting, Target, Worksite
 from backend_clients.edge.topics import Up, topic
-from hmi.clock import SystemClock
+from hmi.clock import FakeClock, SystemClock
 from hmi.media import orders
 from hmi.media.door import SECRET_HEADER, VIEWER_HEADER
 from hmi.media.intake import Intake
+from hmi.media.status import status_of
 from hmi.media.studio import Studio
 from hmi.twin.camera import Camera
 from hmi.twin.farm import Farm, FarmRobot
@@ -52,6 +53,10 @@ class Planter:
         self._mono_ms += 100
         message = form(**HEADER, seq=self._mono_ms, mono_ms=self._mono_ms, **values)
         self._intake.take(topic(ROBOT, kind), encode(message), False)
+
+    def rest(self, seconds: float) -> None:
+        """Let its clock run."""
+        self._mono_ms += round(1000 * seconds)
 
     def stand(self, x_m: float, slew: float = 0.0, stick: float = -1.0) -> None:
         """Stand somewhere, the crane so."""
@@ -363,6 +368,32 @@ async def test_a_reconnected_picture_gets_its_layers_back(studio: Studio) -> Non
         async with asyncio.timeout(5):
             while studio.viewers["k"].client is not None:  # noqa: ASYNC110 - viser's thread hands over
                 await asyncio.sleep(0.01)
+
+
+async def test_the_age_of_the_pose_is_that_of_the_drawn_one_while_newer_ones_cannot_be_read(tmp_path: Path) -> None:
+    clock = FakeClock()
+    studio = Studio(Intake(clock), tmp_path, SECRET, clock)
+    try:
+        studio.set_farm(Farm([FarmRobot(ROBOT, "Planter 02", 6.2)]))
+        planter = Planter(studio.intake)
+        planter.introduce()
+        planter.stand(3.0)
+        studio.enter("k", ROBOT, may_replay=False)
+        studio.tick()
+        for kind in (Up.TELEMETRY, Up.FACTSHEET):
+            clock.advance(5.0)
+            studio.intake.take(topic(ROBOT, kind), b'{"lat_deg": null}', False)
+            studio.tick()
+        said = status_of(studio, studio.viewers["k"], clock.mono_s())
+        assert (said["is_drawn"], said["pose_age_s"]) == (True, 10.0)
+        planter.rest(10.0)
+        planter.stand(4.0)
+        studio.tick()
+        said = status_of(studio, studio.viewers["k"], clock.mono_s())
+        assert (said["is_drawn"], said["pose_age_s"]) == (True, 0.0), "it is drawn by what its factsheet said before"
+        assert studio.world.mover.place(f"/machine/{ROBOT}").xyz[0] == 4.0
+    finally:
+        await studio.stop()
 
 
 async def test_robots_that_are_not_registered_are_not_drawn(studio: Studio) -> None:
