@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from backend_clients.edge import machine
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.topics import Up
+from hmi.media.tap import where_is
 
 if TYPE_CHECKING:
     from hmi.media.studio import Studio
@@ -42,6 +43,9 @@ def status_of(studio: Studio, viewer: Viewer, now_s: float) -> dict[str, Any]:
         "trail": 0 if site is None else site.trail.points,
         "keep_out_m": None if factsheet is None else studio.keep_out_m(robot_id, factsheet[0]),
         "reach_m": None if site is None or site.reach is None else round(site.reach.radius_m, 2),
+        "touched": None if viewer.touched is None else where_is(studio, viewer, viewer.touched),
+        "is_past": viewer.past is not None,
+        "past_ms": None if viewer.past is None else viewer.past.basis.moment.at_ms,
         "view": viewer.view.value,
         "is_connected": viewer.client is not None,
     }
