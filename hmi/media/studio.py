@@ -83,6 +83,7 @@ class Studio:
             self._task.cancel()
             with contextlib.suppress(asyncio.CancelledError):
                 await self._task
+        self.library.close()
         await asyncio.to_thread(self.server.stop)
 
     def set_farm(self, farm: Farm) -> None:
