@@ -96,7 +96,8 @@ def _one(event: RobotEvent) -> Treated | None:
     is_place = isinstance(name, str) and isinstance(x, int | float) and isinstance(y, int | float)
     if not is_place or outcome not in OUTCOMES:
         return None
-    return Treated(str(name), float(x), float(y), str(outcome))  # type: ignore[arg-type]  # looked at above
+    at_ms = round(event.at_utc.timestamp() * 1000)
+    return Treated(str(name), float(x), float(y), str(outcome), at_ms)  # type: ignore[arg-type]  # looked at above
 
 
 def _path(document: dict[str, Any]) -> list[Swath]:

@@ -29,7 +29,7 @@ from hmi.security.session_info import SessionInfo
 log = logging.getLogger(__name__)
 SIGNED_OUT, REFUSED, AWAY, TOO_MANY = 4401, 4400, 4503, 4429  # close codes
 MOST_PICTURES = 100
-MAX_IN_BYTES = 16 * 1024
+MAX_IN_BYTES = 64 * 1024  # the largest order is a moment with all that a robot may say of its joints
 CHECK_S = 1.0  # a session that ended closes its pictures within this
 SAID_BY_VIEWERS = frozenset({"ViewerCameraMessage", "ScenePointerMessage"})
 _KEY = re.compile(r"[0-9a-f]{16,64}")

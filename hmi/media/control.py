@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 import os
 from collections.abc import Awaitable, Callable
 from typing import Any
@@ -27,8 +28,8 @@ from hmi.twin.errors import ModelError, UnsafeModel
 from hmi.twin.farm import Farm, Plan
 
 REPLAY_RIGHT = "replay"
-BAD_ORDER = 4400
 MAX_PLAN_BYTES = 16 * 1024 * 1024
+log = logging.getLogger(__name__)
 
 
 def control_app(studio: Studio, shelf: ModelShelf, secret: str) -> ASGIApp:
@@ -72,9 +73,8 @@ async def _hear(studio: Studio, key: str, socket: WebSocket) -> None:
         while True:
             try:
                 studio.obey(key, decode_order(await socket.receive_text()))
-            except BadOrder:
-                await socket.close(BAD_ORDER)
-                return
+            except BadOrder as error:  # closed, the page would come back and say it again
+                log.debug("an order of a page is ignored: %s", error)
 
 
 Handler = Callable[[Request], Awaitable[Response]]

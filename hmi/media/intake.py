@@ -1,4 +1,7 @@
-"""What robots said last, as it came: decoded only when somebody looks."""
+"""What robots said last, as it came: decoded only when somebody looks.
+
+A message that cannot be read does not take away what was said before: that stays, and gets old.
+"""
 
 from __future__ import annotations
 
@@ -22,11 +25,15 @@ T = TypeVar("T", bound=up.Header)
 
 @dataclass(slots=True)
 class Heard:
-    """One message: decoded the first time it is asked for. ``source_s`` is on this process's monotonic clock."""
+    """One message: decoded the first time it is asked for. ``source_s`` is on this process's monotonic clock.
+
+    ``before`` is the one that was read last, until this one is.
+    """
 
     payload: bytes
     arrived_s: float
     is_retained: bool
+    before: Heard | None = None
     message: up.Header | None = None
     source_s: float = 0.0
     is_broken: bool = False
@@ -60,7 +67,7 @@ class Intake:
                 if len(self._robots) >= MOST_ROBOTS:
                     return
                 robot = self._robots[address.robot] = _Robot()
-            robot.heard[address.kind] = Heard(payload, now_s, is_retained)
+            robot.heard[address.kind] = Heard(payload, now_s, is_retained, _read(robot.heard.get(address.kind)))
 
     def robots(self) -> list[str]:
         """Return who was heard."""
@@ -74,22 +81,38 @@ class Intake:
             self._robots = {robot: known for robot, known in self._robots.items() if robot in kept}
 
     def newest(self, robot_id: str, kind: Up, form: type[T]) -> tuple[T, float] | None:
-        """Return the newest message of a kind and when it was true, on the own clock; ``None`` if there is none."""
+        """Return the newest message of a kind that can be read and when it was true, on the own clock."""
         robot = self._robots.get(robot_id)
         heard = None if robot is None else robot.heard.get(kind)
-        if robot is None or heard is None or heard.is_broken:
+        if robot is None or heard is None:
             return None
-        if heard.message is None:
-            try:
-                message = decode_body(Address(robot_id, kind), heard.payload)
-            except WireError:
-                heard.is_broken = True
-                return None
-            assert isinstance(message, up.Header)
-            heard.message = message
-            heard.source_s = _source_s(robot.clock, heard, message)
+        if heard.message is None and not heard.is_broken:
+            _decode(robot.clock, Address(robot_id, kind), heard)
+        if heard.is_broken:
+            heard = heard.before
+        if heard is None:
+            return None
         assert isinstance(heard.message, form)
         return heard.message, heard.source_s
+
+
+def _read(heard: Heard | None) -> Heard | None:
+    """Return the newest of a message and the one before it that was read."""
+    if heard is None:
+        return None
+    before = heard.before  # first: the other thread forgets it as soon as this message is read
+    return before if heard.message is None else heard
+
+
+def _decode(clock: ClockMap, address: Address, heard: Heard) -> None:
+    try:
+        message = decode_body(address, heard.payload)
+    except WireError:
+        heard.is_broken = True
+        return
+    assert isinstance(message, up.Header)
+    heard.source_s = _source_s(clock, heard, message)
+    heard.message, heard.before = message, None
 
 
 def _source_s(clock: ClockMap, heard: Heard, message: up.Header) -> float:

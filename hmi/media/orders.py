@@ -5,13 +5,13 @@ from __future__ import annotations
 from typing import Annotated
 
 import msgspec
-from msgspec import Meta, Struct, field
+from msgspec import Meta, Struct
 
 from hmi.twin.groups import Group
+from hmi.twin.moment import Moment
 from hmi.twin.viewer import View
 
-MAX_ORDER_BYTES = 16 * 1024
-Degrees = Annotated[float, Meta(ge=-180, le=180)]
+MAX_ORDER_BYTES = 64 * 1024  # as much as a robot may say at once: it may be asked for again
 
 
 class SetView(Struct, frozen=True, tag_field="k", tag="view"):
@@ -39,17 +39,8 @@ class Zoom(Struct, frozen=True, tag_field="k", tag="zoom"):
     by: Annotated[float, Meta(ge=0.2, le=5)]
 
 
-class Replay(Struct, frozen=True, tag_field="k", tag="replay"):
-    """Show the robot where it was; needs the right to replay. ``undone``: places that were worked at later."""
-
-    lat_deg: Annotated[float, Meta(ge=-90, le=90)]
-    lon_deg: Degrees
-    theta_rad: Annotated[float, Meta(ge=-100, le=100)]
-    joints: Annotated[dict[str, Annotated[float, Meta(ge=-1e4, le=1e4)]], Meta(max_length=64)] = field(
-        default_factory=dict
-    )
-    height_m: Annotated[float, Meta(ge=-100, le=20_000)] = 0.0
-    undone: Annotated[list[Annotated[str, Meta(max_length=64)]], Meta(max_length=200)] = field(default_factory=list)
+class Replay(Moment, frozen=True, tag_field="k", tag="replay"):
+    """Show the robot where it was; needs the right to replay."""
 
 
 class Live(Struct, frozen=True, tag_field="k", tag="live"):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from backend_clients.edge import machine
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.topics import Up
+from hmi.media.tap import where_is
 
 if TYPE_CHECKING:
     from hmi.media.studio import Studio
@@ -21,14 +22,14 @@ def status_of(studio: Studio, viewer: Viewer, now_s: float) -> dict[str, Any]:
     pose = intake.newest(robot_id, Up.TELEMETRY, up.Telemetry)
     body = intake.newest(robot_id, Up.BODY, machine.Body)
     scan = intake.newest(robot_id, Up.SCAN, machine.Scan)
-    site = studio.site(robot_id)
+    site, drawn_s = studio.site(robot_id), studio.world.drawn_at_s(robot_id)
     planned = body if body is not None and body[0].planned else None
     return {
         "k": "status",
         "robot": robot_id,
-        "is_drawn": studio.world.form_of(robot_id) is not None,
+        "is_drawn": drawn_s is not None,
         "model": "" if factsheet is None else studio.library.kind_of(factsheet[0]),
-        "pose_age_s": _age(pose, now_s),
+        "pose_age_s": None if drawn_s is None else _rounded(now_s - drawn_s),
         "ages_s": {
             "machine": _age(body or pose, now_s),
             "planned": _age(planned, now_s),
@@ -42,6 +43,9 @@ def status_of(studio: Studio, viewer: Viewer, now_s: float) -> dict[str, Any]:
         "trail": 0 if site is None else site.trail.points,
         "keep_out_m": None if factsheet is None else studio.keep_out_m(robot_id, factsheet[0]),
         "reach_m": None if site is None or site.reach is None else round(site.reach.radius_m, 2),
+        "touched": None if viewer.touched is None else where_is(studio, viewer, viewer.touched),
+        "is_past": viewer.past is not None,
+        "past_ms": None if viewer.past is None else viewer.past.basis.moment.at_ms,
         "view": viewer.view.value,
         "is_connected": viewer.client is not None,
     }

@@ -24,7 +24,9 @@ from hmi.media import orders
 from hmi.media.door import SECRET_HEADER, VIEWER_HEADER
 from hmi.media.ear import Ear
 from hmi.media.intake import Intake
+from hmi.media.recall import recall
 from hmi.media.status import status_of
+from hmi.media.tap import ground_under, tapped
 from hmi.side_door import is_secret
 from hmi.twin.farm import Farm, FarmRobot, Plan
 from hmi.twin.ground_frame import SiteFrame
@@ -32,7 +34,7 @@ from hmi.twin.groups import Group
 from hmi.twin.guarded_viser import guarded_viser, headers_of
 from hmi.twin.kinematics import Place
 from hmi.twin.library import Library
-from hmi.twin.past import past_of
+from hmi.twin.moment import Moment
 from hmi.twin.posture import Posture
 from hmi.twin.rotation import yaw
 from hmi.twin.site import SiteView
@@ -81,6 +83,7 @@ class Studio:
             self._task.cancel()
             with contextlib.suppress(asyncio.CancelledError):
                 await self._task
+        self.library.close()
         await asyncio.to_thread(self.server.stop)
 
     def set_farm(self, farm: Farm) -> None:
@@ -137,7 +140,7 @@ class Studio:
             case orders.Replay() if viewer.may_replay:
                 self._replay(viewer, order)
             case orders.Live():
-                viewer.show_replay(None)
+                self._replay(viewer, None)
             case orders.Unmark():
                 viewer.mark(None, None)
             case orders.Lift():
@@ -182,6 +185,7 @@ class Studio:
                     self._details(robot_id)
         now_s = self._clock.mono_s()
         for viewer in self.viewers.values():
+            recall(self, viewer)
             place = self.base(viewer)
             if viewer.client is not None and not viewer.is_aimed:
                 self._aim(viewer, viewer.view)  # its robot was not heard yet when it came
@@ -197,13 +201,13 @@ class Studio:
         telemetry = self.intake.newest(robot_id, Up.TELEMETRY, up.Telemetry)
         if factsheet is None or telemetry is None:
             return None
-        datum, said = factsheet[0].datum, telemetry[0]
+        datum, (said, at_s) = factsheet[0].datum, telemetry
         east, north = self.frame.shift(datum.lat_deg, datum.lon_deg)
         heard = self.intake.newest(robot_id, Up.BODY, machine.Body)
         body = None if heard is None else heard[0]
         height = 0.0 if body is None else height_m(body.gauges) or 0.0
         place = Place((said.x_m + east, said.y_m + north, height), yaw(said.theta_rad))
-        return Posture(place, {} if body is None else body.joints, {} if body is None else body.planned)
+        return Posture(place, {} if body is None else body.joints, {} if body is None else body.planned, at_s)
 
     def _draw(self, robot_id: str, *, is_watched: bool) -> None:
         posture = self.posture(robot_id)
@@ -233,6 +237,7 @@ class Studio:
             worksite=_message(self.intake.newest(robot_id, Up.WORKSITE, machine.Worksite)),
             scan=_message(self.intake.newest(robot_id, Up.SCAN, machine.Scan)),
             order=_order(self.intake.newest(robot_id, Up.STATE, up.State)),
+            now_ms=round(self._clock.utc().timestamp() * 1000),
         )
 
     def keep_out_m(self, robot_id: str, factsheet: up.Factsheet) -> float:
@@ -260,21 +265,19 @@ class Studio:
         head = form.head(base, posture.joints) if viewer.past is None else viewer.past.head
         viewer.aim(view, base, form.size_m, head, self._clock.mono_s())
 
-    def _replay(self, viewer: Viewer, order: orders.Replay) -> None:
-        solid = self.world.solid(viewer.robot_id)
-        if solid is None:
-            return
-        east, north = self.frame.local(order.lat_deg, order.lon_deg)
-        body = Place((east, north, order.height_m), yaw(order.theta_rad))
-        before, undone, site = viewer.past, frozenset(order.undone), self._sites.get(viewer.robot_id)
-        if before is not None and before.undone == undone:
-            marks = before.marks
-        else:
-            marks = {} if site is None else site.surface.without(undone)
-        viewer.show_replay(past_of(viewer.robot_id, solid, body, order.joints, undone, marks))
+    def _replay(self, viewer: Viewer, moment: Moment | None) -> None:
+        was_past, viewer.moment = viewer.past is not None, moment
+        if moment is None:
+            viewer.show_replay(None)
+        recall(self, viewer)
+        if was_past != (viewer.past is not None):  # the page waits for it
+            self._tell(viewer.key, status_of(self, viewer, self._clock.mono_s()))
 
     def _tell_all(self, now_s: float) -> None:
         for key, viewer in self.viewers.items():
+            base = self.base(viewer)
+            if base is not None:
+                viewer.mark_from(base.xyz)
             self._tell(key, status_of(self, viewer, now_s))
 
     def _tell(self, key: str, message: dict[str, Any]) -> None:
@@ -324,8 +327,6 @@ class Studio:
 
     def touch(self, key: str, origin: tuple[float, float, float], direction: tuple[float, float, float]) -> None:
         """Tell a page what lies under a ray in the site's plane, and mark the place."""
-        from hmi.media.tap import ground_under, tapped
-
         viewer = self.viewers.get(key)
         if viewer is not None and all(map(math.isfinite, (*origin, *direction))):
             place = ground_under(origin, direction)

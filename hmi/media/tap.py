@@ -30,12 +30,15 @@ OUTCOMES = {
 
 
 def tapped(studio: Studio, viewer: Viewer, origin: Vector, direction: Vector) -> dict[str, Any]:
-    """Return what is under a ray: robot, place, obstacle or bare ground, and the ground's place for the robot."""
+    """Return what is under a ray: robot, place, obstacle or bare ground, and the ground's place for the robot.
+
+    In a replay that is what is seen there: nothing of now but obstacles, which are said to be.
+    """
     ground = ground_under(origin, direction)
     found = _robot(studio, viewer, origin, direction)
     if found is None and ground is not None:
         found = _place(studio, viewer, ground) or {"what": "ground", "name": "Ground", "lines": []}
-    return {"k": "tap", **(found or {"what": "nothing", "name": "", "lines": []}), **_at(studio, viewer, ground)}
+    return {"k": "tap", **(found or {"what": "nothing", "name": "", "lines": []}), **where_is(studio, viewer, ground)}
 
 
 def ground_under(origin: Vector, direction: Vector) -> tuple[float, float] | None:
@@ -51,7 +54,7 @@ def _robot(studio: Studio, viewer: Viewer, origin: Vector, direction: Vector) ->
     """The robot whose hull the ray enters first; the hull is a ball, flattened to its height."""
     start, unit = np.asarray(origin), np.asarray(direction) / max(float(np.linalg.norm(direction)), 1e-9)
     best: tuple[float, str] | None = None
-    for robot_id in studio.world.robots():
+    for robot_id in studio.world.robots() if viewer.past is None else [viewer.robot_id]:
         solid = studio.world.solid(robot_id)
         if solid is None:
             continue
@@ -66,14 +69,19 @@ def _robot(studio: Studio, viewer: Viewer, origin: Vector, direction: Vector) ->
             best = (along, robot_id)
     if best is None:
         return None
-    return {"what": "robot", "id": best[1], "name": studio.farm[best[1]].name, "lines": _robot_lines(studio, best[1])}
+    return {
+        "what": "robot",
+        "id": best[1],
+        "name": studio.farm[best[1]].name,
+        "lines": _robot_lines(studio, viewer, best[1]),
+    }
 
 
-def _robot_lines(studio: Studio, robot_id: str) -> list[str]:
+def _robot_lines(studio: Studio, viewer: Viewer, robot_id: str) -> list[str]:
     telemetry = studio.intake.newest(robot_id, Up.TELEMETRY, up.Telemetry)
     factsheet = studio.intake.newest(robot_id, Up.FACTSHEET, up.Factsheet)
     lines = [] if factsheet is None else [factsheet[0].model]
-    return lines if telemetry is None else [*lines, f"{abs(telemetry[0].speed_mps):.2f} m/s"]
+    return lines if telemetry is None or viewer.past is not None else [*lines, f"{abs(telemetry[0].speed_mps):.2f} m/s"]
 
 
 def _place(studio: Studio, viewer: Viewer, ground: tuple[float, float]) -> dict[str, Any] | None:
@@ -81,22 +89,25 @@ def _place(studio: Studio, viewer: Viewer, ground: tuple[float, float]) -> dict[
     if site is None or shift is None:
         return None
     x, y = ground[0] - shift[0], ground[1] - shift[1]
-    now = site.surface.site
+    now, past = site.surface.site, viewer.past
     for one in [] if now is None else now.obstacles:
         if math.dist((one.x_m, one.y_m), (x, y)) < one.radius_m + NEAR_M:
             size = f"{2 * one.radius_m:.1f} m across, {one.height_m:.1f} m high"
-            return {"what": "obstacle", "id": one.id, "name": one.kind.capitalize(), "lines": [size]}
-    for target in [] if now is None else now.targets:
+            lines = [size] if past is None else [size, "As now, not recorded"]
+            return {"what": "obstacle", "id": one.id, "name": one.kind.capitalize(), "lines": lines}
+    for target in [] if now is None or past is not None else now.targets:
         if math.dist((target.x_m, target.y_m), (x, y)) < NEAR_M:
             lines = [OUTCOMES[target.status], *([target.text] if target.text else [])]
             return {"what": "place", "id": target.id, "name": f"Place {target.id}", "lines": lines}
     for name, at_x, at_y, outcome in site.surface.ended():
-        if math.dist((at_x, at_y), (x, y)) < NEAR_M:
+        is_then = past is None or name not in past.undone
+        if is_then and math.dist((at_x, at_y), (x, y)) < NEAR_M:
             return {"what": "place", "id": name, "name": f"Place {name}", "lines": [OUTCOMES.get(outcome, outcome)]}
     return None
 
 
-def _at(studio: Studio, viewer: Viewer, ground: tuple[float, float] | None) -> dict[str, Any]:
+def where_is(studio: Studio, viewer: Viewer, ground: tuple[float, float] | None) -> dict[str, Any]:
+    """Return where a place of the ground is for a viewer's robot, and how far from it and its arm at this moment."""
     shift = _shift(studio, viewer)
     if ground is None or shift is None:
         return {"x_m": None, "y_m": None, "distance_m": None}

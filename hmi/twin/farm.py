@@ -29,12 +29,13 @@ class Swath(Struct, frozen=True):
 
 
 class Treated(Struct, frozen=True):
-    """A place that was worked at before the media process listened."""
+    """A place that was worked at before the media process listened; ``at_ms`` is when, UTC, 0 where nobody knows."""
 
     id: str
     x_m: float
     y_m: float
     outcome: str
+    at_ms: int = 0
 
 
 class Plan(Struct, frozen=True):

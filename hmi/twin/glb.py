@@ -53,9 +53,24 @@ def glb_of(corners: Floats, colours: NDArray[np.uint8], *, alpha: float = 1.0) -
 
 
 def _shared(corners: Floats, colours: NDArray[np.uint8]) -> tuple[Floats, NDArray[np.uint8], NDArray[np.uint32]]:
-    rows = np.column_stack([np.round(corners, 5), colours])
-    unique, order = np.unique(rows, axis=0, return_inverse=True)
-    return unique[:, :3].astype(np.float32), unique[:, 3:].astype(np.uint8), order.reshape(-1).astype(np.uint32)
+    """Return every place of a colour once, and which of them each corner is.
+
+    Rows are compared as whole numbers: ``np.unique`` takes seven times as long over rows, and no other thread runs
+    meanwhile.
+    """
+    points = np.ascontiguousarray(np.round(corners, 5), np.float32) + np.float32(0)  # minus zero has other bits
+    rows = np.zeros((len(points), 4), np.uint32)
+    rows[:, :3] = points.view(np.uint32)
+    rows.view(np.uint8)[:, 12:15] = colours
+    keys = rows.view(np.uint64)
+    by_key = np.lexsort((keys[:, 0], keys[:, 1]))
+    alike = keys[by_key]
+    is_first = np.ones(len(alike), np.bool_)
+    is_first[1:] = (alike[1:] != alike[:-1]).any(axis=1)
+    order = np.empty(len(alike), np.uint32)
+    order[by_key] = np.cumsum(is_first, dtype=np.uint32) - np.uint32(1)
+    unique = by_key[is_first]
+    return points[unique], colours[unique], order
 
 
 def _views(sizes: list[int]) -> list[dict[str, int]]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -11,52 +13,75 @@ from hmi.twin.errors import ModelError
 from hmi.twin.machine import Form
 from hmi.twin.mesh_files import MeshFolder
 from hmi.twin.model import Box, Cylinder, Model, Visual
-from hmi.twin.skin import Skin, skin_of
+from hmi.twin.skin import skin_of
 from hmi.twin.upload import MODEL, load_kept
 from hmi.twin.urdf import parse_urdf
 
 OWN = Path(__file__).resolve().parents[2] / "static" / "models"
 FAMILIES = ("weeder", "planter", "uav")
+log = logging.getLogger(__name__)
 
 
 class Library:
-    """Models by robot. ``uploads`` holds one folder for each robot with a model of its own."""
+    """Models by robot. ``uploads`` holds one folder for each robot with a model of its own.
+
+    An upload may be large: it is made ready in a thread, and the robot has another model until then.
+    """
 
     def __init__(self, uploads: Path) -> None:
         self._uploads = uploads
-        self._forms: dict[tuple[str, ...], Form] = {}
+        self._forms: dict[tuple[str, str], Form] = {}
+        self._own: dict[str, tuple[int, Future[Form | None]]] = {}
+        self._reader = ThreadPoolExecutor(1, "twin-model")
+
+    def close(self) -> None:
+        """Make no further model ready."""
+        self._reader.shutdown(wait=False, cancel_futures=True)
 
     def kind_of(self, factsheet: Factsheet) -> str:
-        """Return where a robot's model comes from: upload, family or plain."""
-        if (self._uploads / factsheet.robot / MODEL).is_file():
+        """Return where a robot's model comes from: upload, family or plain; loading while an upload is made ready."""
+        own = self._uploaded(factsheet.robot)
+        if own is not None and not own.done():
+            return "loading"
+        if own is not None and own.result() is not None:
             return "upload"
         return "family" if factsheet.family in FAMILIES else "plain"
 
     def form(self, factsheet: Factsheet) -> Form:
-        """Return the model of a robot; a kept upload that is damaged falls back to the family's."""
-        kind = self.kind_of(factsheet)
-        if kind == "upload":
-            try:
-                return self._kept(("upload", factsheet.robot, self._stamp(factsheet.robot)), factsheet)
-            except ModelError:
-                kind = "family" if factsheet.family in FAMILIES else "plain"
-        size = factsheet.dimensions
-        key = (kind, factsheet.family) if kind == "family" else ("plain", f"{size}")
-        return self._kept(key, factsheet)
+        """Return the model of a robot; a kept upload that is not ready or damaged falls back to the family's."""
+        own = self._uploaded(factsheet.robot)
+        form = own.result() if own is not None and own.done() else None
+        return form or self._stock(factsheet)
 
-    def _kept(self, key: tuple[str, ...], factsheet: Factsheet) -> Form:
+    def _stock(self, factsheet: Factsheet) -> Form:
+        is_family = factsheet.family in FAMILIES
+        key = ("family", factsheet.family) if is_family else ("plain", f"{factsheet.dimensions}")
         if key not in self._forms:
-            self._forms[key] = Form.of(*self._read(key[0], factsheet))
+            model = own_model(factsheet.family) if is_family else plain_model(factsheet)
+            self._forms[key] = Form.of(model, skin_of(model, MeshFolder(OWN).read))
         return self._forms[key]
 
-    def _read(self, kind: str, factsheet: Factsheet) -> tuple[Model, Skin]:
-        if kind == "upload":
-            return load_kept(self._uploads / factsheet.robot)
-        model = own_model(factsheet.family) if kind == "family" else plain_model(factsheet)
-        return model, skin_of(model, MeshFolder(OWN).read)
+    def _uploaded(self, robot_id: str) -> Future[Form | None] | None:
+        """Return a robot's own model, which may be on its way; it is read again when it was uploaded again."""
+        try:
+            stamp = (self._uploads / robot_id / MODEL).stat().st_mtime_ns
+        except OSError:
+            self._own.pop(robot_id, None)
+            return None
+        known = self._own.get(robot_id)
+        if known is None or known[0] != stamp:
+            known = self._own[robot_id] = (stamp, self._reader.submit(_read, self._uploads / robot_id))
+        return known[1]
 
-    def _stamp(self, robot_id: str) -> str:
-        return str((self._uploads / robot_id / MODEL).stat().st_mtime_ns)
+
+def _read(folder: Path) -> Form | None:
+    try:
+        return Form.of(*load_kept(folder))
+    except ModelError as error:
+        log.warning("%s", error)
+    except Exception:  # whatever an upload holds, its robot is drawn some other way
+        log.exception("the model in %s cannot be drawn", folder.name)
+    return None
 
 
 def own_model(family: str) -> Model:

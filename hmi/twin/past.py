@@ -10,19 +10,35 @@ from hmi.twin.kinematics import Place
 from hmi.twin.machine import MachineView
 from hmi.twin.marks import Mark
 from hmi.twin.model import Vector
+from hmi.twin.moment import Moment
 
-NOT_RECORDED = frozenset({Group.PLANNED, Group.SCAN, Group.LIMITS, Group.LABELS, Group.CAMERAS})
+NOT_RECORDED = frozenset({Group.PLANNED, Group.SCAN, Group.LIMITS, Group.LABELS, Group.CAMERAS, Group.TRAIL})
 """Layers known of now only: beside a robot of ten minutes ago they would be taken for then."""
 Marks = Mapping[str, tuple[Mark, list[tuple[float, float]]]]
 WITH_BODY = (Group.KEEPOUT, Group.REACH)
+OF_OTHERS = (Group.MACHINE, Group.TREES, *WITH_BODY)
+"""What is drawn of every robot in layers that show the replayed one as it was then."""
+
+
+@dataclass(frozen=True, slots=True)
+class Basis:
+    """What a replayed moment is made from: it is good for as long as this stays.
+
+    ``ends`` counts the places that are over by now. ``others`` are robots that are seen where they are now.
+    """
+
+    moment: Moment
+    drawn: MachineView
+    ends: int
+    others: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Past:
-    """One recorded moment. ``body`` in the site's plane, ``joints`` in rad or m, ``frames`` by their names."""
+    """One recorded moment. ``body`` in the site's plane, ``frames`` by their names."""
 
+    basis: Basis
     body: Place
-    joints: Mapping[str, float]
     head: Vector | None
     frames: list[tuple[str, Place]]
     hidden: tuple[str, ...]
@@ -30,16 +46,16 @@ class Past:
     marks: Marks
 
 
-def past_of(
-    robot_id: str, drawn: MachineView, body: Place, joints: Mapping[str, float], undone: frozenset[str], marks: Marks
-) -> Past:
-    """Return the moment at which a robot stood at ``body`` with such joints.
+def past_of(robot_id: str, basis: Basis, body: Place, undone: frozenset[str], marks: Marks) -> Past:
+    """Return the moment at which a robot stood at ``body``; the others are hidden.
 
     ``marks`` are the places that were over by then, where they are fewer than now, by their frame.
     """
+    drawn, joints = basis.drawn, basis.moment.joints
     around = [(group.of(robot_id), body) for group in WITH_BODY]
     frames = [*drawn.frames(body, joints), *around]
-    return Past(body, joints, drawn.form.head(body, joints), frames, (worked_at(robot_id),), undone, marks)
+    hidden = (worked_at(robot_id), *(group.of(other) for other in basis.others for group in OF_OTHERS))
+    return Past(basis, body, drawn.form.head(body, joints), frames, hidden, undone, marks)
 
 
 def worked_at(robot_id: str) -> str:

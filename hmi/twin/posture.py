@@ -10,8 +10,12 @@ from hmi.twin.kinematics import Place
 
 @dataclass(frozen=True, slots=True)
 class Posture:
-    """Body in the site's plane and joints as measured; ``planned`` holds the joints it is on its way to."""
+    """Body in the site's plane and joints as measured; ``planned`` holds the joints it is on its way to.
+
+    ``at_s`` is when the body stood there, on this process's monotonic clock.
+    """
 
     body: Place
     joints: Mapping[str, float] = field(default_factory=dict)
     planned: Mapping[str, float] = field(default_factory=dict)
+    at_s: float = 0.0

@@ -66,11 +66,12 @@ class SiteView:
         worksite: machine.Worksite | None,
         scan: machine.Scan | None,
         order: up.OrderState | None,
+        now_ms: int,
     ) -> None:
-        """Bring everything up to date. ``shift`` is where the robot's datum lies in the site's plane."""
+        """Bring everything up to date. ``shift`` is where the robot's datum lies in the site's plane, now is UTC."""
         self.trail.add(posture.body.xyz)
         self.path.show(order)
-        self.surface.show(worksite, shift)
+        self.surface.show(worksite, shift, now_ms)
         self._ring(posture, keep_out_m)
         self.limits.show(form, posture, factsheet)
         self._parts_of(form, posture, factsheet)

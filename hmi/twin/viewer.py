@@ -5,6 +5,7 @@ viser shows a viewer its own variant of a frame in place of everybody's: so laye
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -17,6 +18,7 @@ from hmi.twin.groups import HIDDEN_AT_FIRST, Group
 from hmi.twin.kinematics import Place
 from hmi.twin.marks import draw_marks
 from hmi.twin.model import Vector
+from hmi.twin.moment import Moment
 from hmi.twin.mover import Mover
 from hmi.twin.past import NOT_RECORDED, Marks, Past
 from hmi.twin.touched import draw_touched
@@ -24,6 +26,7 @@ from hmi.twin.touched import draw_touched
 SETTLE_S = 0.4  # a turned camera runs on a little after it was let go
 HOLD_S = 0.6  # after a touch of the wheel or a key the camera is left alone this long
 FOLLOW_M = 0.004  # smaller steps are not worth a message
+MARK_M = 0.2
 
 
 class View(StrEnum):
@@ -38,7 +41,10 @@ class View(StrEnum):
 
 @dataclass(slots=True)
 class Viewer:
-    """What one page asked for. ``client`` is there while its picture is connected."""
+    """What one page asked for. ``client`` is there while its picture is connected.
+
+    ``moment`` is what it wants to see of the record, ``past`` what it sees of it.
+    """
 
     key: str
     robot_id: str
@@ -46,16 +52,19 @@ class Viewer:
     client: viser.ClientHandle | None = None
     view: View = View.FOLLOW
     hidden: set[Group] = field(default_factory=lambda: set(HIDDEN_AT_FIRST))
+    moment: Moment | None = None
     past: Past | None = None
     is_aimed: bool = False
     is_held: bool = False
     held_until_s: float = 0.0
     is_dark: bool = False
-    touched: tuple[tuple[float, float], Vector | None] | None = None
+    touched: tuple[float, float] | None = None
     _mover: Mover | None = None
     _camera: Camera | None = None
     _base: Vector | None = None
     _overridden: set[str] = field(default_factory=set)
+    _touched_from: Vector | None = None
+    _height_m: float = 0.0
     _marks: Marks = field(default_factory=dict)
 
     def join(self, client: viser.ClientHandle) -> None:
@@ -68,6 +77,8 @@ class Viewer:
         if self.is_dark:
             self.set_dark(is_dark=True)
         self.show_replay(self.past)
+        if self.touched is not None:
+            self._draw_touched()
 
     def leave(self, client_id: int) -> None:
         """Forget a picture that went, unless a newer one came already."""
@@ -139,20 +150,31 @@ class Viewer:
 
     def mark(self, place: tuple[float, float] | None, base: Vector | None) -> None:
         """Show this viewer the place that was touched and the line to it; ``None`` takes it away."""
-        self.touched = None if place is None else (place, base)
-        if self.client is not None:
-            draw_touched(self.client.scene, place, base)
+        self.touched, self._touched_from, self._height_m = place, base, 0.0
+        self._draw_touched()
+
+    def mark_from(self, base: Vector) -> None:
+        """Let the line to the touched place begin where the robot is now."""
+        before = self._touched_from
+        if self.touched is not None and (before is None or math.dist(before, base) > MARK_M):
+            self._touched_from = base
+            self._draw_touched()
 
     def lift(self, height_m: float) -> None:
         """Show this viewer how high above the touched place the tool would stand."""
-        if self.client is not None and self.touched is not None:
-            draw_touched(self.client.scene, *self.touched, height_m)
+        if self.touched is not None:
+            self._height_m = height_m
+            self._draw_touched()
 
     def set_dark(self, *, is_dark: bool) -> None:
         """Darken the ground for this viewer."""
         self.is_dark = is_dark
         if self.client is not None:
             draw_ground(self.client.scene, DARK if is_dark else GROUND)
+
+    def _draw_touched(self) -> None:
+        if self.client is not None:
+            draw_touched(self.client.scene, self.touched, self._touched_from, self._height_m)
 
     def _override(self, past: Past, mover: Mover) -> None:
         for name in past.hidden:

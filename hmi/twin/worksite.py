@@ -33,6 +33,9 @@ class WorkSurface:
         self._scene, self._trees, self._now, self._obstacles = scene, trees, now, obstacles
         scene.add_frame(now, show_axes=False)
         self._ended: dict[str, tuple[float, float, str]] = {}
+        self._ended_ms: dict[str, int] = {}
+        self._is_heard = False
+        self.ends = 0  # how often a place ended, or was told to have: it changes with what is over
         self._before: Sequence[Treated] = ()
         self._drawn: tuple[object, ...] = ()
         self._batches: dict[str, list[Point]] = {}
@@ -58,6 +61,10 @@ class WorkSurface:
         """Yield id, metres east and north in the robot's plane, and outcome of every place that is over."""
         return ((name, *rest) for name, rest in self._ended.items())
 
+    def ended_after(self, at_ms: int) -> frozenset[str]:
+        """Return the places that were over only after a moment, UTC; those of which nobody knows when are none."""
+        return frozenset(name for name, ended_ms in self._ended_ms.items() if ended_ms > at_ms)
+
     def without(self, undone: frozenset[str]) -> dict[str, tuple[Mark, list[Point]]]:
         """Return, by frame, the marks of each outcome that some of ``undone`` had, without those."""
         outcomes = {self._ended[name][2] for name in undone if name in self._ended}
@@ -68,14 +75,14 @@ class WorkSurface:
         self._before = treated
         for one in treated:
             self._ended.setdefault(one.id, (one.x_m, one.y_m, one.outcome))
+            self._ended_ms[one.id] = self._ended_ms.get(one.id) or one.at_ms
+        self.ends += 1
         self._drawn = ()
 
-    def show(self, site: Worksite | None, shift: Point) -> None:
-        """Draw the worksite if it changed."""
-        if site is not None:
-            for target in site.targets:
-                if target.status == "done" or target.status in FAILED:
-                    self._ended[target.id] = (target.x_m, target.y_m, target.status)
+    def show(self, site: Worksite | None, shift: Point, now_ms: int) -> None:
+        """Draw the worksite if it changed. ``now_ms`` is the time, UTC."""
+        if site is not None and site is not self._site:
+            self._note_ended(site, now_ms)
         key = (None if site is None else (site.boot, site.seq), len(self._ended), shift)
         if key == self._drawn:
             return
@@ -83,6 +90,20 @@ class WorkSurface:
         self._draw_places([] if site is None else site.targets, shift)
         self._draw_obstacles([] if site is None else site.obstacles, shift)
         self._draw_area([] if site is None else site.area, shift)
+
+    def _note_ended(self, site: Worksite, now_ms: int) -> None:
+        """Note what is over; of what was over in the first one that is heard nobody knows since when."""
+        for target in site.targets:
+            if target.status != "done" and target.status not in FAILED:
+                continue
+            before = self._ended.get(target.id)
+            self._ended[target.id] = (target.x_m, target.y_m, target.status)
+            if before is None or before[2] != target.status:
+                self.ends += 1
+                self._ended_ms.setdefault(target.id, 0)
+                if self._is_heard:
+                    self._ended_ms[target.id] = now_ms
+        self._is_heard = True
 
     def _draw_places(self, targets: Sequence[Target], shift: Point) -> None:
         for outcome, mark in ENDED.items():

@@ -20,6 +20,7 @@ BEAT = "/beat"
 @dataclass(slots=True)
 class _Shown:
     solid: MachineView
+    at_s: float = 0.0
     ghost: MachineView | None = None
     is_ghost_seen: bool = False
 
@@ -53,6 +54,11 @@ class World:
         shown = self._robots.get(robot_id)
         return None if shown is None else shown.solid.form
 
+    def drawn_at_s(self, robot_id: str) -> float | None:
+        """Return when the posture was true that a robot is drawn with; ``None`` while it is not drawn."""
+        shown = self._robots.get(robot_id)
+        return None if shown is None else shown.at_s
+
     def solid(self, robot_id: str) -> MachineView | None:
         """Return the drawing of a robot as measured."""
         shown = self._robots.get(robot_id)
@@ -67,6 +73,7 @@ class World:
             solid = MachineView(self._scene, self.mover, Group.MACHINE.of(robot_id), form)
             shown = self._robots[robot_id] = _Shown(solid)
         moved = shown.solid.show(posture.body, posture.joints)
+        shown.at_s = posture.at_s
         return moved + self._show_ghost(robot_id, shown, posture, is_wanted=has_ghost and bool(posture.planned))
 
     def beat(self) -> None:

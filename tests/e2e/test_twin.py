@@ -204,7 +204,7 @@ def test_a_replay_moves_as_recorded_says_what_is_not_recorded_and_goes_back(
     martha.sees("twin", "live", within_s=FIRST_PICTURE_S)
     wait_for(lambda: moments(calm, berry.id) > 5, within_s=40, what="some seconds are on record")
     press(martha, "twin-replay")
-    expect(martha.page.locator(".t-moment")).to_contain_text("recorded", timeout=10_000)
+    expect(martha.page.locator(".t-moment")).to_contain_text("recorded", timeout=20_000)
     lift = martha.hook("joint-lift")
     before = lift.get_attribute("data-value")
     wait_for(lambda: lift.get_attribute("data-value") != before, within_s=10, what="recorded joints move")

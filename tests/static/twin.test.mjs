@@ -42,6 +42,14 @@ test("connecting, live, stale and unavailable are told apart", () => {
   assert.equal(link.judge().state, "unavailable");
 });
 
+test("a robot that is drawn with a pose of unknown age is not live", () => {
+  const page = load();
+  const link = new page.HL.TwinLink("weeder-07", { contentWindow: "frame" });
+  page.say({ from: "headland-twin", kind: "beat", isConnected: true, ageMs: 100, frames: 3 });
+  page.socket().onmessage({ data: JSON.stringify({ k: "status", is_drawn: true, pose_age_s: null, ages_s: {} }) });
+  assert.deepEqual({ ...link.judge() }, { state: "stale", text: "The age of this pose is not known" });
+});
+
 test("a browser without WebGL is shown the map", () => {
   const page = load();
   const link = new page.HL.TwinLink("weeder-07", { contentWindow: "frame" });
@@ -92,6 +100,149 @@ test("in a replay the pose of now does not count as old, a lost picture does", (
   assert.equal(link.judge(false).state, "stale");
   page.pass(4000);
   assert.match(link.judge(true).text, /^Picture is/);
+});
+
+const THEN = Date.now() - 60000;
+const SHORT = { t: [THEN, THEN + 1000, THEN + 2000], lat: [52, 52, 52], lon: [5, 5, 5], theta: [0, 0, 0], joints: {}, events: [{ t: THEN + 1500, target: "t2", name: "treatment", kind: "treatment" }] };
+
+function screen() {
+  const page = load();
+  const link = new page.HL.TwinLink("weeder-07", { contentWindow: "frame" });
+  const replay = new page.HL.TwinReplay(link, "weeder-07", "");
+  const details = new page.HL.TwinDetails("weeder-07", link, () => replay.isReplay || link.isPast());
+  replay.onturn = () => details.close();
+  link.on("status", (said) => details.follow(said.touched));
+  page.beat();
+  page.status();
+  const said = () => (replay.paint(), replay.said.said);
+  return { ...page, page, link, replay, details, said };
+}
+
+test("the record is called shown when the picture says so, not when it was asked for", async () => {
+  const { page, link, replay, said } = screen();
+  replay.choose("replay");
+  assert.equal(said(), "Loading the record");
+  await page.answer(SHORT);
+  const order = page.orders().filter((one) => one.k === "replay").at(-1);
+  assert.deepEqual({ at_ms: order.at_ms, undone: order.undone }, { at_ms: THEN, undone: ["t2"] });
+  page.status();
+  assert.equal(said(), "Loading the record", "the robot is not drawn yet: the picture is live");
+  assert.equal(link.isPast(), false);
+  page.status({ is_past: true, past_ms: THEN });
+  assert.match(said(), /, recorded$/);
+  replay.seek(THEN + 2000);
+  page.status({ is_past: true, past_ms: THEN - 50000 });
+  assert.equal(said(), "Loading the record", "another moment is shown");
+  page.status({ is_past: true, past_ms: THEN + 2000 });
+  assert.match(said(), /, recorded$/);
+  page.socket().onclose({});
+  assert.equal(said(), "Loading the record", "who draws forgot it with the socket");
+  page.ring();
+  page.socket().onopen();
+  assert.equal(page.orders().find((one) => one.k === "replay").at_ms, THEN + 2000);
+  page.status({ is_past: true, past_ms: THEN + 2000 });
+  assert.match(said(), /, recorded$/);
+  page.pass(4000);
+  assert.equal(said(), "Loading the record", "nobody told for long");
+});
+
+test("a record without anything goes back to live and says so", async () => {
+  const { page, replay, said } = screen();
+  replay.choose("replay");
+  await page.answer({ t: [] });
+  assert.equal(replay.isReplay, false);
+  assert.deepEqual(page.toasts, ["Nothing was recorded in the last 10 minutes."]);
+  assert.match(said(), /behind$/);
+});
+
+test("an answer that comes after the way back, or beside a newer one, is not played", async () => {
+  const { page, replay } = screen();
+  replay.choose("replay");
+  replay.choose("live");
+  replay.choose("replay");
+  await page.answer(SHORT);
+  assert.equal(replay.samples, null, "it was the first one's");
+  await page.answer(SHORT);
+  assert.equal(replay.isPlaying, true);
+});
+
+test("going back to live is told until the line takes it, and the picture is not called live before", async () => {
+  const { page, link, replay, said } = screen();
+  replay.choose("replay");
+  await page.answer(SHORT);
+  page.status({ is_past: true, past_ms: THEN });
+  page.socket().bufferedAmount = 70000;
+  page.socket().sent.length = 0;
+  replay.choose("live");
+  page.status({ is_past: true, past_ms: THEN });
+  assert.equal(said(), "Going back to live");
+  assert.equal(link.isPast(), true);
+  page.socket().bufferedAmount = 0;
+  page.status({ is_past: true, past_ms: THEN });
+  assert.deepEqual(page.orders(), [{ k: "live" }]);
+  page.status();
+  assert.match(said(), /behind$/);
+  assert.deepEqual(page.orders(), [{ k: "live" }], "once is enough");
+});
+
+test("an angle beyond a turn is asked for within one", () => {
+  const { HL } = load();
+  const shown = HL.replaySampleAt({ ...record, theta: [999.9, 999.9, 0, 0] }, 500);
+  assert.ok(Math.abs(shown.theta_rad) <= Math.PI, String(shown.theta_rad));
+  assert.ok(Math.abs(Math.cos(shown.theta_rad) - Math.cos(999.9)) < 1e-9);
+});
+
+const TAP = { k: "tap", what: "ground", name: "Ground", lines: [], x_m: 5, y_m: 1, distance_m: 2, arm_m: 2, reach_m: 6 };
+
+test("the card of a tap says how far it is now, and the arm's reach counts from there", () => {
+  const { page, details } = screen();
+  details.show({ ...TAP });
+  const [crane, drive] = details.slides.map((one) => one.slide);
+  assert.equal(crane.off, "");
+  page.status({ touched: { x_m: 5, y_m: 1, distance_m: 40, arm_m: 40, reach_m: 6 } });
+  details.paint();
+  assert.match(drive.line, /40\.0 m away/);
+  assert.match(details.where.said, /^40\.0 m from the robot/);
+  assert.equal(crane.off, "Out of reach: 40.0 m, it reaches 6.0 m.");
+  page.pass(3000);
+  details.paint();
+  assert.equal(drive.off, "The pose is old. How far it is now is not known.");
+});
+
+test("a place that is not marked any more is not offered", () => {
+  const { page, details } = screen();
+  details.show({ ...TAP });
+  page.status();
+  assert.equal(details.node.hidden, true);
+  details.show({ ...TAP });
+  page.status({ touched: { x_m: 5, y_m: 2, distance_m: 40 } });
+  assert.equal(details.node.hidden, true);
+});
+
+test("turning to the record or back closes the card, and nothing is sent while the record is shown", async () => {
+  const { page, replay, details } = screen();
+  const touched = { x_m: 5, y_m: 1, distance_m: 2 };
+  details.show({ ...TAP });
+  replay.choose("replay");
+  assert.equal(details.node.hidden, true);
+  await page.answer(SHORT);
+  details.show({ ...TAP });
+  page.status({ is_past: true, past_ms: THEN, touched });
+  replay.choose("live");
+  assert.equal(details.node.hidden, true);
+  details.show({ ...TAP });
+  assert.equal(details.slides[1].slide.off, "This is a replay. Go back to Live first.", "the picture still shows it");
+  page.status({ touched });
+  details.paint();
+  assert.equal(details.slides[1].slide.off, "");
+});
+
+test("nobody is offered to drive onto an obstacle", () => {
+  const { details } = screen();
+  details.show({ ...TAP, what: "obstacle" });
+  assert.deepEqual([...details.slides.map(({ send }) => send.action)], ["tool_go_to"]);
+  details.show({ ...TAP });
+  assert.deepEqual([...details.slides.map(({ send }) => send.action)], ["tool_go_to", "go_to"]);
 });
 
 test("a moment has the height between two samples, and the ground where none was recorded", () => {

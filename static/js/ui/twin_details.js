@@ -26,10 +26,22 @@
       this.node.dataset.what = said.what;
       this.sign.replaceChildren(icon(SIGNS[said.what] ?? "info"));
       text(this.title, said.name);
-      const place = said.x_m === null ? [] : [`${said.distance_m === null ? "" : `${said.distance_m.toFixed(1)} m from the robot, `}east ${said.x_m.toFixed(1)}, north ${said.y_m.toFixed(1)}`];
-      this.lines.replaceChildren(...[...said.lines, ...place].map((line) => el("div", {}, line)));
+      this.where = el("div", {});
+      this.lines.replaceChildren(...said.lines.map((line) => el("div", {}, line)), this.where);
       this.offer(said);
       return null;
+    }
+
+    // how far it is now, twice a second; a place that is not marked any more is not offered any more
+    follow(touched) {
+      if (this.node.hidden || this.said.x_m === null) return;
+      if (touched?.x_m !== this.said.x_m || touched.y_m !== this.said.y_m) this.close();
+      else Object.assign(this.said, touched);
+    }
+
+    place() {
+      const { x_m: east, y_m: north, distance_m: away } = this.said;
+      return east === null ? "" : `${away === null ? "" : `${away.toFixed(1)} m from the robot, `}east ${east.toFixed(1)}, north ${north.toFixed(1)}`;
     }
 
     // what this robot can be sent to a place with; each says why while it is off
@@ -38,7 +50,7 @@
       this.said = said;
       const isPlace = said.x_m !== null && said.what !== "robot" && HL.config.rights.includes("drive");
       const hasArm = Boolean(said.reach_m) || (HL.port.inside(this.robot).joints?.joints ?? []).length > 2;
-      this.slides = SENDS.filter((send) => isPlace && (!send.isTool || hasArm)).map((send) => this.slide(send));
+      this.slides = SENDS.filter((send) => isPlace && (send.isTool ? hasArm : said.what !== "obstacle")).map((send) => this.slide(send));
       this.acts.replaceChildren(...this.slides.flatMap(({ slide, send, why }) => [send.isTool ? this.heights() : "", slide.node, why]));
       if (this.slides.some(({ send }) => send.isTool)) this.lift(this.height);
       this.paint();
@@ -72,6 +84,7 @@
     // the same rule as in the dock: what would be refused looks off
     refusal({ action, isTool }) {
       if (this.isReplay()) return "This is a replay. Go back to Live first.";
+      if (!this.link.isPoseFresh()) return "The pose is old. How far it is now is not known.";
       const off = HL.superDock.refusal(action);
       if (off) return off;
       const { arm_m: away, reach_m: reach } = this.said;
@@ -79,6 +92,8 @@
     }
 
     paint() {
+      if (this.node.hidden) return;
+      text(this.where, this.place());
       for (const { slide, send, why } of this.slides) {
         const off = this.refusal(send);
         slide.isQuiet = true; // said once, below

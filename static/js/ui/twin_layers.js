@@ -9,7 +9,7 @@
   ];
   const HIDDEN = ["terrain", "cameras"];
   const STALE_S = 2;
-  const NOT_RECORDED = ["planned", "scan", "limits", "labels", "cameras"]; // hidden in a replay: known of now only
+  const NOT_RECORDED = ["planned", "scan", "limits", "labels", "cameras", "trail"]; // hidden in a replay: known of now only
   const OF_NOW = ["obstacles", "path"];
   const SLOW = { scan: 3, cameras: 3 }; // once a second at most
 
@@ -60,7 +60,7 @@
       this.link.wish(`layer:${key}`, { k: "layer", name: key, on: !this.hidden.has(key) });
     }
 
-    paint(isReplay) {
+    paint(isPast) {
       const { status } = this.link;
       const said = {
         trees: status?.trees ? `${status.trees.done} / ${status.trees.done + status.trees.failed + status.trees.here}` : "",
@@ -68,12 +68,12 @@
         reach: meters(status?.reach_m),
         ...(status && !this.hidden.has("cameras") && status.ages_s.cameras === null ? { cameras: "no picture" } : {}),
       };
-      if (isReplay) Object.assign(said, { machine: "recorded", trees: "as then" }, ...NOT_RECORDED.map((key) => ({ [key]: "not recorded" })), ...OF_NOW.map((key) => ({ [key]: "as now" })));
+      if (isPast) Object.assign(said, { machine: "recorded", trees: "as then" }, ...NOT_RECORDED.map((key) => ({ [key]: "not recorded" })), ...OF_NOW.map((key) => ({ [key]: "as now" })));
       for (const [key, row] of this.rows) {
-        const age = !isReplay && ["machine", "planned", "scan", "cameras"].includes(key) ? this.link.ageOf(key) : null;
+        const age = !isPast && ["machine", "planned", "scan", "cameras"].includes(key) ? this.link.ageOf(key) : null;
         text(row.value, said[key] ?? (age === null ? "" : HL.words.age(age * 1000)));
         toggle(row.node, "stale", age !== null && age > (SLOW[key] ?? STALE_S));
-        toggle(row.node, "past", isReplay && NOT_RECORDED.includes(key));
+        toggle(row.node, "past", isPast && NOT_RECORDED.includes(key));
         attr(row.node, "data-age-ms", age === null ? null : Math.round(age * 1000));
         attr(row.node, "hidden", !this.has(key, status));
       }

@@ -7,10 +7,12 @@
   const PATIENCE_MS = 15000; // viser's client and a first scene on a slow tablet
   const LOST_MS = 1500; // graphics that a device took away and does not give back by itself
   const AWAY_MS = 5000; // this long without the media process, and the map is shown
+  const TOLD_MS = 3000; // told twice a second; what was said before that may have changed
+  const MOST_WAITING = 65536; // bytes the line has not taken yet
 
   class TwinLink {
     constructor(robot, frame) {
-      Object.assign(this, { robot, frame, key: window.headland.uuid(), status: null, statusAt: 0, wishes: new Map(), attempt: 0 });
+      Object.assign(this, { robot, frame, key: window.headland.uuid(), status: null, statusAt: 0, isTold: false, wishes: new Map(), untold: new Set(), attempt: 0 });
       this.awayAt = performance.now();
       this.handlers = {};
       this.onMessage = (event) => event.source === this.frame.contentWindow && event.origin === location.origin && event.data?.from === "headland-twin" && this.fromFrame(event.data);
@@ -35,15 +37,22 @@
       this.handlers[kind] = handler;
     }
 
-    // wishes are told again when the socket comes back; `slot` names what replaces what
+    // wishes are told again when the socket comes back, and until it takes them; `slot` names what replaces what
     wish(slot, message) {
-      if (message) this.wishes.set(slot, message);
-      else this.wishes.delete(slot);
-      if (message) this.send(message);
+      this.wishes.set(slot, message);
+      this.tell(slot);
     }
 
+    tell(slot) {
+      if (this.send(this.wishes.get(slot))) this.untold.delete(slot);
+      else this.untold.add(slot);
+    }
+
+    // whether the socket took it
     send(message) {
-      if (this.socket?.readyState === 1 && this.socket.bufferedAmount < 65536) this.socket.send(JSON.stringify(message));
+      if (this.socket?.readyState !== 1 || this.socket.bufferedAmount >= MOST_WAITING) return false;
+      this.socket.send(JSON.stringify(message));
+      return true;
     }
 
     connect() {
@@ -53,16 +62,18 @@
       socket.onmessage = (event) => {
         const said = JSON.parse(event.data);
         if (said.k === "status") {
-          Object.assign(this, { status: said, statusAt: performance.now(), attempt: 0 });
+          Object.assign(this, { status: said, statusAt: performance.now(), isTold: true, attempt: 0 });
           this.awayAt = null;
+          this.untold.forEach((slot) => this.tell(slot));
         }
         this.handlers[said.k]?.(said);
         HL.repaint();
       };
-      socket.onopen = () => this.wishes.forEach((message) => this.send(message));
+      socket.onopen = () => this.wishes.forEach((_message, slot) => this.tell(slot));
       socket.onclose = () => {
         if (socket !== this.socket || this.isClosed) return;
         this.awayAt ??= performance.now();
+        this.isTold = false;
         setTimeout(() => this.connect(), BACKOFF_MS[Math.min(this.attempt++, BACKOFF_MS.length - 1)]);
         HL.repaint();
       };
@@ -99,12 +110,22 @@
       return said === null || said === undefined ? null : said + (performance.now() - this.statusAt) / 1000;
     }
 
+    isPoseFresh() {
+      const age = this.poseAge();
+      return age !== null && age <= STALE_S;
+    }
+
+    // whether the picture shows the record, as who draws it says: a wish is not yet a picture
+    isPast() {
+      return this.isTold && performance.now() - this.statusAt < TOLD_MS && Boolean(this.status.is_past);
+    }
+
     pictureAgeMs() {
       return this.picture.ageMs === null ? null : this.picture.ageMs + performance.now() - this.picture.at;
     }
 
-    // {state: connecting|live|stale|unavailable, text}; in a replay the pose of now does not count, the picture does
-    judge(isReplay = false) {
+    // {state: connecting|live|stale|unavailable, text}; where the record is shown the pose of now does not count, the picture does
+    judge(isPast = this.isPast()) {
       const now = performance.now();
       if (!this.picture.hasWebgl) return { state: "unavailable", text: "3D is not available here. Showing the map." };
       if (this.picture.isLost) return { state: "connecting", text: "This device took the graphics away. Loading the picture again" };
@@ -115,7 +136,8 @@
         return isLate && !this.picture.wasConnected ? { state: "unavailable", text: "3D did not load. Showing the map." } : { state: "connecting", text: "Loading model" };
       }
       const pose = this.poseAge();
-      if (!isReplay && pose !== null && pose > STALE_S) return { state: "stale", text: `Pose is ${HL.words.age(pose * 1000)} old` };
+      if (!isPast && pose === null) return { state: "stale", text: "The age of this pose is not known" };
+      if (!isPast && pose > STALE_S) return { state: "stale", text: `Pose is ${HL.words.age(pose * 1000)} old` };
       const picture = this.pictureAgeMs();
       if (!this.picture.isConnected || picture === null || picture > PICTURE_STALE_MS) return { state: "stale", text: `Picture is ${HL.words.age(picture ?? 0)} old` };
       return { state: "live", text: "" };

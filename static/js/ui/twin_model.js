@@ -2,7 +2,7 @@
 (() => {
   "use strict";
   const { el, icon, text, attr } = HL;
-  const KINDS = { upload: "Own model", family: "Model of its family", plain: "Plain shape of its size" };
+  const KINDS = { upload: "Own model", loading: "Reading its own model", family: "Model of its family", plain: "Plain shape of its size" };
 
   class TwinModel {
     constructor(robot, mayChange) {

@@ -5,12 +5,16 @@
   const SPAN_MS = 10 * 60000;
   const SPEEDS = [1, 4, 16];
   const STEP_MS = 100;
+  const LAG_MS = 2000; // what is shown is told twice a second; at speed the record moves on meanwhile
+  const MOST_UNDONE = 200;
+  const LONGEST_NAME = 80;
 
   const clock = (ms) => new Date(ms).toLocaleTimeString("en-GB");
   const isMissing = (value) => value === null || value === undefined;
   // beside a value that was not recorded only the nearer one counts
   const mix = (a, b, share) => (isMissing(a) || isMissing(b) ? (share < 0.5 ? a : b) ?? null : a + (b - a) * share);
-  const mixAngle = (a, b, share) => a + Math.atan2(Math.sin(b - a), Math.cos(b - a)) * share;
+  const turn = (angle) => Math.atan2(Math.sin(angle), Math.cos(angle));
+  const mixAngle = (a, b, share) => turn(a + turn(b - a) * share);
 
   // the sample at a moment, between two recorded ones; null in a gap of the record
   function at(samples, ms) {
@@ -45,15 +49,15 @@
 
     async choose(mode) {
       if (mode === "replay" && this.refusal) return HL.toast(this.refusal, "lock");
+      if (this.isReplay !== (mode === "replay")) this.onturn?.();
       this.isReplay = mode === "replay";
       for (const button of this.mode.children) attr(button, "aria-pressed", button.dataset.key === mode ? "true" : "false");
       for (const node of [this.play, this.scrub, this.fast]) attr(node, "disabled", !this.isReplay);
       toggle(this.node, "off", !this.isReplay);
       this.setPlaying(false);
       if (!this.isReplay) {
-        this.past = null;
-        this.link.wish("replay", null);
-        this.link.send({ k: "live" });
+        this.past = this.samples = this.loading = null;
+        this.link.wish("replay", { k: "live" });
         return HL.repaint();
       }
       return this.load();
@@ -63,20 +67,17 @@
       this.to = Date.now();
       this.from = this.to - SPAN_MS;
       this.samples = null;
-      text(this.said, "Loading the record");
+      const loading = (this.loading = {});
+      HL.repaint();
       const query = `from=${new Date(this.from).toISOString()}&to=${new Date(this.to).toISOString()}`;
       const answer = await HL.port.api("GET", `/robots/${encodeURIComponent(this.robot)}/replay?${query}`);
-      if (!this.isReplay) return;
-      if (!answer.ok) {
+      if (this.loading !== loading) return;
+      if (!answer.ok || !answer.data.t.length) {
         this.choose("live");
-        HL.toast(answer.text || "The record cannot be read.", "error");
+        HL.toast(answer.ok ? "Nothing was recorded in the last 10 minutes." : answer.text || "The record cannot be read.", "error");
         return;
       }
       this.samples = answer.data;
-      if (!this.samples.t.length) {
-        text(this.said, "Nothing was recorded in the last 10 minutes.");
-        return;
-      }
       this.from = Math.max(this.from, this.samples.t[0]);
       this.to = this.samples.t[this.samples.t.length - 1];
       this.drawMarks();
@@ -97,14 +98,20 @@
       this.past = at(this.samples, this.moment);
       if (this.past) {
         const { lat_deg, lon_deg, theta_rad, height_m, joints } = this.past;
-        this.link.wish("replay", { k: "replay", lat_deg, lon_deg, theta_rad, height_m, joints, undone: this.undone() });
+        this.link.wish("replay", { k: "replay", lat_deg, lon_deg, theta_rad, height_m, joints, undone: this.undone(), at_ms: Math.round(this.past.at) });
       }
       HL.repaint();
     }
 
-    // places that were worked at after this moment
+    // places that were worked at after this moment; what ended after the record was read is known where it is drawn
     undone() {
-      return (this.samples.events ?? []).filter((one) => one.target && one.t > this.moment).map((one) => one.target).slice(-200);
+      return (this.samples.events ?? []).filter((one) => one.target && one.target.length <= LONGEST_NAME && one.t > this.moment).map((one) => one.target).slice(-MOST_UNDONE);
+    }
+
+    // the moment that was asked for is the one in the picture
+    isShown() {
+      const shownMs = this.link.isPast() ? this.link.status.past_ms : null;
+      return this.isReplay && Boolean(this.samples) && !isMissing(shownMs) && (!this.past || Math.abs(this.past.at - shownMs) <= LAG_MS * this.speed);
     }
 
     step() {
@@ -128,7 +135,11 @@
     paint() {
       attr(this.node, "data-state", this.isReplay ? "replay" : "live");
       if (this.isReplay) {
-        if (this.samples?.t.length) text(this.said, this.past ? `${clock(this.moment)}, recorded` : `${clock(this.moment)}, nothing recorded`);
+        text(this.said, this.isShown() ? `${clock(this.moment)}, ${this.past ? "recorded" : "nothing recorded"}` : "Loading the record");
+        return;
+      }
+      if (this.link.isPast()) {
+        text(this.said, "Going back to live");
         return;
       }
       const age = this.link.poseAge();

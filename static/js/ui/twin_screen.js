@@ -15,12 +15,14 @@
       this.link = new HL.TwinLink(robot, this.frame);
       this.layers = new HL.TwinLayers(this.link);
       this.replay = new HL.TwinReplay(this.link, robot, this.dataset.noReplay);
-      this.details = new HL.TwinDetails(robot, this.link, () => this.replay.isReplay);
+      this.details = new HL.TwinDetails(robot, this.link, () => this.replay.isReplay || this.link.isPast());
+      this.replay.onturn = () => this.details.close();
       this.model = new HL.TwinModel(robot, this.dataset.mayModel === "yes");
       this.parts = [this.layers.node, this.replay.node, this.details.node];
       this.append(...this.parts);
       this.layers.list.append(this.model.node);
       this.link.on("tap", (said) => this.details.show(said));
+      this.link.on("status", (said) => this.details.follow(said.touched));
       this.link.on("key", ({ key }) => this.key(key));
       this.link.on("ready", () => this.themed());
       this.themes = new MutationObserver(() => this.themed());
@@ -51,13 +53,13 @@
 
     paint() {
       if (!this.link) return;
-      const { isReplay } = this.replay;
-      const { state, text: words } = this.link.judge(isReplay);
+      const isPast = this.link.isPast();
+      const { state, text: words } = this.link.judge(isPast);
       attr(this, "data-state", state);
       const age = this.link.poseAge();
       attr(this, "data-age-ms", age === null ? null : Math.round(age * 1000));
       attr(this, "data-frames", this.link.picture.frames);
-      toggle(this, "past", isReplay);
+      toggle(this, "past", isPast);
       toggle(this, "stale", state === "stale");
       attr(this.overlay, "hidden", state === "live");
       text(this.words, words);
@@ -67,7 +69,7 @@
       attr(map, "hidden", !isMap);
       style(this.frame, "visibility", isMap ? "hidden" : "visible");
       for (const part of [this.layers.node, this.replay.node]) toggle(part, "gone", isMap);
-      this.layers.paint(isReplay);
+      this.layers.paint(isPast);
       this.replay.paint();
       this.details.paint();
       this.model.paint(this.link.status);
@@ -80,8 +82,8 @@
       this.append(this.side.node);
     }
     paint() {
-      const replay = HL.twin?.replay;
-      if (HL.view.robot) this.side.paint(HL.view.robot, replay?.isReplay ? replay.past?.joints ?? {} : undefined);
+      const isRecord = HL.twin?.replay.isReplay && HL.twin.link.isPast();
+      if (HL.view.robot) this.side.paint(HL.view.robot, isRecord ? HL.twin.replay.past?.joints ?? {} : undefined);
     }
   }
 

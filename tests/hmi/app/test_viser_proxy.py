@@ -117,7 +117,7 @@ async def test_a_picture_is_passed_on_and_only_looking_goes_in() -> None:
         assert (await socket.next())["bytes"] == b"picture"
         for kind in ("ShareUrlRequest", "GuiUpdateMessage", "FileTransferStartUpload", "GetRenderResponseMessage"):
             socket.say(msgspec.msgpack.encode({"type": kind}))
-        for said in (b"\xc1", b"x" * 20_000, "text", look, look):
+        for said in (b"\xc1", b"x" * 70_000, "text", look, look):
             socket.say(said)
         await socket.next()
     assert link.inner.heard == [look, look]

@@ -43,6 +43,27 @@ def test_broken_and_foreign_messages_are_nothing() -> None:
     assert intake.newest("weeder-09", Up.TELEMETRY, up.Telemetry) is None
 
 
+def test_a_message_that_cannot_be_read_leaves_the_one_before_which_gets_old() -> None:
+    clock = FakeClock()
+    intake = Intake(clock)
+    at = topic("weeder-07", Up.TELEMETRY)
+    intake.take(at, telemetry("weeder-07", 1000, 1.0), False)
+    assert intake.newest("weeder-07", Up.TELEMETRY, up.Telemetry) is not None
+    read_s = clock.mono_s()
+    for _ in range(3):
+        clock.advance(1.0)
+        intake.take(at, b'{"lat_deg": null}', False)
+        intake.take(at, b"{", False)  # two between two looks
+        kept = intake.newest("weeder-07", Up.TELEMETRY, up.Telemetry)
+        assert kept is not None
+        assert (kept[0].x_m, kept[1]) == (1.0, read_s)
+    clock.advance(1.0)
+    intake.take(at, telemetry("weeder-07", 5000, 2.0), False)
+    newest = intake.newest("weeder-07", Up.TELEMETRY, up.Telemetry)
+    assert newest is not None
+    assert (newest[0].x_m, newest[1]) == (2.0, clock.mono_s())
+
+
 def test_strangers_cannot_fill_the_memory() -> None:
     intake = Intake(FakeClock())
     for number in range(MOST_ROBOTS + 50):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import importlib.util
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -9,6 +10,7 @@ from types import ModuleType
 
 import pytest
 
+from backend_clients.edge import messages_up as up
 from backend_clients.edge.topics import Up, topic
 from hmi.clock import SystemClock
 from hmi.media.intake import Intake
@@ -28,6 +30,15 @@ def example(name: str = "berry_picker") -> ModuleType:
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+async def own_model_is_ready(studio: Studio, robot_id: str) -> None:
+    """Wait for the thread that reads uploads."""
+    found = studio.intake.newest(robot_id, Up.FACTSHEET, up.Factsheet)
+    assert found is not None
+    async with asyncio.timeout(20):
+        while studio.library.kind_of(found[0]) == "loading":  # noqa: ASYNC110 - a thread reads
+            await asyncio.sleep(0.01)
 
 
 @pytest.fixture
@@ -61,6 +72,8 @@ async def test_a_robot_nobody_knows_is_a_plain_shape_and_then_its_own_model_with
     assert told["joints"] == ["turn", "lift", "reach"]
     assert told["notices"] == []
     live(2.0)
+    await own_model_is_ready(studio, berry.ROBOT)
+    live(2.2)
     own = studio.world.form_of(berry.ROBOT)
     assert own is not None
     assert own.model.name == "berry_picker"
@@ -82,6 +95,8 @@ async def test_any_model_is_shown_swinging_its_joints_before_its_robot_can_speak
     read_upload(archive, tmp_path / "models" / robot.id)
     studio.set_farm(Farm([FarmRobot(robot.id, name)]))
     studio.intake.take(topic(robot.id, Up.FACTSHEET), robot.factsheet(), True)
+    studio.tick()
+    await own_model_is_ready(studio, robot.id)
     seen: list[set[Place]] = [set(), set(), set()]
     for tenth in range(1, 60, 4):
         for kind, payload in robot.now(tenth / 10):

@@ -22,18 +22,23 @@ from backend_clients.edge import messages_up as up
 from backend_clients.edge.codec import encode
 from backend_clients.edge.machine import Joint, Sighting, Target, Worksite
 from backend_clients.edge.topics import Up, topic
-from hmi.clock import SystemClock
+from hmi.clock import FakeClock, SystemClock
 from hmi.media import orders
-from hmi.media.door import SECRET_HEADER, VIEWER_HEADER
+from hmi.media.control import control_app
+from hmi.media.door import RIGHTS_HEADER, SECRET_HEADER, VIEWER_HEADER
 from hmi.media.intake import Intake
+from hmi.media.models import ModelShelf
+from hmi.media.status import status_of
 from hmi.media.studio import Studio
+from hmi.media.tap import tapped
 from hmi.twin.camera import Camera
-from hmi.twin.farm import Farm, FarmRobot
+from hmi.twin.farm import Farm, FarmRobot, Plan, Treated
 from hmi.twin.groups import Group
 from hmi.twin.viewer import View
+from tests.hmi.app.asgi_socket import AsgiSocket
 
 SECRET = "the secret of this test"
-ROBOT = "planter-02"
+ROBOT, OTHER = "planter-02", "planter-03"
 HEADER: dict[str, Any] = {"robot": ROBOT, "boot": "boot-0001", "wall_ms": 0}
 JOINTS = [
     Joint(name="slew", label="1 Slew", lower=-3.0, upper=3.0, max_rate=0.4),
@@ -44,14 +49,18 @@ JOINTS = [
 class Planter:
     """A planter that speaks when told."""
 
-    def __init__(self, intake: Intake) -> None:
-        self._intake, self._mono_ms = intake, 0
+    def __init__(self, intake: Intake, robot: str = ROBOT) -> None:
+        self._intake, self._mono_ms, self._robot = intake, 0, robot
 
     def say(self, kind: Up, form: type[up.Header], **values: Any) -> None:
         """Say something."""
         self._mono_ms += 100
-        message = form(**HEADER, seq=self._mono_ms, mono_ms=self._mono_ms, **values)
-        self._intake.take(topic(ROBOT, kind), encode(message), False)
+        message = form(**HEADER | {"robot": self._robot}, seq=self._mono_ms, mono_ms=self._mono_ms, **values)
+        self._intake.take(topic(self._robot, kind), encode(message), False)
+
+    def rest(self, seconds: float) -> None:
+        """Let its clock run."""
+        self._mono_ms += round(1000 * seconds)
 
     def stand(self, x_m: float, slew: float = 0.0, stick: float = -1.0) -> None:
         """Stand somewhere, the crane so."""
@@ -363,6 +372,192 @@ async def test_a_reconnected_picture_gets_its_layers_back(studio: Studio) -> Non
         async with asyncio.timeout(5):
             while studio.viewers["k"].client is not None:  # noqa: ASYNC110 - viser's thread hands over
                 await asyncio.sleep(0.01)
+
+
+def past_of(studio: Studio, key: str = "k") -> tuple[bool, int | None]:
+    """Return whether a page is told that its picture shows the record, and which moment of it."""
+    said = status_of(studio, studio.viewers[key], 0.0)
+    return said["is_past"], said["past_ms"]
+
+
+async def test_a_replay_waits_for_its_robot_to_be_drawn_and_is_called_one_only_then(studio: Studio) -> None:
+    planter = Planter(studio.intake)
+    box = studio.enter("k", ROBOT, may_replay=True)
+    studio.obey("k", orders.Replay(52.0, 5.001, 0.0, {"slew": 2.0}, at_ms=1000))
+    studio.tick()
+    assert past_of(studio) == (False, None)
+    planter.introduce()
+    planter.stand(1.0)
+    studio.tick()
+    assert past_of(studio) == (True, 1000)
+    studio.world.remove(ROBOT)  # as when nobody looked for long
+    studio.tick()
+    past = studio.viewers["k"].past
+    assert past is not None
+    assert past.basis.drawn is studio.world.solid(ROBOT), "it is that of the robot drawn anew"
+    while not box.empty():
+        box.get_nowait()
+    studio.obey("k", orders.Live())
+    assert past_of(studio) == (False, None)
+    assert box.get_nowait()["is_past"] is False, "a page need not wait for the next status"
+    studio.tick()
+    assert past_of(studio) == (False, None)
+
+
+async def test_a_replay_shows_nothing_of_the_other_robots_and_no_trail_to_its_viewer_alone(studio: Studio) -> None:
+    planter, away = Planter(studio.intake), Planter(studio.intake, OTHER)
+    for one, x_m in ((planter, 0.0), (away, 9.0)):
+        one.introduce()
+        one.stand(x_m)
+    studio.set_farm(Farm([FarmRobot(ROBOT, "Planter 02", 6.2), FarmRobot(OTHER, "Planter 03", 6.2)]))
+    studio.enter("mine", ROBOT, may_replay=True)
+    studio.enter("other", OTHER, may_replay=False)
+    async with await connect(studio, "mine") as one, await connect(studio, "other") as two:
+        mine, other = Picture(one), Picture(two)
+        await mine.look()
+        await other.look()
+        await mine.until(f"/keepout/{OTHER}/ring")
+        await other.until(f"/keepout/{OTHER}/ring")
+        studio.obey("mine", orders.Replay(52.0, 5.001, 0.0, {}, at_ms=1000))
+        owner = str(studio.viewers["mine"].client.client_id)  # type: ignore[union-attr]
+        for frame in (f"/machine/{OTHER}", f"/keepout/{OTHER}", f"/trees/{OTHER}", f"/reach/{OTHER}", "/trail"):
+            node = await mine.until(f"{owner}:{frame}")
+            assert node["visible"] is False
+        tapped_at = (9.0, 0.0, 20.0), (0.0, 0.0, -1.0)
+        assert said_of(studio, "mine", *tapped_at)["what"] == "ground", "what is not seen is not there"
+        assert said_of(studio, "other", *tapped_at)["name"] == "Planter 03"
+        studio.obey("mine", orders.Live())
+        assert said_of(studio, "mine", *tapped_at)["lines"] == ["Planter", "0.00 m/s"]
+        async with asyncio.timeout(10):
+            while f"{owner}:/machine/{OTHER}" in mine.nodes:
+                mine._take(bytes(await one.recv()))  # type: ignore[arg-type]
+        assert not [name for name in other.nodes if ":" in name and not name.endswith("/ground")]
+
+
+def said_of(
+    studio: Studio, key: str, origin: tuple[float, float, float], direction: tuple[float, float, float]
+) -> dict[str, Any]:
+    """Return what a page is told of a tap."""
+    return tapped(studio, studio.viewers[key], origin, direction)
+
+
+async def test_a_tap_in_a_replay_tells_nothing_of_now(studio: Studio) -> None:
+    planter = Planter(studio.intake)
+    planter.introduce()
+    planter.stand(0.0)
+    studio.enter("k", ROBOT, may_replay=True)
+    states = {"t1": "done", "t2": "done", "t3": "current"}
+    targets = [Target(id=id_, x_m=20.0 + i, y_m=0.0, status=state) for i, (id_, state) in enumerate(states.items())]  # type: ignore[arg-type]
+    planter.say(Up.WORKSITE, Worksite, stop=1, targets=targets, obstacles=[])
+    studio.tick()
+    studio.tick()
+    studio.obey("k", orders.Replay(52.0, 5.0, 0.0, {}, undone=["t2"], at_ms=1000))
+    down = (0.0, 0.0, -1.0)
+    assert said_of(studio, "k", (0.0, 0.0, 20.0), down)["lines"] == ["Planter"], "no speed of now"
+    names = [said_of(studio, "k", (20.0 + i, 0.0, 20.0), down)["name"] for i in range(3)]
+    assert names == ["Place t1", "Ground", "Ground"]
+    studio.obey("k", orders.Live())
+    names = [said_of(studio, "k", (20.0 + i, 0.0, 20.0), down)["name"] for i in range(3)]
+    assert names == ["Place t1", "Place t2", "Place t3"]
+
+
+async def test_what_is_planted_while_somebody_replays_is_not_there_yet(tmp_path: Path) -> None:
+    clock = FakeClock()
+    studio = Studio(Intake(clock), tmp_path, SECRET, clock)
+    try:
+        studio.set_farm(Farm([FarmRobot(ROBOT, "Planter 02", 6.2)]))
+        then_ms = round(clock.utc().timestamp() * 1000)
+        studio.set_plan(
+            ROBOT, Plan("m", treated=[Treated("t0", 0, 1, "done", then_ms + 1), Treated("t1", 1, 1, "done")])
+        )
+        planter = Planter(studio.intake)
+        planter.introduce()
+        planter.stand(0.0)
+        planter.say(Up.WORKSITE, Worksite, stop=1, targets=[Target(id="t2", x_m=2, y_m=1, status="done")], obstacles=[])
+        studio.enter("k", ROBOT, may_replay=True)
+        for _ in range(2):
+            studio.tick()
+        studio.obey("k", orders.Replay(52.0, 5.0, 0.0, {}, at_ms=then_ms))
+        assert undone(studio) == {"t0"}
+        clock.advance(5.0)
+        both = [Target(id="t2", x_m=2, y_m=1, status="done"), Target(id="t3", x_m=3, y_m=1, status="done")]
+        planter.say(Up.WORKSITE, Worksite, stop=1, targets=both, obstacles=[])
+        for _ in range(2):
+            studio.tick()
+        assert undone(studio) == {"t0", "t3"}, "the order did not know of it"
+        studio.obey("k", orders.Replay(52.0, 5.0, 0.0, {}, at_ms=then_ms + 6000))
+        assert undone(studio) == set()
+    finally:
+        await studio.stop()
+
+
+def undone(studio: Studio) -> frozenset[str]:
+    """Return the places that the replay of a page does not show."""
+    past = studio.viewers["k"].past
+    assert past is not None
+    return past.undone
+
+
+async def test_an_order_that_cannot_be_read_is_ignored_and_the_socket_stays(studio: Studio, tmp_path: Path) -> None:
+    planter = Planter(studio.intake)
+    planter.introduce()
+    planter.stand(0.0)
+    studio.tick()
+    app = control_app(studio, ModelShelf(tmp_path), SECRET)
+    headers = {SECRET_HEADER: SECRET, VIEWER_HEADER: "k", RIGHTS_HEADER: "replay"}
+    async with AsgiSocket(app, f"/viewer?robot={ROBOT}", headers) as socket:
+        socket.say('{"k":"replay","lat_deg":95,"lon_deg":5,"theta_rad":1}')
+        socket.say('{"k":"replay","lat_deg":52,"lon_deg":5,"theta_rad":1,"at_ms":1000}')
+        said = await socket.next()
+        assert (socket.code, msgspec.json.decode(said.get("text", "null"))["past_ms"]) == (None, 1000)
+
+
+async def test_how_far_a_touched_place_is_is_told_again_as_the_robot_moves(studio: Studio) -> None:
+    planter = Planter(studio.intake)
+    planter.introduce()
+    planter.stand(0.0)
+    studio.enter("k", ROBOT, may_replay=True)
+    studio.tick()
+    studio.tick()
+    studio.touch("k", (20.0, 0.0, 9.0), (0.0, 0.0, -1.0))
+    viewer = studio.viewers["k"]
+    near = status_of(studio, viewer, 0.0)["touched"]
+    assert (near["x_m"], near["distance_m"]) == (20.0, 20.0)
+    planter.stand(-20.0)
+    studio.tick()
+    far = status_of(studio, viewer, 0.0)["touched"]
+    assert (far["x_m"], far["distance_m"]) == (20.0, 40.0)
+    assert far["arm_m"] == pytest.approx(near["arm_m"] + 20.0, abs=0.01)
+    studio.obey("k", orders.Replay(52.0, 5.0, 0.0, {}, at_ms=1000))
+    assert status_of(studio, viewer, 0.0)["touched"]["distance_m"] == 20.0, "from where it was then"
+    studio.obey("k", orders.Unmark())
+    assert status_of(studio, viewer, 0.0)["touched"] is None
+
+
+async def test_the_age_of_the_pose_is_that_of_the_drawn_one_while_newer_ones_cannot_be_read(tmp_path: Path) -> None:
+    clock = FakeClock()
+    studio = Studio(Intake(clock), tmp_path, SECRET, clock)
+    try:
+        studio.set_farm(Farm([FarmRobot(ROBOT, "Planter 02", 6.2)]))
+        planter = Planter(studio.intake)
+        planter.introduce()
+        planter.stand(3.0)
+        studio.enter("k", ROBOT, may_replay=False)
+        studio.tick()
+        for kind in (Up.TELEMETRY, Up.FACTSHEET):
+            clock.advance(5.0)
+            studio.intake.take(topic(ROBOT, kind), b'{"lat_deg": null}', False)
+            studio.tick()
+        said = status_of(studio, studio.viewers["k"], clock.mono_s())
+        assert (said["is_drawn"], said["pose_age_s"]) == (True, 10.0)
+        planter.rest(10.0)
+        planter.stand(4.0)
+        studio.tick()
+        said = status_of(studio, studio.viewers["k"], clock.mono_s())
+        assert (said["is_drawn"], said["pose_age_s"]) == (True, 0.0), "it is drawn by what its factsheet said before"
+        assert studio.world.mover.place(f"/machine/{ROBOT}").xyz[0] == 4.0
+    finally:
+        await studio.stop()
 
 
 async def test_robots_that_are_not_registered_are_not_drawn(studio: Studio) -> None:

@@ -1,0 +1,37 @@
+"""Shows a viewer the recorded moment it asked for; one whose robot is not drawn yet waits for it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from hmi.twin.kinematics import Place
+from hmi.twin.past import Basis, past_of
+from hmi.twin.rotation import yaw
+
+if TYPE_CHECKING:
+    from hmi.media.studio import Studio
+    from hmi.twin.viewer import Viewer
+
+
+def recall(studio: Studio, viewer: Viewer) -> None:
+    """Bring a replay up to date: with its moment, and with what of now must not be seen beside it."""
+    moment, drawn = viewer.moment, studio.world.solid(viewer.robot_id)
+    if moment is None or drawn is None:
+        return
+    site, before = studio.site(viewer.robot_id), viewer.past
+    others = tuple(robot_id for robot_id in studio.farm if robot_id != viewer.robot_id)
+    basis = Basis(moment, drawn, 0 if site is None else site.surface.ends, others)
+    if before is not None and before.basis == basis:
+        return
+    undone = frozenset(moment.undone)
+    if site is not None and moment.at_ms is not None:
+        undone |= site.surface.ended_after(moment.at_ms)
+    if before is not None and (before.undone, before.basis.ends) == (undone, basis.ends):
+        marks = before.marks
+    else:
+        marks = {} if site is None else site.surface.without(undone)
+    if before is not None and before.basis.drawn is not drawn:
+        viewer.show_replay(None)  # another model has other frames
+    east, north = studio.frame.local(moment.lat_deg, moment.lon_deg)
+    body = Place((east, north, moment.height_m), yaw(moment.theta_rad))
+    viewer.show_replay(past_of(viewer.robot_id, basis, body, undone, marks))
