@@ -119,9 +119,9 @@ class MapBook:
         """Let an operation of ``hmi.mapping`` change the draft; raises ``OperationRefused`` and as ``change``."""
         self._parts.authorize(session, Permission.EDIT_MAP)
         draft = await self._needed(session)
-        known = next((one for one in draft.log if one.ref == ref), None)
+        known = await self._run(self._maps.changes_of, session.farm_id, ref)
         if known is not None:
-            return draft, known.changes
+            return draft, known
         outcome = await asyncio.to_thread(lambda: apply(op, parsed(draft.features), ids, args))
         changes = [FeatureChange(one.id, draft.features.get(one.id), _json(one.after)) for one in outcome.changes]
         return await self._append(session, ref, outcome.label, changes)
