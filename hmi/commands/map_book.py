@@ -18,7 +18,7 @@ from hmi.domain.map_log import FeatureChange, MapFeatures, Transaction
 from hmi.domain.role import Permission
 from hmi.mapping.errors import BadFeature
 from hmi.mapping.feature import MapFeature, as_geojson, parse_feature
-from hmi.mapping.jobs import apply, check, compare
+from hmi.mapping.jobs import apply, check, compare, shrinking
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
 from hmi.store.database import Database
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from hmi.mapping.diff import Difference
 
 BLOCKS = 2  # findings of this level keep a map from being published
-SHRUNK = 0.5  # a map that loses more than this share of its features or field area is asked about
 NO_RIGHT_TO_TAKE = "Taking the draft from somebody needs the supervisor role."
 
 
@@ -120,9 +119,9 @@ class MapBook:
         """Let an operation of ``hmi.mapping`` change the draft; raises ``OperationRefused`` and as ``change``."""
         self._parts.authorize(session, Permission.EDIT_MAP)
         draft = await self._needed(session)
-        known = next((one for one in draft.log if one.ref == ref), None)
+        known = await self._run(self._maps.changes_of, session.farm_id, ref)
         if known is not None:
-            return draft, known.changes
+            return draft, known
         outcome = await asyncio.to_thread(lambda: apply(op, parsed(draft.features), ids, args))
         changes = [FeatureChange(one.id, draft.features.get(one.id), _json(one.after)) for one in outcome.changes]
         return await self._append(session, ref, outcome.label, changes)
@@ -172,7 +171,9 @@ class MapBook:
             raise MapBlocked(blocking)
         base = await self._run(self._maps.features_of, session.farm_id, draft.base_version)
         if not is_shrinking_ok:
-            _refuse_shrinking(base, draft.features)
+            lost = await asyncio.to_thread(lambda: shrinking(parsed(base).values(), parsed(draft.features).values()))
+            if lost:
+                raise MapShrinks(lost)
         version = await self._run(self._maps.publish, session.farm_id, session.user_id, session.user_name, note)
         self._audit(session, "published", f"Map version {version.number} published.", {"note": note})
         self._told("published", version=version.number)
@@ -251,11 +252,3 @@ def parsed(features: Mapping[str, dict[str, Any]]) -> dict[str, MapFeature]:
 
 def _json(feature: MapFeature | None) -> dict[str, Any] | None:
     return None if feature is None else as_geojson(feature)
-
-
-def _refuse_shrinking(before: MapFeatures, after: MapFeatures) -> None:
-    if before and len(after) < SHRUNK * len(before):
-        raise MapShrinks(f"The new map has {len(after)} features, the published one {len(before)}.")
-    fields = [sum(one["properties"]["kind"] == "parcel" for one in side.values()) for side in (before, after)]
-    if fields[0] and fields[1] < SHRUNK * fields[0]:
-        raise MapShrinks(f"The new map has {fields[1]} fields, the published one {fields[0]}.")

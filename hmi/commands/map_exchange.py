@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import re
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
@@ -17,12 +17,14 @@ from hmi.map_files.errors import BadMapFile
 from hmi.map_files.exported import MapFile
 from hmi.map_files.imported import Imported, MapItem
 from hmi.map_files.progress import Progress, Report
+from hmi.mapping.attributes import LONGEST_TEXT
 from hmi.mapping.feature import parse_feature
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
 from hmi.store.errors import NotFound
 from hmi.store.maps import MapDraft
 
+WORD_CHARS = 56  # of an id: leaves room for a number
 KEPT = 4  # read files a farm may have waiting for a choice
 _NO_ID = re.compile(r"[^a-z0-9]+")
 
@@ -124,7 +126,8 @@ class MapExchange:
     async def take(
         self, session: SessionInfo, import_id: str, ref: str, chosen: Sequence[int], kinds: Mapping[str, str]
     ) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
-        """Put the chosen items into the draft as one step; a name that the map has already gets a number.
+        """Put the chosen items into the draft as one step; an id that the map has already gets a number,
+        and what names it in the same take names it by its new id.
 
         Raises:
             NotFound: this import is not there any more, or there is no draft.
@@ -139,8 +142,7 @@ class MapExchange:
         taken = [items[n] for n in dict.fromkeys(chosen) if n in items]
         if not taken:
             raise BadMapFile("nothing_chosen", "Nothing was chosen to take over.")
-        used = set(draft.features)
-        changes = [_change(one, kinds.get(str(one.n), one.kind), draft.features, used) for one in taken]
+        changes = _changes([(one, kinds.get(str(one.n), one.kind)) for one in taken], draft.features)
         what = "1 feature" if len(changes) == 1 else f"{len(changes)} features"
         return await self._book.change(session, ref, f"Imported {what}, {waiting.name}"[:200], changes)
 
@@ -163,14 +165,36 @@ class MapExchange:
         return write_map(features, file_format, farm_id, self._farm_name)
 
 
-def _change(item: MapItem, kind: str, there: MapFeatures, used: set[str]) -> FeatureChange:
-    feature_id = _free_id(item.id or item.name or kind, kind, used)
-    used.add(feature_id)
-    properties: dict[str, Any] = {**item.properties, "id": feature_id, "kind": kind, "name": item.name[:80]}
-    raw = {"type": "Feature", "id": feature_id, "properties": properties, "geometry": item.geometry}
-    return FeatureChange(feature_id, there.get(feature_id), raw)
+def _changes(taken: Sequence[tuple[MapItem, str]], there: MapFeatures) -> list[FeatureChange]:
+    ids = _FreeIds(there)
+    named = [(item, kind, ids.take(item, kind)) for item, kind in taken]
+    parcels = {item.id: feature_id for item, kind, feature_id in reversed(named) if item.id and kind == "parcel"}
+    return [FeatureChange(feature_id, None, _raw(item, kind, feature_id, parcels)) for item, kind, feature_id in named]
 
 
-def _free_id(wish: str, kind: str, used: set[str]) -> str:
-    base = _NO_ID.sub("-", wish.lower()).strip("-")[:56] or kind
-    return next(one for one in (base, *(f"{base}-{n}" for n in range(2, len(used) + 3))) if one not in used)
+def _raw(item: MapItem, kind: str, feature_id: str, parcels: Mapping[str, str]) -> dict[str, Any]:
+    properties: dict[str, Any] = {**item.properties, "id": feature_id, "kind": kind, "name": item.name[:LONGEST_TEXT]}
+    if kind == "rows" and (parcel := parcels.get(str(properties.get("parcel_id")))):
+        properties["parcel_id"] = parcel  # rows stay with the field they came with, whatever it is called now
+    return {"type": "Feature", "id": feature_id, "properties": properties, "geometry": item.geometry}
+
+
+class _FreeIds:
+    """Hands out ids that the map has not yet, each once: the file's own where that is free."""
+
+    def __init__(self, there: Iterable[str]) -> None:
+        self._used = set(there)
+        self._last: dict[str, int] = {}  # of thousands of fields of one name, each is numbered at once
+
+    def take(self, item: MapItem, kind: str) -> str:
+        wish = item.id or _NO_ID.sub("-", (item.name or kind).lower()).strip("-")[:WORD_CHARS] or kind
+        found = wish if wish not in self._used else self._numbered(wish[:WORD_CHARS])
+        self._used.add(found)
+        return found
+
+    def _numbered(self, word: str) -> str:
+        number = self._last.get(word, 1) + 1
+        while f"{word}-{number}" in self._used:
+            number += 1
+        self._last[word] = number
+        return f"{word}-{number}"

@@ -54,3 +54,10 @@ def outline(points: Sequence[Position], is_closed: bool, tolerance_m: float) -> 
     from hmi.mapping import walk
 
     return walk.outline([walk.WalkPoint(*one) for one in points], is_closed, tolerance_m)
+
+
+def shrinking(before: Iterable[MapFeature], after: Iterable[MapFeature]) -> str:
+    """See ``hmi.mapping.shrinking.shrinking``."""
+    from hmi.mapping import shrinking
+
+    return shrinking.shrinking(before, after)

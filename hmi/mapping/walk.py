@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from shapely.geometry import LineString, Polygon
@@ -21,6 +22,8 @@ LEAST_STEP_M, MOST_STEP_M = 0.2, 2.0  # points nearer than the step are one plac
 LEAST_ACCURACY_M, WORST_ACCURACY_M = 0.01, 100.0  # better is not believed, worse is no position
 MOST_TOLERANCE_M = 50.0
 LEAST_M2 = 1.0
+GAP_S, GAP_M = 5.0, 5.0  # longer without a position nobody knows where the edge went
+MISSED_S = 2.0  # receivers tell once a second and miss one now and then: no gap, however fast one drives
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +43,22 @@ class WalkPoint:
 
 
 @dataclass(frozen=True, slots=True)
+class Gap:
+    """A stretch without usable positions; the outline is straight there.
+
+    Args:
+        start, end: the last position before it and the first after it, ``[longitude, latitude]``.
+        seconds: how long there was none.
+        metres: from start to end.
+    """
+
+    start: Position
+    end: Position
+    seconds: float
+    metres: float
+
+
+@dataclass(frozen=True, slots=True)
 class Walked:
     """What the walk comes to.
 
@@ -48,6 +67,7 @@ class Walked:
         kept, dropped: points that were used, and jumps, unusable ones and overlap that were not.
         accuracy_m: of the usual point used (median).
         tolerance_m: how far the outline may be from the points: as asked, and never finer than the accuracy.
+        gaps: where positions were missing, in the order walked.
     """
 
     coordinates: list[Position]
@@ -55,6 +75,7 @@ class Walked:
     dropped: int
     accuracy_m: float
     tolerance_m: float
+    gaps: list[Gap]
 
 
 def outline(points: Sequence[WalkPoint], is_closed: bool, tolerance_m: float) -> Walked:
@@ -71,11 +92,13 @@ def outline(points: Sequence[WalkPoint], is_closed: bool, tolerance_m: float) ->
     frame = frame_at((one.lon, one.lat) for one in usable)
     xy = frame.to_local([(one.lon, one.lat) for one in usable])
     accuracy = np.maximum([one.accuracy_m for one in usable], LEAST_ACCURACY_M)
-    good = _without_jumps(xy, accuracy, np.array([one.at_s for one in usable]))
+    at_s = np.array([one.at_s for one in usable])
+    good = _without_jumps(xy, accuracy, at_s)
     usual_m = float(np.median(accuracy[good]))
     step_m = min(max(usual_m, LEAST_STEP_M), MOST_STEP_M)
     if is_closed:
         good = _without_overlap(xy, good, step_m)
+    gaps = [_gap(usable, xy, a, b) for a, b in pairwise(good) if _is_gap(xy, accuracy, at_s, a, b)]
     places = _weighed(xy[good], accuracy[good], step_m)
     tolerance_m = max(tolerance_m, usual_m)
     if is_closed:
@@ -85,7 +108,7 @@ def outline(points: Sequence[WalkPoint], is_closed: bool, tolerance_m: float) ->
         coordinates = geometry["coordinates"][0]
     else:
         coordinates = line_geometry(_line(places, tolerance_m), frame)["coordinates"]
-    return Walked(coordinates, len(good), len(points) - len(good), usual_m, tolerance_m)
+    return Walked(coordinates, len(good), len(points) - len(good), usual_m, tolerance_m, gaps)
 
 
 def _is_usable(one: WalkPoint) -> bool:
@@ -121,6 +144,18 @@ def _can_reach(xy: Floats, accuracy: Floats, at_s: Floats, a: int, b: int) -> bo
     way_m = math.dist(xy[a], xy[b])
     noise_m = 3 * math.hypot(accuracy[a], accuracy[b])
     return way_m <= noise_m + FASTEST_MPS * max(float(at_s[b] - at_s[a]), 0.0)
+
+
+def _is_gap(xy: Floats, accuracy: Floats, at_s: Floats, a: int, b: int) -> bool:
+    missed_s = float(at_s[b] - at_s[a])
+    if missed_s > GAP_S:
+        return True
+    return math.dist(xy[a], xy[b]) > GAP_M and (missed_s > MISSED_S or not _can_reach(xy, accuracy, at_s, a, b))
+
+
+def _gap(usable: Sequence[WalkPoint], xy: Floats, a: int, b: int) -> Gap:
+    start, end = usable[a], usable[b]
+    return Gap([start.lon, start.lat], [end.lon, end.lat], end.at_s - start.at_s, math.dist(xy[a], xy[b]))
 
 
 def _without_overlap(xy: Floats, good: list[int], step_m: float) -> list[int]:

@@ -47,8 +47,8 @@ SCRIPTS = {
         "maps_kinds", "maps_measure", "maps_queue", "maps_client", "maps_menu", "maps_tools", "maps_hint",
         "maps_fields", "maps_history", "maps_reshape", "maps_export", "maps_import_list", "maps_receiver",
         "maps_feature", "maps_checks", "maps_changes", "maps_cloud", "maps_upload", "maps_base", "maps_import",
-        "maps_versions", "maps_publish", "maps_dock", "maps_chips", "maps_walk", "maps_surface", "maps_edits",
-        "maps_screen",
+        "maps_versions", "maps_publish", "maps_dock", "maps_chips", "maps_recording", "maps_walk", "maps_surface",
+        "maps_edits", "maps_screen",
     ),
     "missions": (
         "mission_numbers", "plan_client", "plan_path", "plan_picture", "plan_scrubber", "plan_numbers", "plan_checks",

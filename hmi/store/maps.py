@@ -5,7 +5,6 @@ Features are GeoJSON objects by id. Blocking; call through ``Database.run``.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any
@@ -32,6 +31,8 @@ from hmi.store.tables import FeatureRow
 LOCK = timedelta(minutes=30)  # a tablet that was left behind must not keep a season's map closed
 FIRST_NOTE = "First map."
 SYSTEM = "Headland"
+TOLD = 50  # newest steps of which the log says what they changed
+TITLES = 4_096  # steps of which that is remembered: shapes of thousands of corners are read once, not at each step
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +48,11 @@ class MapVersion:
 
 @dataclass(frozen=True, slots=True)
 class MapDraft:
-    """A draft as it is now; ``log`` is oldest first."""
+    """A draft as it is now.
+
+    Args:
+        log: oldest first; its changes tell what was changed, not how: without shapes, and the newest alone have any.
+    """
 
     farm_id: str
     base_version: int
@@ -81,6 +86,7 @@ class Maps:
     def __init__(self, database: Database, clock: Clock) -> None:
         self._database = database
         self._clock = clock
+        self._titles: dict[str, tuple[FeatureChange, ...]] = {}  # by farm and ref; a step never changes
 
     def published(self, farm_id: str) -> MapVersion:
         """Return the newest version; a map that came without versions becomes the first."""
@@ -119,7 +125,12 @@ class Maps:
         """Return the farm's draft, if there is one."""
         with self._database.read() as session:
             row = session.get(MapDraftRow, farm_id)
-            return None if row is None else _draft(session, row)
+            return None if row is None else self._draft(session, row)
+
+    def changes_of(self, farm_id: str, ref: str) -> tuple[FeatureChange, ...] | None:
+        """Return what a transaction on the draft changed, whole; ``None`` where there is no such."""
+        with self._database.read() as session:
+            return _changes(session, farm_id, ref)
 
     def open(self, farm_id: str, editor_id: str, editor_name: str, *, is_taking: bool = False) -> MapDraft:
         """Begin a draft or go on with the one there is, and hold its lock.
@@ -139,7 +150,7 @@ class Maps:
                 _check_lock(row, editor_id, now)
             row.editor_id, row.editor_name, row.locked_until = editor_id, editor_name, now + LOCK
             session.flush()
-            return _draft(session, row)
+            return self._draft(session, row)
 
     def append(self, farm_id: str, editor_id: str, transaction: Transaction) -> MapDraft:
         """Make one transaction; the same ``ref`` again changes nothing.
@@ -158,7 +169,7 @@ class Maps:
                 session.add(_change_row(farm_id, transaction))
                 self._saved(row)
             session.flush()
-            return _draft(session, row)
+            return self._draft(session, row)
 
     def undo(self, farm_id: str, editor_id: str) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
         """Take the newest transaction back; nothing changes when there is none. Raises as ``append``."""
@@ -172,7 +183,7 @@ class Maps:
         """Throw the draft away; raises as ``append``."""
         with self._database.write() as session:
             self._held(session, farm_id, editor_id)
-            _end_draft(session, farm_id)
+            self._end(session, farm_id)
 
     def publish(self, farm_id: str, editor_id: str, by: str, note: str) -> MapVersion:
         """Make the draft the newest version and what every screen shows, and end it.
@@ -195,24 +206,59 @@ class Maps:
             session.add(version)
             session.execute(delete(FeatureRow).filter_by(farm_id=farm_id))
             session.add_all(_feature_row(farm_id, number + 1, one, now) for one in features.values())
-            _end_draft(session, farm_id)
+            self._end(session, farm_id)
             session.flush()
             return _version(version)
 
     def _walk(self, farm_id: str, editor_id: str, *, is_back: bool) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
         with self._database.write() as session:
             row = self._held(session, farm_id, editor_id)
-            log = _log(session, farm_id)
+            log = self._log(session, farm_id)
             step = next_undo(log) if is_back else next_redo(log)
             changes: tuple[FeatureChange, ...] = ()
             if step is not None:
-                changes = taken_back(step.changes) if is_back else step.changes
+                made = _changes(session, farm_id, step.ref) or ()
+                changes = taken_back(made) if is_back else made
                 row.features = applied(row.features, changes)
                 change = session.scalars(select(MapChangeRow).filter_by(farm_id=farm_id, ref=step.ref)).one()
                 change.is_undone = is_back
                 self._saved(row)
             session.flush()
-            return _draft(session, row), changes
+            return self._draft(session, row), changes
+
+    def _draft(self, session: Session, row: MapDraftRow) -> MapDraft:
+        return MapDraft(
+            row.farm_id,
+            row.base_version,
+            dict(row.features),
+            row.editor_id,
+            row.editor_name,
+            row.locked_until,
+            row.saved_at,
+            self._log(session, row.farm_id),
+        )
+
+    def _log(self, session: Session, farm_id: str) -> tuple[Transaction, ...]:
+        row = MapChangeRow
+        query = select(row.ref, row.label, row.by, row.at, row.is_undone).filter_by(farm_id=farm_id).order_by(row.id)
+        rows = session.execute(query).all()
+        told = {one.ref: self._titles_of(session, farm_id, one.ref) for one in rows[-TOLD:]}
+        return tuple(Transaction(r.ref, r.label, r.by, r.at, told.get(r.ref, ()), r.is_undone) for r in rows)
+
+    def _titles_of(self, session: Session, farm_id: str, ref: str) -> tuple[FeatureChange, ...]:
+        key = f"{farm_id} {ref}"
+        found = self._titles.get(key)
+        if found is None:
+            found = tuple(map(_titled, _changes(session, farm_id, ref) or ()))
+            if len(self._titles) >= TITLES:
+                self._titles.clear()
+            self._titles[key] = found
+        return found
+
+    def _end(self, session: Session, farm_id: str) -> None:
+        session.execute(delete(MapChangeRow).filter_by(farm_id=farm_id))
+        session.execute(delete(MapDraftRow).filter_by(farm_id=farm_id))
+        self._titles.clear()
 
     def _held(self, session: Session, farm_id: str, editor_id: str) -> MapDraftRow:
         row = session.get(MapDraftRow, farm_id)
@@ -268,24 +314,18 @@ def _version(row: MapVersionRow | None) -> MapVersion:
     return MapVersion(row.number, row.by, row.note, row.published_at, len(row.features))
 
 
-def _draft(session: Session, row: MapDraftRow) -> MapDraft:
-    return MapDraft(
-        row.farm_id,
-        row.base_version,
-        dict(row.features),
-        row.editor_id,
-        row.editor_name,
-        row.locked_until,
-        row.saved_at,
-        tuple(_log(session, row.farm_id)),
-    )
+def _changes(session: Session, farm_id: str, ref: str) -> tuple[FeatureChange, ...] | None:
+    raw = session.scalar(select(MapChangeRow.changes).filter_by(farm_id=farm_id, ref=ref))
+    return None if raw is None else tuple(_change(one) for one in raw)
 
 
-def _log(session: Session, farm_id: str) -> Sequence[Transaction]:
-    rows = session.scalars(select(MapChangeRow).filter_by(farm_id=farm_id).order_by(MapChangeRow.id))
-    return [
-        Transaction(r.ref, r.label, r.by, r.at, tuple(_change(one) for one in r.changes), r.is_undone) for r in rows
-    ]
+def _titled(change: FeatureChange) -> FeatureChange:
+    """Return a change with the names of the feature alone."""
+    return FeatureChange(change.id, _title(change.before), _title(change.after))
+
+
+def _title(raw: dict[str, Any] | None) -> dict[str, Any] | None:
+    return None if raw is None else {"properties": {"name": raw.get("properties", {}).get("name", "")}}
 
 
 def _change(raw: dict[str, Any]) -> FeatureChange:
@@ -311,8 +351,3 @@ def _feature_row(farm_id: str, number: int, raw: dict[str, Any], now: datetime) 
         map_version=number,
         created_at=now,
     )
-
-
-def _end_draft(session: Session, farm_id: str) -> None:
-    session.execute(delete(MapChangeRow).filter_by(farm_id=farm_id))
-    session.execute(delete(MapDraftRow).filter_by(farm_id=farm_id))

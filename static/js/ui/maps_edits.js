@@ -83,8 +83,9 @@
       if (answer.ok) this.select((answer.changes ?? []).filter((one) => one.after).map((one) => one.id).slice(0, 1));
     }
 
-    // places: a closed ring of an area, or the points of a road or guide line
-    walked(kind, places, accuracyM, robot) {
+    // places: a closed ring of an area, or the points of a road or guide line; false when there is no draft to take it
+    async walked(kind, places, accuracyM, robot) {
+      if (!(await this.open(false))) return false; // a long walk may outlast the lock
       const id = M.newId(kind);
       const isLine = kind === "road" || kind === "rows";
       const own = { road: () => ({ width_m: ROAD_M }), rows: () => this.rowsOf(places) }[kind]?.() ?? {};
@@ -93,6 +94,7 @@
       this.commit(`${isLine ? "Line" : "Edge"} walked with ${robot}`, [{ id, before: null, after }]);
       this.select([id]);
       this.editor?.fit([id]);
+      return true;
     }
 
     // a guide line belongs to the field that its middle lies in

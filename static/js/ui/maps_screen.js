@@ -32,7 +32,7 @@
       this.cloud = new M.CloudWishes({ client: this.client, mayEdit: this.may.edit, reason: () => this.dataset.noEdit, fit: (ids) => this.surface.fit(ids) });
       this.dock = new M.Dock(act);
       this.chips = new M.Chips(act, this.dataset.farm);
-      this.walk = new M.Walk({ finished: (kind, places, accuracy, robot) => this.walked(kind, places, accuracy, robot) });
+      this.walk = new M.Walk({ finished: (kind, places, accuracy, robot) => this.walked(kind, places, accuracy, robot) }, this.dataset.farm);
       this.surface = new M.Surface({ scripts: this.dataset.scripts, vendor: this.dataset.vendor }, this.told());
       this.file = el("input", { type: "file", hidden: true, accept: M.ACCEPT, "data-testid": "import-file", onchange: () => this.picked() });
       this.status = el("div", { class: "h-card m-status h-t13", hidden: true, "data-testid": "editor-place" });
@@ -58,7 +58,7 @@
       this.unsubscribe.forEach((end) => end?.());
       clearInterval(this.timer);
       clearTimeout(this.checkTimer);
-      this.walk.close();
+      this.walk.leave();
       this.surface.destroy();
     }
 
@@ -153,6 +153,7 @@
       if (!this.isConnected) return;
       this.failure = answer.ok ? null : answer;
       this.changed();
+      if (this.may.edit) this.walk.comeBack();
     }
 
     async lookAgain() {

@@ -1,11 +1,12 @@
 // Keeps the screen on while this page has control of a robot: a tablet that sleeps loses control and pauses the robot.
+// While an edge is walked, too: one that sleeps hears no positions.
 (() => {
   "use strict";
   const LOOK_MS = 1000;
   let lock = null;
   let isAsking = false;
 
-  const isWanted = () => document.visibilityState === "visible" && Boolean(HL.view.robot) && HL.lease.isMine(HL.view.robot);
+  const isWanted = () => !document.hidden && Boolean(HL.isWalking || (HL.view.robot && HL.lease.isMine(HL.view.robot)));
 
   async function look() {
     if (!navigator.wakeLock || isAsking || isWanted() === Boolean(lock)) return;

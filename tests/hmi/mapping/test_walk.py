@@ -128,6 +128,42 @@ def test_positions_in_the_wrong_order_are_put_in_order() -> None:
     assert outline(mixed, True, 0.5) == outline(points, True, 0.5)
 
 
+BAY = [(0, 0), (100, 0), (100, 80), (60, 80), (60, 40), (40, 40), (40, 80), (0, 80), (0, 0)]
+"""A field with a bay of 20 by 40 m."""
+
+
+def test_a_stretch_without_positions_is_told_with_where_how_long_and_how_far() -> None:
+    points = walk(BAY)
+    assert outline(points, True, 0.1).gaps == []
+    whole = ring(outline(points, True, 0.1)).area
+    xy = HERE.to_local([(one.lon, one.lat) for one in points])
+    seen = [one for one, (x, y) in zip(points, xy, strict=True) if not (39 < x < 61 and 39 < y < 79)]
+    walked = outline(seen, True, 0.1)
+    assert (walked.dropped, walked.accuracy_m) == (0, 0.02)
+    assert ring(walked).area > whole + 700, "the bay is field now"
+    [gap] = walked.gaps
+    assert gap.metres == pytest.approx(20, abs=1)
+    assert gap.seconds == pytest.approx(100 / 1.4, abs=2)
+    assert HERE.to_local([gap.start, gap.end]) == pytest.approx(HERE.to_local(degrees([(60, 80), (40, 80)])), abs=2)
+
+
+def test_positions_that_were_left_out_leave_a_gap_where_they_were_many() -> None:
+    points = walk(SQUARE)
+    poor = range(20, 40)  # below trees, 14 m
+    points[20:40] = [at(14 + 0.7 * n, 6, 9.0, points[n].at_s) for n in poor]
+    [gap] = outline(points, True, 0.5).gaps
+    assert gap.metres == pytest.approx(21 * 0.7, abs=0.1)
+    assert outline([*points[:20], *walk(SQUARE)[22:]], True, 0.5).gaps == [], "a second without one is none"
+
+
+def test_a_receiver_that_jumps_for_good_leaves_a_gap() -> None:
+    points = walk([(0, 0), (60, 0)])[:40] + [
+        WalkPoint(one.lon, one.lat, one.accuracy_m, one.at_s + 20) for one in walk([(28, 300), (60, 300)])
+    ]
+    [gap] = outline(points, False, 0.3).gaps
+    assert (gap.seconds, gap.metres) == (0.5, pytest.approx(300, abs=1))
+
+
 @pytest.mark.parametrize("tolerance", [0, -1, math.nan, math.inf, 51])
 def test_a_tolerance_out_of_range_is_refused(tolerance: float) -> None:
     with pytest.raises(BadWalk, match="bad_tolerance"):

@@ -132,11 +132,32 @@ async def test_a_shrunken_map_is_published_only_when_that_is_meant(rig: MapRig) 
         assert (await client.post("/map/draft/publish", json={"is_shrinking_ok": True})).status_code == 200
 
 
+async def test_a_field_dragged_to_almost_nothing_is_published_only_when_that_is_meant(rig: MapRig) -> None:
+    async with rig.browser(Role.PLANNER) as client:
+        there = await opened(client)
+        field, bow_tie = there["field-1"], there["bow-tie"]
+        tiny = parcel("field-1", 0, side_m=10)["geometry"]
+        changes = [
+            {
+                "id": "bow-tie",
+                "before": bow_tie,
+                "after": {**bow_tie, "geometry": parcel("b", 60, side_m=10)["geometry"]},
+            },
+            {"id": "field-1", "before": field, "after": {**field, "geometry": tiny}},
+        ]
+        body = {"id": "ref-00001", "label": "Dragged", "changes": changes}
+        assert (await client.post("/map/draft/transactions", json=body)).status_code == 200
+        refused = await client.post("/map/draft/publish", json={})
+        assert (refused.status_code, refused.json()["code"]) == (409, "shrinks")
+        assert "have 800 m²" in refused.json()["text"]
+        assert (await client.post("/map/draft/publish", json={"is_shrinking_ok": True})).status_code == 200
+
+
 @pytest.mark.slow
 async def test_an_older_version_comes_back_as_a_draft(rig: MapRig) -> None:
     async with rig.browser(Role.PLANNER) as client:
         await without_bow_tie(client)
-        await client.post("/map/draft/publish", json={"note": "No bow tie"})
+        await client.post("/map/draft/publish", json={"note": "No bow tie", "is_shrinking_ok": True})
         versions = (await client.get("/map/versions")).json()["versions"]
         assert [one["version"] for one in versions] == [2, 1]
         draft = (await client.post("/map/versions/1/restore")).json()

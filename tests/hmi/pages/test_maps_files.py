@@ -5,19 +5,44 @@ from __future__ import annotations
 import re
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Page, expect
 
 from tests.hmi.pages.conftest import Theatre
 from tests.hmi.pages.maps_screen import Show, editing, saved
 from tests.hmi.pages.maps_screen import show as show
 
 pytestmark = pytest.mark.browser
-WALKED = """(accuracy_m) => {
-  const { walk } = document.querySelector('hl-maps');
-  const { lon, lat, at_s } = walk.heard[0];
-  [[0, 1e-3], [5e-4, 1e-3], [1e-3, 1e-3], [1e-3, 0]].forEach(([x, y], i) => walk.add({
-    lon: lon + x, lat: lat + y, accuracy_m, at_s: at_s + 60 * (i + 1) }));
-}"""
+WALKED = """({ accuracy_m, missing = [] }) => {
+  const { recording } = HL.maps;
+  const { lon, lat, at_s } = recording.heard.at(-1);
+  const corners = [[0, 0], [0, 1e-3], [5e-4, 1e-3], [1e-3, 1e-3], [1e-3, 0]];
+  let seconds = 0;
+  corners.slice(1).forEach(([x, y], i) => {
+    for (let step = 0; step < 100; step += 1) {
+      const [x0, y0] = corners[i];
+      const part = (step + 1) / 100;
+      seconds += 1;
+      if (missing.includes(i) && step && step < 99) continue;
+      recording.take({ lon: lon + x0 + (x - x0) * part, lat: lat + y0 + (y - y0) * part, accuracy_m, at_s: at_s + seconds });
+    }
+  });
+  recording.look = () => {};
+  recording.heardMs = Date.now() + 3600000;
+}"""  # noqa: E501
+"""One position a second at about 1 m/s, and none after it; ``missing``: sides of which nothing was heard."""
+WAKE_LOCK = """window.locks = []; Object.defineProperty(navigator, 'wakeLock', {value: {request: async () => {
+    const lock = new EventTarget(); lock.isOn = true;
+    lock.release = async () => { lock.isOn = false; lock.dispatchEvent(new Event('release')); };
+    window.locks.push(lock); return lock; }}})"""
+
+
+def walking(page: Page, missing: tuple[int, ...] = ()) -> None:
+    """Begin a walk with the robot and let it go around."""
+    page.get_by_test_id("editor-walk").click()
+    page.get_by_test_id("walk-start").click()
+    expect(page.get_by_test_id("walk")).to_have_attribute("data-value", "1")
+    page.evaluate(WALKED, {"accuracy_m": 0.014, "missing": missing})
+    expect(page.get_by_test_id("walk-finish")).to_be_enabled()
 
 
 def test_an_import_is_looked_through_before_it_is_taken(show: Show, theatre: Theatre) -> None:
@@ -83,12 +108,63 @@ def test_walking_the_edge_makes_a_parcel_of_positions_heard(show: Show, theatre:
     page.get_by_test_id("walk-start").click()
     expect(page.get_by_test_id("walk")).to_have_attribute("data-value", "1")
     expect(page.get_by_test_id("walk-finish")).to_be_disabled()
-    page.evaluate(WALKED, 0.014)
+    page.evaluate(WALKED, {"accuracy_m": 0.014})
     page.get_by_test_id("walk-finish").click()
     heard = saved(page, theatre, "Edge walked with Weeder 07")
     [walked] = [one for one in heard["draft"].values() if one["properties"]["name"] == "Walked with Weeder 07"]
     assert len(walked["geometry"]["coordinates"][0]) == 5, "a corner on a straight edge is left out"
     assert walked["properties"]["accuracy_m"] == 0.014
+
+
+@pytest.mark.long
+def test_a_side_that_nobody_heard_is_told_before_it_becomes_an_edge(show: Show, theatre: Theatre) -> None:
+    page = editing(show())
+    walking(page, missing=(3,))
+    expect(page.get_by_test_id("walk-note")).to_contain_text("Not recorded: 1 stretch, 110 m.")
+    expect(page.locator(".m-track .bridge")).to_have_attribute("d", re.compile("^M.+L"))
+    page.get_by_test_id("walk-finish").click()
+    expect(page.get_by_test_id("walk-gaps").locator("li")).to_have_text(re.compile(r"110 m in 1:3\d, from [\d.]+° N, "))
+    page.get_by_test_id("walk-gaps").get_by_text("Not yet").click()
+    assert theatre.heard_map()["labels"] == []
+    page.get_by_test_id("walk-finish").click()
+    page.get_by_test_id("walk-gaps").get_by_text("Take it so").click()
+    saved(page, theatre, "Edge walked with Weeder 07")
+
+
+@pytest.mark.long
+def test_a_walk_goes_on_while_another_screen_is_shown_and_keeps_the_tablet_awake(show: Show, theatre: Theatre) -> None:
+    page = show(is_new=True)
+    page.context.add_init_script(WAKE_LOCK)
+    page.reload()
+    editing(page)
+    page.get_by_test_id("editor-walk").click()
+    page.get_by_test_id("walk-start").click()
+    page.wait_for_function("window.locks.some((lock) => lock.isOn)")
+    page.get_by_test_id("nav-fleet").click()
+    expect(page.get_by_test_id("toast")).to_contain_text("The walk with Weeder 07 goes on.")
+    expect(page.get_by_test_id("maps")).to_have_count(0)
+    heard = page.evaluate("HL.maps.recording.heard.length")
+    page.wait_for_function("(heard) => HL.maps.recording.heard.length > heard", arg=heard)
+    page.get_by_test_id("nav-maps").click()
+    expect(page.get_by_test_id("walk-finish")).to_be_visible()
+    page.get_by_test_id("walk-cancel").click()
+    page.wait_for_function("window.locks.every((lock) => !lock.isOn)")
+
+
+@pytest.mark.long
+def test_a_walk_is_offered_again_after_a_reload(show: Show, theatre: Theatre) -> None:
+    page = editing(show(is_new=True))
+    walking(page)
+    points = page.get_by_test_id("walk").get_attribute("data-value")
+    page.reload()
+    expect(page.get_by_test_id("walk-facts")).to_contain_text(f"{points} points kept from ")
+    expect(page.get_by_test_id("walk-robot")).to_be_disabled()
+    page.get_by_test_id("walk-start").click()
+    expect(page.get_by_test_id("walk-start")).not_to_be_visible()
+    page.get_by_test_id("walk-cancel").click()
+    page.reload()
+    expect(page.get_by_test_id("maps")).to_have_attribute("data-state", "draft")
+    expect(page.get_by_test_id("walk")).not_to_be_visible()
 
 
 @pytest.mark.long
@@ -99,7 +175,7 @@ def test_a_guide_line_is_walked_from_end_to_end_and_says_what_was_left_out(show:
     page.get_by_test_id("walk-start").click()
     expect(page.get_by_test_id("walk-note")).to_contain_text("strays less than 10 cm from a straight line is left out")
     expect(page.get_by_test_id("walk-what")).to_be_disabled()
-    page.evaluate(WALKED, 0.014)
+    page.evaluate(WALKED, {"accuracy_m": 0.014})
     page.get_by_test_id("walk-finish").click()
     expect(page.get_by_test_id("toast")).to_contain_text(
         re.compile(r"4 points from \d+ positions, ±1 cm; strays below 10 cm are left out\.")
@@ -166,7 +242,7 @@ def test_the_tablet_s_own_position_walks_an_edge_with_its_accuracy(show: Show, t
     expect(page.get_by_test_id("walk-facts")).to_have_text("±3.0 m")
     page.get_by_test_id("walk-start").click()
     expect(page.get_by_test_id("walk")).to_have_attribute("data-value", "1")
-    page.evaluate(WALKED, 3)
+    page.evaluate(WALKED, {"accuracy_m": 3})
     page.get_by_test_id("walk-finish").click()
     heard = saved(page, theatre, "Edge walked with this tablet")
     [walked] = [one for one in heard["draft"].values() if one["properties"]["name"] == "Walked with this tablet"]

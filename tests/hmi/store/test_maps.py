@@ -70,6 +70,26 @@ def test_a_draft_is_published_whole_and_ends(maps: Maps, database: Database, clo
     assert maps.features_of(FARM, 1) == {"north": raw("north")}
 
 
+def test_the_log_of_a_draft_carries_names_and_no_shapes_and_undo_still_has_them(
+    maps: Maps, database: Database, clock: FakeClock
+) -> None:
+    maps.open(FARM, "anna", "Anna")
+    maps.append(FARM, "anna", add(clock, "ref-1", "north"))
+    moved = raw("north", crop="Maize")
+    draft = maps.append(FARM, "anna", step(clock, "ref-2", FeatureChange("north", raw("north"), moved)))
+    named = {"properties": {"name": "North"}}
+    assert [one.changes for one in draft.log] == [
+        (FeatureChange("north", None, named),),
+        (FeatureChange("north", named, named),),
+    ]
+    again = Maps(database, clock)  # after a restart
+    assert again.draft(FARM) == draft
+    assert again.changes_of(FARM, "ref-2") == (FeatureChange("north", raw("north"), moved),)
+    assert again.changes_of(FARM, "ref-9") is None
+    assert again.undo(FARM, "anna")[1] == (FeatureChange("north", moved, raw("north")),)
+    assert again.redo(FARM, "anna")[1] == (FeatureChange("north", raw("north"), moved),)
+
+
 def test_undo_and_redo_survive_and_a_new_step_cuts_off_what_was_undone(maps: Maps, clock: FakeClock) -> None:
     maps.open(FARM, "anna", "Anna")
     for number in (1, 2, 3):
