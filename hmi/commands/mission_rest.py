@@ -227,7 +227,7 @@ class MissionRests:
         farm = session.farm_id
         base = await self._run(self._parts.missions.document, farm, mission.id)
         features = await self._run(self._parts.features.all, farm)
-        corner = base["parcel"][0][0]
+        parcel = {"type": "Polygon", "coordinates": base["parcel"]}
         stamp = await self._map.now(farm)
         home = next((f.geometry["coordinates"] for f in features if f.id == order.home_id and f.kind == "home"), None)
         return RestWish(
@@ -243,7 +243,7 @@ class MissionRests:
             row_speed_mps=order.row_speed_mps,
             end=order.end,
             home=None if home is None else (float(home[0]), float(home[1])),
-            surroundings=surroundings_of(features, (corner[0], corner[1]), mission.field_id),
+            surroundings=surroundings_of(features, parcel, mission.field_id),
             robot=robot.factsheet,
             map_version=stamp.as_json() if stamp.number else None,
             lead_m=_leads(mission),

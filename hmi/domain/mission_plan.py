@@ -121,10 +121,12 @@ class Surroundings:
     Args:
         obstacles: where no machine may be.
         ways: roads and yards it may use on its way to the field.
+        crossed: water, hedges and trees: as obstacles, but for where a way is drawn across.
     """
 
     obstacles: tuple[tuple[Geometry, float], ...] = ()
     ways: tuple[tuple[Geometry, float], ...] = ()
+    crossed: tuple[tuple[Geometry, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

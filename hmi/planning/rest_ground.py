@@ -10,7 +10,7 @@ import shapely
 from shapely.geometry import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from hmi.domain.mission_plan import Geometry, PlanRefused
+from hmi.domain.mission_plan import PlanRefused
 from hmi.domain.mission_rest import LEAVE_OUT, OBSTACLE, DrawnArea, RestWish
 from hmi.planning.dubins import Pose
 from hmi.planning.ground import Ground, erode, polygons_of
@@ -18,6 +18,7 @@ from hmi.planning.links import Linker
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import Leg, LegKind
 from hmi.planning.projection import Floats, LocalFrame
+from hmi.planning.surroundings import closed_areas, way_areas
 from hmi.planning.treatment import DoseMap
 from hmi.planning.turns import Turns, way_speed
 
@@ -47,7 +48,7 @@ class RestGround:
         self._parcel = parcel if parcel.is_valid else parcel.buffer(0)
         drawn = [self._drawn(area) for area in wish.areas if area.kind == OBSTACLE]
         left_out = [self._drawn(area) for area in wish.areas if area.kind == LEAVE_OUT]
-        areas = [self._area(geometry, width) for geometry, width in wish.surroundings.obstacles]
+        areas = closed_areas(wish.surroundings, frame)
         self.obstacles = shapely.union_all([*areas, *drawn]) if areas or drawn else Polygon()
         # left out is left out: no lead, unlike a border of treatment
         self.doses = DoseMap(tuple((area, 0.0) for area in left_out))
@@ -111,7 +112,7 @@ class RestGround:
 
     def _wide_linker(self, start: Pose) -> Linker:
         """Field, roads, the yard at home, and the spot on which the machine stands anyway."""
-        ways = [self._area(geometry, width) for geometry, width in self._wish.surroundings.ways]
+        ways = way_areas(self._wish.surroundings, self._frame)
         ways.append(shapely.Point(start[:2]).buffer(self._machine.reach_m + 3 * self._machine.margin_m))
         if self._home is not None:
             ways.append(shapely.Point(self._home).buffer(YARD_RADIUS_M))
@@ -133,15 +134,6 @@ class RestGround:
         if not local.is_valid or local.area < LEAST_DRAWN_M2:
             raise PlanRefused("bad_area", "The outline of an area crosses itself or is tiny. Draw it again.", "areas")
         return local.buffer(area.clearance_m) if area.kind == OBSTACLE else local
-
-    def _area(self, geometry: Geometry, width_m: float) -> BaseGeometry:
-        try:
-            local = shapely.transform(shapely.geometry.shape(geometry), self._frame.to_local)
-        except (TypeError, ValueError, AttributeError, shapely.errors.ShapelyError) as error:
-            raise PlanRefused("bad_map", "The map has a feature that is not valid GeoJSON.") from error
-        if local.geom_type in ("Polygon", "MultiPolygon"):
-            return local if local.is_valid else local.buffer(0)
-        return local.buffer(max(width_m, 0.1) / 2)
 
 
 def _all_but(area: BaseGeometry) -> BaseGeometry:
