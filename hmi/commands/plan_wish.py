@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hmi.commands.row_direction import row_direction
-from hmi.domain.map_ground import CLOSED_KINDS, CROSSED_KINDS, WAY_KINDS, WIDTHS_M
+from hmi.domain.map_ground import CLOSED_KINDS, CROSSED_KINDS, SLOW_MPS, WAY_KINDS, WIDTHS_M
 from hmi.domain.mission_plan import (
     Corner,
     Geometry,
@@ -27,6 +27,7 @@ from hmi.store.features import Feature
 NEAR_HOME_M = 2000.0  # a home further away belongs to another site
 FAR_M = 3000.0  # a robot this far from a field is at another site: sending must be a mistake
 EARTH_M = 6_371_000.0
+LEAST_MPS = 0.01
 USUAL_WIDTH_M = 4.0  # of what the map has as a line or point without saying how wide
 
 
@@ -146,6 +147,7 @@ def surroundings_of(features: Sequence[Feature], field: Geometry, field_id: str 
         tuple((one.geometry, _width(one)) for one in closed if one.kind not in CROSSED_KINDS),
         tuple((one.geometry, _width(one)) for one in near if one.kind in WAY_KINDS),
         tuple((one.geometry, _width(one)) for one in closed if one.kind in CROSSED_KINDS),
+        tuple((one.geometry, _slow_mps(one)) for one in near if one.kind == "slow"),
     )
 
 
@@ -186,6 +188,10 @@ def _width(feature: Feature) -> float:
     radius = feature.properties.get("radius_m")
     usual = WIDTHS_M.get(feature.kind, USUAL_WIDTH_M)
     return float(feature.properties.get("width_m", usual)) if radius is None else 2 * float(radius)
+
+
+def _slow_mps(zone: Feature) -> float:
+    return max(float(zone.properties.get("speed_mps") or SLOW_MPS), LEAST_MPS)
 
 
 def _places(geometry: Mapping[str, Any]) -> list[tuple[float, float]]:

@@ -14,3 +14,6 @@ WAY_KINDS = ("road", "yard")
 
 WIDTHS_M = MappingProxyType({"road": 4.0, "hedge": 5.0, "tree": 5.0, "water": 4.0})
 """Width of lines without ``width_m``, and across points without ``radius_m``; as drawn."""
+
+SLOW_MPS = 0.5
+"""Speed in slow zones that do not say one; the editor begins with it."""

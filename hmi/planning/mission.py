@@ -24,7 +24,7 @@ from hmi.planning.plan import Leg, Plan
 from hmi.planning.projection import LocalFrame
 from hmi.planning.recorded import CropRow
 from hmi.planning.statistics import statistics
-from hmi.planning.surroundings import area_of, closed_areas, way_areas
+from hmi.planning.surroundings import area_of, closed_areas, limits_of, way_areas
 from hmi.planning.treatment import DoseMap
 
 MAX_SEGMENTS = 20_000  # of the edge contract
@@ -100,6 +100,7 @@ def _job(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> Job:
         pattern=wish.pattern,
         corner=wish.corner,
         doses=_doses(wish, frame, machine),
+        limits=limits_of(wish.surroundings, frame, machine),
         rows=wish.rows,
         lines=_crop_rows(wish, frame),
         crop_spacing_m=wish.row_spacing_m,

@@ -18,7 +18,7 @@ from hmi.planning.links import Linker
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import Leg, LegKind
 from hmi.planning.projection import Floats, LocalFrame
-from hmi.planning.surroundings import closed_areas, way_areas
+from hmi.planning.surroundings import closed_areas, limits_of, way_areas
 from hmi.planning.treatment import DoseMap
 from hmi.planning.turns import Turns, way_speed
 
@@ -52,6 +52,7 @@ class RestGround:
         self.obstacles = shapely.union_all([*areas, *drawn]) if areas or drawn else Polygon()
         # left out is left out: no lead, unlike a border of treatment
         self.doses = DoseMap(tuple((area, 0.0) for area in left_out))
+        self.limits = limits_of(wish.surroundings, frame, machine)
         self._new = shapely.union_all(drawn) if drawn else None
         reach_m = machine.reach_m + machine.margin_m
         self._near = self.obstacles.buffer(reach_m)

@@ -1,4 +1,4 @@
-"""What stands around a field, on the plan's plane: closed ground and ways."""
+"""What lies around a field, on the plan's plane: closed ground, ways and slow zones."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from shapely.geometry import shape
 from shapely.geometry.base import BaseGeometry
 
 from hmi.domain.mission_plan import Geometry, PlanRefused, Surroundings
+from hmi.planning.machine import RobotProfile
 from hmi.planning.projection import LocalFrame
+from hmi.planning.speed_limits import SpeedLimits
 
 
 def closed_areas(around: Surroundings, frame: LocalFrame) -> list[BaseGeometry]:
@@ -29,6 +31,12 @@ def crossed_areas(around: Surroundings, frame: LocalFrame) -> list[BaseGeometry]
 def way_areas(around: Surroundings, frame: LocalFrame) -> list[BaseGeometry]:
     """Return roads and yards; raises as ``area_of``."""
     return [area_of(geometry, width, frame) for geometry, width in around.ways]
+
+
+def limits_of(around: Surroundings, frame: LocalFrame, machine: RobotProfile) -> SpeedLimits:
+    """Return the slow zones, wider by what the machine reaches: none of it is faster there; raises as ``area_of``."""
+    areas = ((area_of(geometry, 0.0, frame), most) for geometry, most in around.slow)
+    return SpeedLimits(tuple((area.buffer(machine.reach_m), most) for area, most in areas))
 
 
 def area_of(geometry: Geometry, width_m: float, frame: LocalFrame) -> BaseGeometry:
