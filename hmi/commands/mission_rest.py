@@ -21,12 +21,13 @@ from hmi.commands.service import TTL_MS, CommandRequest
 from hmi.domain.command import Action, Outcome
 from hmi.domain.ids import new_id
 from hmi.domain.mission import ENDED, MissionStatus
-from hmi.domain.mission_plan import MissionRefused
+from hmi.domain.mission_plan import Geometry, MissionRefused
 from hmi.domain.mission_rest import DrawnArea, Piece, PlannedRest, Progress, RestWish, pieces_of
 from hmi.domain.robot import Mode, Order, OrderStatus, Robot
 from hmi.domain.role import Permission
 from hmi.security.session_info import SessionInfo
 from hmi.store.errors import NotFound
+from hmi.store.features import Feature
 from hmi.store.missions import Mission
 
 KEPT = 32  # previews that wait for their Send
@@ -119,7 +120,7 @@ class MissionRests:
             return MissionSent(Outcome.REJECTED, refused.code, refused.text)
         self._refuse_in_doubt(mission, robot)
         areas = _areas(mission, order)
-        source = RestSource(self._parts, mission, session, order.kind, planned, areas)
+        source = RestSource(self._parts, mission, session, order.kind, planned, self._map, areas)
         proof = None
         if self._is_driven(mission, robot):
             self._parts.authorize(session, Permission.START, robot.id)
@@ -226,9 +227,9 @@ class MissionRests:
             stand = self._stand(mission, robot, progress)
         farm = session.farm_id
         base = await self._run(self._parts.missions.document, farm, mission.id)
+        stamp = await self._map.now(farm)  # before the map itself: what is published in between is seen when it is sent
         features = await self._run(self._parts.features.all, farm)
         parcel = {"type": "Polygon", "coordinates": base["parcel"]}
-        stamp = await self._map.now(farm)
         home = next((f.geometry["coordinates"] for f in features if f.id == order.home_id and f.kind == "home"), None)
         return RestWish(
             base=base,
@@ -243,6 +244,7 @@ class MissionRests:
             row_speed_mps=order.row_speed_mps,
             end=order.end,
             home=None if home is None else (float(home[0]), float(home[1])),
+            field_now=_field_now(features, mission),
             surroundings=surroundings_of(features, parcel, mission.field_id),
             robot=robot.factsheet,
             map_version=stamp.as_json() if stamp.number else None,
@@ -288,6 +290,17 @@ class MissionRests:
         if sent.outcome is Outcome.REJECTED and mission is not None and mission.pending_sha256:
             why = f"Not changed: {sent.text}"
             await self._run(self._parts.revisions.drop, session.farm_id, mission_id, session.user_name, why)
+
+
+def _field_now(features: Sequence[Feature], mission: Mission) -> Geometry | None:
+    """Return the mission's field as the map has it, ``None`` for a mission of no field of the map."""
+    if mission.field_id is None:
+        return None
+    known = next((one for one in features if one.id == mission.field_id), None)
+    if known is None or known.geometry["type"] not in ("Polygon", "MultiPolygon"):
+        text = f"{mission.field_name} is no field on the map any more. Plan a new mission for what is left."
+        raise MissionRefused("field_gone", text)
+    return known.geometry
 
 
 def _areas(mission: Mission, order: RestOrder) -> tuple[DrawnArea, ...]:

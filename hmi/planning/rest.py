@@ -93,9 +93,10 @@ class _Rest:
         raise PlanRefused("nothing_left", "It is in its last row. There is nothing left to change.")
 
     def _check_ahead(self, ahead: Sequence[Document], works: Sequence[Work]) -> None:
-        """Say what can no longer be changed; raise if the robot would meet a drawn obstacle before the new path."""
+        """Say what can no longer be changed; raise if the robot would meet what is new before the new path."""
         if any(self.ground.is_new_in_the_way(leg.points, is_backward=leg.is_backward) for leg in map(leg_of, ahead)):
-            text = "The obstacle is on the path before the new one begins. Pause the robot, then change the rest."
+            what = "The obstacle, or the new edge of the field,"
+            text = f"{what} is on the path before the new one begins. Pause the robot, then change the rest."
             raise PlanRefused("obstacle_ahead", text, "areas")
         for work in works:
             if self._is_left_out(work):
