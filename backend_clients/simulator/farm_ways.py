@@ -12,6 +12,7 @@ import numpy as np
 
 from backend_clients.simulator.cameras.map_feature import MapFeature
 from backend_clients.simulator.enu import EnuFrame, Point
+from hmi.domain.map_ground import CLOSED_KINDS
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 
     from hmi.planning.ways import Ways
 
-CLOSED = ("no-go", "no_go", "obstacle", "building", "water", "hedge")
 CLEAR_M = 2.5  # of the middle of a machine from what is closed: half of the widest, and a little
 COARSE_M = 0.5  # round shapes get few corners
 BEND_M = 0.3  # further out, so that a way may touch the corner it bends at
@@ -89,7 +89,7 @@ def _laid(features: Sequence[MapFeature], frame: EnuFrame) -> _Ground | None:
     if not roads:
         return None
     room = shapely.box(*shapely.union_all([shape for _, shape in near]).bounds).buffer(ROOM_M)
-    closed = shapely.union_all([_wide(one, shape, CLEAR_M) for one, shape in near if one.kind in CLOSED])
+    closed = shapely.union_all([_wide(one, shape, CLEAR_M) for one, shape in near if one.kind in CLOSED_KINDS])
     paved = shapely.union_all([_wide(one, shape, 0.5) for one, shape in roads])
     free, rough = room.difference(closed), room.difference(paved)
     for ground in (free, rough):

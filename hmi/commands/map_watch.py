@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -12,7 +13,6 @@ import msgspec
 
 from hmi.commands.refusal import MAP_CHANGED, OrderRefused
 from hmi.domain.map_log import MapFeatures
-from hmi.mapping.coordinates import paths
 from hmi.mapping.errors import BadFeature
 from hmi.mapping.feature import MapFeature, parse_feature
 from hmi.mapping.jobs import compare
@@ -23,10 +23,7 @@ from hmi.store.maps import Maps
 if TYPE_CHECKING:
     from hmi.mapping.diff import Difference
 
-NEAR_DEG = 0.0006  # some 60 m: a machine's way around a field and its turns lie within
 TOLD = 3  # changes named in the sentence; the map builder shows all
-IGNORED_KINDS = ("farm",)
-Box = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +74,7 @@ class MapWatch:
         raise OrderRefused(MAP_CHANGED, text)
 
     async def changes(self, farm_id: str, old: int, new: int, document: Mapping[str, Any]) -> list[Difference]:
-        """Return what changed from one version to another near a mission's field."""
+        """Return what changed from one version to another near a mission's field and its ways."""
         try:
             before = await self._run(self._maps.features_of, farm_id, old)
         except NotFound:
@@ -87,32 +84,16 @@ class MapWatch:
 
 
 def _near(before: MapFeatures, after: MapFeatures, document: Mapping[str, Any]) -> list[Difference]:
-    box = _wide(_box((p[0], p[1]) for ring in document["parcel"] for p in ring))
-    return compare(_parsed(before, box), _parsed(after, box))
+    from hmi.mapping.near_path import NearPath  # geometry: only a newer map needs it
+
+    near = NearPath(document)
+    return compare(near.of(_parsed(before)), near.of(_parsed(after)))
 
 
-def _parsed(features: MapFeatures, box: Box) -> Iterator[MapFeature]:
+def _parsed(features: MapFeatures) -> Iterator[MapFeature]:
     for raw in features.values():
-        try:
-            feature = parse_feature(raw)
-        except BadFeature:
-            continue
-        own = _box((p[0], p[1]) for path in paths(feature.geometry) for p in path)
-        if feature.kind not in IGNORED_KINDS and _meet(own, box):
-            yield feature
-
-
-def _box(points: Iterator[tuple[float, float]]) -> Box:
-    lons, lats = zip(*points, strict=True)
-    return min(lons), min(lats), max(lons), max(lats)
-
-
-def _wide(box: Box) -> Box:
-    return box[0] - NEAR_DEG, box[1] - NEAR_DEG, box[2] + NEAR_DEG, box[3] + NEAR_DEG
-
-
-def _meet(a: Box, b: Box) -> bool:
-    return a[0] <= b[2] and b[0] <= a[2] and a[1] <= b[3] and b[1] <= a[3]
+        with contextlib.suppress(BadFeature):
+            yield parse_feature(raw)
 
 
 def _digest(features: MapFeatures) -> str:

@@ -22,12 +22,13 @@ from hmi.domain.command import Action, Outcome
 from hmi.domain.ids import new_id
 from hmi.domain.mission import ENDED, MissionStatus
 from hmi.domain.mission_document import renamed
-from hmi.domain.mission_plan import MissionRefused
+from hmi.domain.mission_plan import Geometry, MissionRefused
 from hmi.domain.mission_rest import DrawnArea, Piece, PlannedRest, Progress, RestWish, pieces_of
 from hmi.domain.robot import Mode, Order, OrderStatus, Robot
 from hmi.domain.role import Permission
 from hmi.security.session_info import SessionInfo
 from hmi.store.errors import NotFound
+from hmi.store.features import Feature
 from hmi.store.missions import Mission
 
 KEPT = 32  # previews that wait for their Send
@@ -120,7 +121,7 @@ class MissionRests:
             return MissionSent(Outcome.REJECTED, refused.code, refused.text)
         self._refuse_in_doubt(mission, robot)
         areas = _areas(mission, order)
-        source = RestSource(self._parts, mission, order.kind, planned, areas)
+        source = RestSource(self._parts, mission, order.kind, planned, self._map, areas)
         proof = None
         if self._is_driven(mission, robot):
             self._parts.authorize(session, Permission.START, robot.id)
@@ -224,9 +225,9 @@ class MissionRests:
             stand = self._stand(mission, robot, progress)
         farm = session.farm_id
         base = await self._run(self._parts.missions.document, farm, mission.id)
+        stamp = await self._map.now(farm)  # before the map itself: what is published in between is seen when it is sent
         features = await self._run(self._parts.features.all, farm)
-        corner = base["parcel"][0][0]
-        stamp = await self._map.now(farm)
+        parcel = {"type": "Polygon", "coordinates": base["parcel"]}
         home = next((f.geometry["coordinates"] for f in features if f.id == order.home_id and f.kind == "home"), None)
         return RestWish(
             base=renamed(base, name=mission.name),
@@ -241,7 +242,8 @@ class MissionRests:
             row_speed_mps=order.row_speed_mps,
             end=order.end,
             home=None if home is None else (float(home[0]), float(home[1])),
-            surroundings=surroundings_of(features, (corner[0], corner[1]), mission.field_id),
+            field_now=_field_now(features, mission),
+            surroundings=surroundings_of(features, parcel, mission.field_id),
             robot=robot.factsheet,
             map_version=stamp.as_json() if stamp.number else None,
             lead_m=_leads(mission),
@@ -279,6 +281,17 @@ class MissionRests:
             raise MissionRefused("no_place", f"Where {robot.name} stands is not known.")
         pose = robot.telemetry.pose
         return pose.lon_deg, pose.lat_deg, pose.theta_rad
+
+
+def _field_now(features: Sequence[Feature], mission: Mission) -> Geometry | None:
+    """Return the mission's field as the map has it, ``None`` for a mission of no field of the map."""
+    if mission.field_id is None:
+        return None
+    known = next((one for one in features if one.id == mission.field_id), None)
+    if known is None or known.geometry["type"] not in ("Polygon", "MultiPolygon"):
+        text = f"{mission.field_name} is no field on the map any more. Plan a new mission for what is left."
+        raise MissionRefused("field_gone", text)
+    return known.geometry
 
 
 def _areas(mission: Mission, order: RestOrder) -> tuple[DrawnArea, ...]:

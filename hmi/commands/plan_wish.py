@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hmi.commands.row_direction import row_direction
+from hmi.domain.map_ground import CLOSED_KINDS, CROSSED_KINDS, SLOW_MPS, WAY_KINDS, WIDTHS_M
 from hmi.domain.mission_plan import (
     Corner,
     Geometry,
@@ -26,6 +27,8 @@ from hmi.store.features import Feature
 NEAR_HOME_M = 2000.0  # a home further away belongs to another site
 FAR_M = 3000.0  # a robot this far from a field is at another site: sending must be a mistake
 EARTH_M = 6_371_000.0
+LEAST_MPS = 0.01
+USUAL_WIDTH_M = 4.0  # of what the map has as a line or point without saying how wide
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +102,7 @@ def wish_for(
         headland_passes=order.headland_passes,
         home=home,
         returns_home=order.returns_home,
-        surroundings=surroundings_of(features, place, field.id),
+        surroundings=surroundings_of(features, field.geometry, field.id),
         pattern=order.pattern,
         corner=order.start_corner,
         overlap=order.overlap,
@@ -135,20 +138,60 @@ def _home(features: Sequence[Feature], order: PlanOrder, place: tuple[float, flo
     return None if best is None else _places(best.geometry)[0]
 
 
-def surroundings_of(features: Sequence[Feature], place: tuple[float, float], field_id: str | None) -> Surroundings:
-    """Return what is near a place of a field; a farm may have sites on other continents."""
-    near = [one for one in features if one.id != field_id and metres(_places(one.geometry)[0], place) < FAR_M]
-    solid = [one for one in near if one.kind in ("obstacle", "building", "no-go", "no_go", "hole")]
-    roads = [one for one in near if one.kind in ("road", "yard")]
+def surroundings_of(features: Sequence[Feature], field: Geometry, field_id: str | None) -> Surroundings:
+    """Return what is near a field, any part of it; a farm may have sites on other continents."""
+    around = _Box.around(field).grown(FAR_M)
+    near = [one for one in features if one.id != field_id and around.meets(one.geometry)]
+    closed = [one for one in near if one.kind in CLOSED_KINDS]
     return Surroundings(
-        tuple((one.geometry, _width(one)) for one in solid), tuple((one.geometry, _width(one)) for one in roads)
+        tuple((one.geometry, _width(one)) for one in closed if one.kind not in CROSSED_KINDS),
+        tuple((one.geometry, _width(one)) for one in near if one.kind in WAY_KINDS),
+        tuple((one.geometry, _width(one)) for one in closed if one.kind in CROSSED_KINDS),
+        tuple((one.geometry, _slow_mps(one)) for one in near if one.kind == "slow"),
     )
+
+
+@dataclass(frozen=True, slots=True)
+class _Box:
+    """A box in degrees; longitudes count from ``lon``, so that it may lie on longitude 180."""
+
+    lon: float
+    west: float
+    south: float
+    east: float
+    north: float
+
+    @classmethod
+    def around(cls, geometry: Geometry, lon: float | None = None) -> _Box:
+        """Return the box of a shape; without ``lon`` its own first place is in the middle."""
+        places = _places(geometry)
+        middle = places[0][0] if lon is None else lon
+        lons = [math.remainder(x - middle, 360.0) for x, _ in places]
+        lats = [y for _, y in places]
+        return cls(middle, min(lons), min(lats), max(lons), max(lats))
+
+    def grown(self, metres: float) -> _Box:
+        """Return it with so much more on each side."""
+        up = math.degrees(metres / EARTH_M)
+        aside = up / max(math.cos(math.radians(min(max(abs(self.south), abs(self.north)), 89.0))), 0.01)
+        return _Box(self.lon, self.west - aside, self.south - up, self.east + aside, self.north + up)
+
+    def meets(self, geometry: Geometry) -> bool:
+        """Say whether a shape's own box touches this one."""
+        other = _Box.around(geometry, self.lon)
+        is_beside = other.west > self.east or other.east < self.west
+        return not (is_beside or other.south > self.north or other.north < self.south)
 
 
 def _width(feature: Feature) -> float:
     """Return how wide a line is, or a point across."""
     radius = feature.properties.get("radius_m")
-    return float(feature.properties.get("width_m", 4.0)) if radius is None else 2 * float(radius)
+    usual = WIDTHS_M.get(feature.kind, USUAL_WIDTH_M)
+    return float(feature.properties.get("width_m", usual)) if radius is None else 2 * float(radius)
+
+
+def _slow_mps(zone: Feature) -> float:
+    return max(float(zone.properties.get("speed_mps") or SLOW_MPS), LEAST_MPS)
 
 
 def _places(geometry: Mapping[str, Any]) -> list[tuple[float, float]]:
@@ -156,11 +199,11 @@ def _places(geometry: Mapping[str, Any]) -> list[tuple[float, float]]:
     found: list[tuple[float, float]] = []
     waiting = [geometry["coordinates"]]
     while waiting:
-        one = waiting.pop(0)
+        one = waiting.pop()
         if one and isinstance(one[0], int | float):
             found.append((float(one[0]), float(one[1])))
         else:
-            waiting = [*one, *waiting]
+            waiting += reversed(one)
     return found
 
 

@@ -57,15 +57,18 @@ class RestSource:
         mission: Mission,
         kind: str,
         planned: PlannedRest,
+        watch: MapWatch,
         areas: tuple[DrawnArea, ...] = (),
     ) -> None:
         self._parts, self._mission, self._kind = parts, mission, kind
-        self._planned, self._areas = planned, areas
+        self._planned, self._map, self._areas = planned, watch, areas
         self._why = rest_words(kind, planned.difference, areas)
 
     async def stored(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> StoredMission | None:
-        """Keep the document as sent, not confirmed."""
+        """Keep the document as sent, not confirmed; raises ``OrderRefused`` if the map changed since it was shown."""
         planned, mission = self._planned, self._mission
+        stamp = planned.document.get("map_version")
+        note = await self._map.check(farm_id, stamp["number"] if stamp else None, planned.document)
         statistics = _merged(mission.statistics, planned.statistics)
         statistics[DRAWN] = [one.as_json() for one in self._areas]
         await self._parts.database.run(
@@ -77,7 +80,7 @@ class RestSource:
             by,
             self._why,
         )
-        return StoredMission(mission_id, mission.name, planned.document, planned.sha256)
+        return StoredMission(mission_id, mission.name, planned.document, planned.sha256, note)
 
     async def sent(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> None:
         """The robot has read it back: it is the mission's own now."""

@@ -8,9 +8,9 @@ from typing import Any
 
 from hmi.demo.farm import POLDER, SITE, feature, features
 from hmi.demo.fleet import robot
+from hmi.domain.map_ground import CLOSED_KINDS, CROSSED_KINDS
 from hmi.domain.mission_plan import PlannedMission, PlanWish, Surroundings
 
-SOLID = ("obstacle", "building", "no-go", "water", "hedge")
 SITE_DATUM = (40.312546, -3.48086)
 
 
@@ -75,13 +75,11 @@ def row_angle(properties: dict[str, Any]) -> float | None:
 def surroundings(site: str) -> Surroundings:
     """Return obstacles and ways of one site; a field may be crossed on the way to another."""
     near = [one for one in features() if one.properties["site"] == site]
-    solid = [
-        (one.geometry, _width(one.properties))
-        for one in near
-        if one.kind in ("obstacle", "building", "no-go", "water", "hedge")
-    ]
+    closed = [one for one in near if one.kind in CLOSED_KINDS]
+    solid = [(one.geometry, _width(one.properties)) for one in closed if one.kind not in CROSSED_KINDS]
+    crossed = [(one.geometry, _width(one.properties)) for one in closed if one.kind in CROSSED_KINDS]
     ways = [(one.geometry, float(one.properties.get("width_m", 0.0))) for one in near if one.kind == "road"]
-    return Surroundings(tuple(solid), tuple(ways))
+    return Surroundings(tuple(solid), tuple(ways), tuple(crossed))
 
 
 def _width(properties: dict[str, Any]) -> float:

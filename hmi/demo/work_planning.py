@@ -81,7 +81,7 @@ def _around(family: Family, field: dict[str, Any]) -> Surroundings:
     inner = shapely.Polygon() if family is Family.PLANTER else outline.buffer(-EDGE_M)
     edge = shapely.transform(outline.difference(inner), frame.to_lon_lat)
     way: dict[str, Any] = shapely.geometry.mapping(edge)
-    return Surroundings(known.obstacles, (*known.ways, (way, 0.0)))
+    return Surroundings((*known.obstacles, *known.crossed), (*known.ways, (way, 0.0)))
 
 
 def _sky() -> Surroundings:

@@ -121,10 +121,14 @@ class Surroundings:
     Args:
         obstacles: where no machine may be.
         ways: roads and yards it may use on its way to the field.
+        crossed: water, hedges and trees: as obstacles, but for where a way is drawn across.
+        slow: zones, each with the most that may be driven there, m/s, in place of a width.
     """
 
     obstacles: tuple[tuple[Geometry, float], ...] = ()
     ways: tuple[tuple[Geometry, float], ...] = ()
+    crossed: tuple[tuple[Geometry, float], ...] = ()
+    slow: tuple[tuple[Geometry, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

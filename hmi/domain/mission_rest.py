@@ -127,6 +127,7 @@ class RestWish:
         row_speed_mps: another working speed; ``None`` keeps it.
         end: ``as_planned``, ``stay`` or ``home``.
         home: another home; ``None`` keeps it.
+        field_now: the field as the map shows it now; what the base has beyond it is closed. ``None`` keeps the base's.
         map_version: number and hash of the map whose obstacles and roads count.
         lead_m: how long the tool is on before and after treated ground in ``base``; ``None``: as long as this tool is.
     """
@@ -143,6 +144,7 @@ class RestWish:
     row_speed_mps: float | None = None
     end: str = "as_planned"
     home: tuple[float, float] | None = None
+    field_now: Geometry | None = None
     surroundings: Surroundings = field(default_factory=Surroundings)
     robot: Factsheet | None = None
     map_version: Mapping[str, Any] | None = None

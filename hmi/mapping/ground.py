@@ -14,6 +14,7 @@ import numpy as np
 import shapely
 from shapely.geometry import LineString, MultiLineString, MultiPolygon, Point, Polygon
 
+from hmi.domain.map_ground import WIDTHS_M
 from hmi.mapping.coordinates import DECIMALS, Geometry, Position, paths, positions, rounded
 from hmi.mapping.feature import MapFeature
 from hmi.mapping.kinds import LINE, LINES, POINT, POLYGON
@@ -24,7 +25,6 @@ Shape = Any
 
 DATUM_DECIMALS = 2
 GRID_M = 1e-5  # overlays snap to it: never unsound, and a hundredth of what is kept
-WIDTHS_M = {"road": 4.0, "hedge": 5.0, "tree": 5.0, "water": 4.0}  # drawn width of lines without ``width_m``
 
 
 def frame_at(lon_lat_deg: Iterable[Sequence[float]]) -> LocalFrame:

@@ -122,7 +122,9 @@ class _Course:
             self._home()
         self.tell(0.9, "Adding up")
         legs = self.job.doses.cut(_with_pivots(self.legs, self.job.machine))
-        figures = self._figures(legs, angle)
+        worked = self._strips(legs)
+        legs = self.job.limits.cut(legs)
+        figures = self._figures(legs, worked, angle)
         if missed := missed_note(self.job, figures):
             self.notes.append(missed)
         return Plan(tuple(legs), figures, tuple(self.notes))
@@ -244,11 +246,9 @@ class _Course:
             return
         self.legs += [Leg(LegKind.EXIT, p, way_speed(p, machine, machine.way_mps)) for p in back]
 
-    def _figures(self, legs: list[Leg], angle: float) -> Figures:
+    def _figures(self, legs: list[Leg], worked: list[BaseGeometry], angle: float) -> Figures:
         passes = len(self.division.offsets_m)
-        return figures_of(
-            self.job, self.field, self.inner, legs, self._strips(legs), rows=self.row, angle=angle, passes=passes
-        )
+        return figures_of(self.job, self.field, self.inner, legs, worked, rows=self.row, angle=angle, passes=passes)
 
     def _strips(self, legs: list[Leg]) -> list[BaseGeometry]:
         """Return the ground that each row, lap or treated piece of them works."""

@@ -11,8 +11,8 @@ from shapely.geometry import LineString
 from shapely.geometry.base import BaseGeometry
 
 from hmi.planning.projection import Floats
+from hmi.planning.spans import between
 from hmi.planning.swaths import BLUNT, SKIP, Place, Swath, cells_of, fitted, merged
-from hmi.planning.treatment import between
 
 Span = tuple[float, float]
 Geometries = NDArray[np.object_]

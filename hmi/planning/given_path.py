@@ -51,6 +51,7 @@ def _checked(wish: PlanWish, segments: Sequence[Mapping[str, Any]], notes: Seque
     field = checked_field(job)
     legs = legs_of(segments)
     check_path(job, field, legs)
+    legs = job.limits.cut(legs)  # a service knows nothing of slow zones
     division = headlands.divide(job.machine, job.width_m, job.headland_passes, is_wide=job.pattern is Pattern.SKIP_ROWS)
     rows = [leg for leg in legs if leg.kind is LegKind.ROW]
     figures = figures_of(

@@ -15,6 +15,7 @@ from hmi.planning.ground import erode, polygons_of
 from hmi.planning.headland import Headland
 from hmi.planning.machine import RobotProfile
 from hmi.planning.recorded import CropRow
+from hmi.planning.speed_limits import UNLIMITED, SpeedLimits
 from hmi.planning.treatment import EVERYWHERE, DoseMap
 
 MIN_WIDTH_M, MAX_WIDTH_M = 0.05, 50.0
@@ -42,6 +43,7 @@ class Job:
         corner: where the rows begin.
         tool_width_m: the width one pass treats; ``None`` is the distance of the rows.
         doses: where the tool works, and how much.
+        limits: where it drives slower than it could.
         rows: what the rows run along; ``angle_rad`` counts unless they follow an edge or lines.
         lines: the guide lines or recorded rows to follow.
         crop_spacing_m: distance of the recorded rows; ``None`` measures it.
@@ -60,6 +62,7 @@ class Job:
     corner: Corner | None = None
     tool_width_m: float | None = None
     doses: DoseMap = EVERYWHERE
+    limits: SpeedLimits = UNLIMITED
     rows: Rows | None = None
     lines: tuple[CropRow, ...] = ()
     crop_spacing_m: float | None = None

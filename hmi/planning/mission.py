@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import shapely
-from shapely.geometry import Polygon, shape
+from shapely.geometry import Polygon
 from shapely.geometry.base import BaseGeometry
 
 from hmi.domain.family import Family
@@ -24,6 +24,7 @@ from hmi.planning.plan import Leg, Plan
 from hmi.planning.projection import LocalFrame
 from hmi.planning.recorded import CropRow
 from hmi.planning.statistics import statistics
+from hmi.planning.surroundings import area_of, closed_areas, limits_of, way_areas
 from hmi.planning.treatment import DoseMap
 
 MAX_SEGMENTS = 20_000  # of the edge contract
@@ -76,10 +77,10 @@ def job_of(wish: PlanWish, machine: RobotProfile | None = None) -> Job:
 
 def _job(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> Job:
     parcel = _polygon(wish.parcel, frame)
-    obstacles = [_area(geometry, width, frame) for geometry, width in wish.surroundings.obstacles]
+    obstacles = closed_areas(wish.surroundings, frame)
     near = [area for area in obstacles if area.intersects(parcel)]
     home = None
-    ways = [_area(geometry, width, frame) for geometry, width in wish.surroundings.ways]
+    ways = way_areas(wish.surroundings, frame)
     if wish.home is not None:
         x, y = frame.to_local([wish.home])[0]
         home = (round(float(x), 3), round(float(y), 3))
@@ -99,6 +100,7 @@ def _job(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> Job:
         pattern=wish.pattern,
         corner=wish.corner,
         doses=_doses(wish, frame, machine),
+        limits=limits_of(wish.surroundings, frame, machine),
         rows=wish.rows,
         lines=_crop_rows(wish, frame),
         crop_spacing_m=wish.row_spacing_m,
@@ -121,7 +123,7 @@ def _doses(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> DoseMap:
     given = wish.treatment
     lead_in = machine.lead_in_m if given.lead_in_m is None else given.lead_in_m
     lead_out = machine.lead_out_m if given.lead_out_m is None else given.lead_out_m
-    areas = tuple((_area(area.geometry, 0.0, frame), area.dose) for area in given.areas)
+    areas = tuple((area_of(area.geometry, 0.0, frame), area.dose) for area in given.areas)
     return DoseMap(areas, given.rest_dose, lead_in, lead_out)
 
 
@@ -246,17 +248,6 @@ def _positions(ring: Sequence[Sequence[float]]) -> list[tuple[float, float]]:
     if any(not (math.isfinite(lon) and abs(lon) <= 180 and abs(lat) <= 90) for lon, lat in points):
         raise ValueError("not a place on earth")
     return points
-
-
-def _area(geometry: Geometry, width_m: float, frame: LocalFrame) -> BaseGeometry:
-    """Return a map feature as ground: polygons as they are, lines and points with their width."""
-    try:
-        local = shapely.transform(shape(geometry), frame.to_local)
-    except (TypeError, ValueError, AttributeError, shapely.errors.ShapelyError) as error:
-        raise PlanRefused("bad_map", "The map has a feature that is not valid GeoJSON.", "field_id") from error
-    if local.geom_type in ("Polygon", "MultiPolygon"):
-        return local if local.is_valid else local.buffer(0)
-    return local.buffer(max(width_m, 0.1) / 2)
 
 
 def _parts(area: BaseGeometry) -> list[Polygon]:

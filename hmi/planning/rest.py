@@ -69,7 +69,7 @@ class _Rest:
         chosen = self._chosen(works)
         if not chosen and not self.wish.is_running:
             raise PlanRefused("nothing_left", "Nothing is left to do. Abort the mission, or start fresh.")
-        rest = self._joined(chosen, start, head)
+        rest = [piece for one in self._joined(chosen, start, head) for piece in self._slowed(one)]
         if not rest:
             raise PlanRefused("nothing_left", "It finishes its last row. There is nothing left to change.")
         if len(head) + len(rest) > MAX_SEGMENTS:
@@ -93,9 +93,10 @@ class _Rest:
         raise PlanRefused("nothing_left", "It is in its last row. There is nothing left to change.")
 
     def _check_ahead(self, ahead: Sequence[Document], works: Sequence[Work]) -> None:
-        """Say what can no longer be changed; raise if the robot would meet a drawn obstacle before the new path."""
+        """Say what can no longer be changed; raise if the robot would meet what is new before the new path."""
         if any(self.ground.is_new_in_the_way(leg.points, is_backward=leg.is_backward) for leg in map(leg_of, ahead)):
-            text = "The obstacle is on the path before the new one begins. Pause the robot, then change the rest."
+            what = "The obstacle, or the new edge of the field,"
+            text = f"{what} is on the path before the new one begins. Pause the robot, then change the rest."
             raise PlanRefused("obstacle_ahead", text, "areas")
         for work in works:
             if self._is_left_out(work):
@@ -273,6 +274,18 @@ class _Rest:
         top = self.wish.robot.max_speed_mps if self.wish.robot is not None else wanted
         # more than the usual dose takes more time on each metre, as it was planned
         return {**segment, "speed_mps": round(min(wanted, top) / max(1.0, segment.get("dose", 1.0)), 3)}
+
+    def _slowed(self, segment: Document) -> list[Document]:
+        """Return a segment cut at the slow zones of the map."""
+        whole = leg_of(segment)
+        first, *others = self.ground.limits.pieces(whole)
+        if first is whole:
+            return [segment]
+        later = {key: value for key, value in segment.items() if key != "jump"} | {"pivot": False}
+        return [
+            {**one, "points": rounded_points(leg.points), "speed_mps": round(leg.speed_mps, 3)}
+            for one, leg in ((segment, first), *((later, leg) for leg in others))
+        ]
 
     # the answer
 

@@ -10,7 +10,7 @@ import shapely
 from shapely.geometry import LineString, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from hmi.domain.mission_plan import Geometry, PlanRefused
+from hmi.domain.mission_plan import PlanRefused
 from hmi.domain.mission_rest import LEAVE_OUT, OBSTACLE, DrawnArea, RestWish
 from hmi.planning.dubins import Pose
 from hmi.planning.ground import Ground, erode, polygons_of
@@ -18,6 +18,7 @@ from hmi.planning.links import Linker
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import Leg, LegKind
 from hmi.planning.projection import Floats, LocalFrame
+from hmi.planning.surroundings import area_of, closed_areas, limits_of, way_areas
 from hmi.planning.treatment import DoseMap
 from hmi.planning.turns import Turns, way_speed
 
@@ -25,6 +26,7 @@ YARD_RADIUS_M = 4.0  # ground around home where a robot can turn
 GAP_M = 0.04  # neighbouring features drawn by hand leave hairline gaps
 LEAST_PART_M = 1.0  # shorter remains of a row are not worth a turn
 LEAST_DRAWN_M2 = 0.01
+SAME_EDGE_M = 0.01  # an edge that moved by less is the same one, rounded
 WIDER_THAN_A_FIELD_M = 3e4
 INSIDE_M = 0.01  # a row is cut this far inside the turning ground, so that rounding does not put its end outside
 
@@ -33,7 +35,7 @@ class RestGround:
     """Answers what can be driven.
 
     Args:
-        wish: its base document has the field, its surroundings what stands there now.
+        wish: its base document has the field as it was planned, its surroundings what stands there now.
         frame: the document's plane.
         home: where home is on it, if there is one.
     """
@@ -45,16 +47,18 @@ class RestGround:
         rings = [frame.to_local([(p[0], p[1]) for p in ring]) for ring in wish.base["parcel"]]
         parcel = Polygon(rings[0], rings[1:])
         self._parcel = parcel if parcel.is_valid else parcel.buffer(0)
+        self._lost = self._no_field_now()
         drawn = [self._drawn(area) for area in wish.areas if area.kind == OBSTACLE]
         left_out = [self._drawn(area) for area in wish.areas if area.kind == LEAVE_OUT]
-        areas = [self._area(geometry, width) for geometry, width in wish.surroundings.obstacles]
-        self.obstacles = shapely.union_all([*areas, *drawn]) if areas or drawn else Polygon()
+        self._closed = shapely.union_all([*closed_areas(wish.surroundings, frame), *drawn])
+        self.obstacles = shapely.union_all([self._closed, self._lost])
         # left out is left out: no lead, unlike a border of treatment
         self.doses = DoseMap(tuple((area, 0.0) for area in left_out))
-        self._new = shapely.union_all(drawn) if drawn else None
+        self.limits = limits_of(wish.surroundings, frame, machine)
+        self._new = shapely.union_all([*drawn, self._lost])
         reach_m = machine.reach_m + machine.margin_m
         self._near = self.obstacles.buffer(reach_m)
-        self._near_new = Polygon() if self._new is None else self._new.buffer(reach_m)
+        self._near_new = self._new.buffer(reach_m)
         shapely.prepare(self._near)
         self._field = self._parcel.difference(self.obstacles)
 
@@ -79,8 +83,8 @@ class RestGround:
         return self._open.fits(points, is_backward=is_backward)
 
     def is_new_in_the_way(self, points: Floats, *, is_backward: bool = False) -> bool:
-        """Say whether a drawn obstacle stands on a path."""
-        if self._new is None or not shapely.intersects(self._near_new, shapely.linestrings(points)):
+        """Say whether a path meets a drawn obstacle, or ground that is no field any more."""
+        if not shapely.intersects(self._near_new, shapely.linestrings(points)):
             return False
         return not Ground(_all_but(self._new), self._machine).fits(points, is_backward=is_backward)
 
@@ -111,13 +115,14 @@ class RestGround:
 
     def _wide_linker(self, start: Pose) -> Linker:
         """Field, roads, the yard at home, and the spot on which the machine stands anyway."""
-        ways = [self._area(geometry, width) for geometry, width in self._wish.surroundings.ways]
+        ways = way_areas(self._wish.surroundings, self._frame)
         ways.append(shapely.Point(start[:2]).buffer(self._machine.reach_m + 3 * self._machine.margin_m))
         if self._home is not None:
             ways.append(shapely.Point(self._home).buffer(YARD_RADIUS_M))
         together = shapely.union_all([self._field, *ways])
         closed = together.buffer(GAP_M, join_style="mitre").buffer(-GAP_M, join_style="mitre")
-        return Linker(Ground(closed.difference(self.obstacles), self._machine, self._crop()))
+        # ground that is no field any more may be a road now
+        return Linker(Ground(closed.difference(self._closed), self._machine, self._crop()))
 
     def _crop(self) -> BaseGeometry:
         """Return the standing rows as one area, a little smaller than it is, so that row ends stay free."""
@@ -127,21 +132,19 @@ class RestGround:
         area = shapely.union_all(strips, grid_size=1e-3) if strips else Polygon()
         return shapely.union_all(polygons_of(erode(area, min(width, 1.0) * 0.6)))
 
+    def _no_field_now(self) -> BaseGeometry:
+        """Return the ground of the base that the field does not have any more: a new edge, or a new hole."""
+        if self._wish.field_now is None:
+            return Polygon()
+        now = area_of(self._wish.field_now, 0.0, self._frame)
+        return self._parcel.difference(now.buffer(SAME_EDGE_M, join_style="mitre"))
+
     def _drawn(self, area: DrawnArea) -> BaseGeometry:
         """Return drawn ground; mending a crossed outline would lose a part of it, so it is refused."""
         local = shapely.transform(shapely.geometry.shape(area.geometry), self._frame.to_local)
         if not local.is_valid or local.area < LEAST_DRAWN_M2:
             raise PlanRefused("bad_area", "The outline of an area crosses itself or is tiny. Draw it again.", "areas")
         return local.buffer(area.clearance_m) if area.kind == OBSTACLE else local
-
-    def _area(self, geometry: Geometry, width_m: float) -> BaseGeometry:
-        try:
-            local = shapely.transform(shapely.geometry.shape(geometry), self._frame.to_local)
-        except (TypeError, ValueError, AttributeError, shapely.errors.ShapelyError) as error:
-            raise PlanRefused("bad_map", "The map has a feature that is not valid GeoJSON.") from error
-        if local.geom_type in ("Polygon", "MultiPolygon"):
-            return local if local.is_valid else local.buffer(0)
-        return local.buffer(max(width_m, 0.1) / 2)
 
 
 def _all_but(area: BaseGeometry) -> BaseGeometry:

@@ -13,7 +13,7 @@ from hmi.domain.mission_document import Document
 from hmi.domain.mission_rest import WORK_KINDS, is_work
 from hmi.planning.plan import GENTLE_RAD, Leg, LegKind, turn_between
 from hmi.planning.projection import Floats
-from hmi.planning.treatment import between
+from hmi.planning.spans import between
 
 TOUCH_M = 0.005  # points are rounded to millimetres
 

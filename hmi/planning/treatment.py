@@ -5,20 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import pairwise
 
-import numpy as np
 import shapely
 from shapely.geometry.base import BaseGeometry
 
 from hmi.planning.plan import Leg
 from hmi.planning.projection import Floats
+from hmi.planning.spans import SLIVER_M, Span, Zone, between, joined, merged, spans_along, without_later
 
-SLIVER_M = 0.1  # pieces shorter than this are the rounding of two borders, not a wish
 USUAL = 1.0
-
-Span = tuple[float, float, float]
-"""From and to in metres along a line, and the dose there."""
 
 
 @dataclass(frozen=True)  # no slots: the zones are worked out once
@@ -31,7 +26,7 @@ class DoseMap:
         lead_in_m, lead_out_m: the tool is on so long before it enters treated ground and after it leaves it.
     """
 
-    areas: tuple[tuple[BaseGeometry, float], ...] = ()
+    areas: tuple[Zone, ...] = ()
     rest: float = USUAL
     lead_in_m: float = 0.0
     lead_out_m: float = 0.0
@@ -66,17 +61,12 @@ class DoseMap:
         return [piece for leg in legs for piece in (self._pieces(leg) if leg.tool_on else [leg])]
 
     @cached_property
-    def _zones(self) -> list[tuple[BaseGeometry, float]]:
+    def _zones(self) -> list[Zone]:
         """The areas without what later ones cover."""
-        zones: list[tuple[BaseGeometry, float]] = []
-        taken: BaseGeometry = shapely.Polygon()
-        for area, dose in reversed(self.areas):
-            zones.append((area.difference(taken), dose))
-            taken = taken.union(area)
-        return zones
+        return without_later(self.areas)
 
     def _pieces(self, leg: Leg) -> list[Leg]:
-        spans = self._led(_merged(self._spans(leg.points)))
+        spans = self._led(merged(self._spans(leg.points)))
         pieces = []
         for number, (begin, end, dose) in enumerate(spans):
             piece = replace(
@@ -93,19 +83,7 @@ class DoseMap:
         return pieces
 
     def _spans(self, points: Floats) -> list[Span]:
-        """Return the doses along a line in order, without gaps."""
-        steps = np.hypot(*np.diff(points, axis=0).T)
-        starts = np.append(0.0, np.cumsum(steps))
-        lines = shapely.linestrings(np.stack([points[:-1], points[1:]], axis=1))
-        found: list[Span] = []
-        for zone, dose in self._zones:
-            parts, owner = shapely.get_parts(shapely.intersection(lines, zone), return_index=True)
-            for part, k in zip(parts, owner, strict=True):
-                if part.geom_type != "LineString" or part.is_empty:
-                    continue
-                ends = np.hypot(*(shapely.get_coordinates(part)[[0, -1]] - points[k]).T)
-                found.append((float(starts[k] + ends.min()), float(starts[k] + ends.max()), dose))
-        return _filled(sorted(found), float(starts[-1]), self.rest)
+        return spans_along(points, self._zones, self.rest)
 
     def _led(self, spans: list[Span]) -> list[Span]:
         """Let the tool begin before treated ground and end after it; a gap shorter than both is worked through."""
@@ -125,48 +103,7 @@ class DoseMap:
                 led.append((first, last, 0.0))
             elif not led:
                 led.append((begin, begin, spans[1][2] if len(spans) > 1 else 0.0))
-        return [span for span in _joined(led) if span[1] - span[0] > 1e-3]
-
-
-def _filled(found: list[Span], length_m: float, rest: float) -> list[Span]:
-    spans: list[Span] = []
-    here = 0.0
-    for begin, end, dose in found:
-        if begin > here + 1e-9:
-            spans.append((here, begin, rest))
-        spans.append((max(begin, here), max(end, here), dose))
-        here = max(here, end)
-    if length_m > here:
-        spans.append((here, length_m, rest))
-    return _joined(spans)
-
-
-def _joined(spans: list[Span]) -> list[Span]:
-    """Join neighbours of one dose."""
-    joined: list[Span] = []
-    for begin, end, dose in spans:
-        if joined and joined[-1][2] == dose:
-            joined[-1] = (joined[-1][0], end, dose)
-        else:
-            joined.append((begin, end, dose))
-    return joined
-
-
-def _merged(spans: list[Span]) -> list[Span]:
-    """Give slivers to their neighbours."""
-    kept = [span for span in spans if span[1] - span[0] > SLIVER_M] or spans[:1]
-    edges = [spans[0][0], *((a[1] + b[0]) / 2 for a, b in pairwise(kept)), spans[-1][1]]
-    return _joined([(edges[k], edges[k + 1], span[2]) for k, span in enumerate(kept)])
-
-
-def between(points: Floats, begin_m: float, end_m: float) -> Floats:
-    """Return the part of a polyline between two distances along it."""
-    along = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
-    if begin_m <= 1e-9 and end_m >= along[-1] - 1e-9:
-        return points
-    inside = (along > begin_m + 1e-6) & (along < end_m - 1e-6)
-    ends = np.array([[np.interp(s, along, points[:, 0]), np.interp(s, along, points[:, 1])] for s in (begin_m, end_m)])
-    return np.vstack([ends[:1], points[inside], ends[1:]])
+        return [span for span in joined(led) if span[1] - span[0] > 1e-3]
 
 
 EVERYWHERE = DoseMap()

@@ -11,6 +11,7 @@ from hmi.domain.mission_plan import Corner, Geometry, Pattern, PlanWish, Rows, S
 
 if TYPE_CHECKING:
     from hmi.planning.machine import RobotProfile
+    from hmi.planning.projection import LocalFrame
 
 LIMITS = ("length_m", "width_m", "base_to_front_m", "turning_radius_m", "can_pivot", "row_speed_mps", "turn_speed_mps",
           "transit_speed_mps", "accel_mps2", "yaw_rate_radps", "margin_m", "reverse_mps")  # fmt: skip
@@ -31,10 +32,12 @@ def form_of(wish: PlanWish) -> wire.Wish:
         ValueError: the wish does not fit the format.
     """
     from hmi.planning.mission import job_of, machine_of
+    from hmi.planning.projection import LocalFrame
 
     _only_known(wish)
     machine = machine_of(wish)
     doses = job_of(wish).doses
+    frame = LocalFrame(wish.datum_lat_deg, wish.datum_lon_deg)
     return wire.Wish(
         datum=wire.Datum(lat_deg=wish.datum_lat_deg, lon_deg=wish.datum_lon_deg),
         field=_rings(wish.parcel),
@@ -47,7 +50,7 @@ def form_of(wish: PlanWish) -> wire.Wish:
         corner=None if wish.corner is None else wish.corner.value,
         home=wish.home,
         returns_home=wish.returns_home,
-        obstacles=_grounds(wish.surroundings.obstacles),
+        obstacles=[*_grounds(wish.surroundings.obstacles), *_crossed(wish.surroundings, frame)],
         ways=_grounds(wish.surroundings.ways),
         treatment=wire.Treatment(
             areas=[wire.DoseArea(geometry=_plain(one.geometry), dose=one.dose) for one in wish.treatment.areas],
@@ -108,6 +111,16 @@ def _rings(geometry: Geometry) -> Any:
 
 def _grounds(features: Features) -> list[wire.Ground]:
     return [wire.Ground(geometry=_plain(geometry), width_m=width_m) for geometry, width_m in features]
+
+
+def _crossed(around: Surroundings, frame: LocalFrame) -> list[wire.Ground]:
+    """Return water, hedges and trees as obstacles with the gaps that roads make in them."""
+    import shapely
+
+    from hmi.planning.surroundings import crossed_areas
+
+    degrees = (shapely.transform(area, frame.to_lon_lat) for area in crossed_areas(around, frame))
+    return [wire.Ground(geometry=_plain(shapely.geometry.mapping(area)), width_m=0.0) for area in degrees]
 
 
 def _plain(geometry: Geometry) -> dict[str, object]:

@@ -25,6 +25,24 @@ test('the first offer of a working width is what the tool takes, in whole rows o
   assert.equal(usualWidth(null, undefined), null);
 });
 
+test('the first offer of headland laps is what the headland on the map takes', () => {
+  const { Inputs, usualLaps } = load(['plan_inputs'], bare()).planner;
+  assert.deepEqual([usualLaps(9, 3), usualLaps(10, 3), usualLaps(1, 3), usualLaps(100, 0.5)], ['3', '3', '1', '50']);
+  assert.deepEqual([usualLaps(undefined, 3), usualLaps(0, 3), usualLaps(9, NaN)], ['', '', '']);
+  const inputs = Object.assign(Object.create(Inputs.prototype), {
+    places: { fields: [{ id: 'a', properties: { headland_m: 12 } }, { id: 'b', properties: {} }] },
+    all: { field_id: { value: 'a' }, width_m: { value: '3' }, headland_passes: { value: '' } },
+  });
+  const offered = (field, width) => {
+    Object.assign(inputs.all, { field_id: { value: field }, width_m: { value: width } });
+    inputs.offerLaps();
+    return inputs.all.headland_passes.value;
+  };
+  assert.deepEqual([offered('a', '3'), offered('a', '6'), offered('b', '6'), offered('a', '4')], ['4', '2', '', '3']);
+  inputs.all.headland_passes.value = '1';
+  assert.deepEqual([offered('a', '3'), offered('b', '3')], ['1', '1']);
+});
+
 test('robots with nothing to show come after the others and in their own list', () => {
   const { split } = load(['queue_data'], { port: {} }).queue;
   const robot = (robot_id, more = {}) => ({ robot_id, ...more });

@@ -25,6 +25,9 @@
     return spacing && spacing < tool ? Number((Math.floor(tool / spacing + 1e-9) * spacing).toFixed(3)) : tool;
   }
 
+  // laps that fill the headland the map has for a field; "" leaves them to the planner
+  const usualLaps = (headland, width) => (headland > 0 && width > 0 ? String(Math.min(Math.max(Math.round(headland / width), 1), 50)) : "");
+
   // one of a few, as buttons; reads and writes like an input
   class Choice {
     constructor(hook, label, rows, value) {
@@ -70,6 +73,7 @@
       this.spacing = field("Plant spacing, m", this.all.plant_spacing_m);
       this.bearing = field("Row direction, ° from north", this.all.row_bearing_deg);
       this.all.rows.addEventListener("input", () => this.offerRows());
+      this.all.width_m.addEventListener("input", () => this.offerLaps());
       this.offerRows();
       this.recall();
     }
@@ -99,6 +103,14 @@
     offerWidth() {
       const width = usualWidth(this.robot?.tool_width_m, this.fieldPlace?.properties?.row_spacing_m);
       if (width) this.all.width_m.value = String(width);
+      this.offerLaps();
+    }
+
+    // follows field and width until somebody enters laps
+    offerLaps() {
+      const laps = this.all.headland_passes;
+      if (laps.value !== (this.laps ?? "")) return;
+      laps.value = this.laps = usualLaps(this.fieldPlace?.properties?.headland_m, Number(this.all.width_m.value));
     }
 
     // a field of another site is of no use to a robot: the nearest one is offered
@@ -179,5 +191,5 @@
     }
   }
 
-  Object.assign(HL.planner, { Inputs, usualWidth, ALONG, CORNERS: Object.fromEntries(CORNERS) });
+  Object.assign(HL.planner, { Inputs, usualLaps, usualWidth, ALONG, CORNERS: Object.fromEntries(CORNERS) });
 })();

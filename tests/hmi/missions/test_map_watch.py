@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -11,7 +12,7 @@ from hmi.commands.refusal import OrderRefused
 from hmi.domain.map_log import FeatureChange, Transaction
 from hmi.domain.role import Role
 from hmi.store.maps import Maps
-from tests.hmi.missions.rig import FARM, Rig, lon_lat
+from tests.hmi.missions.rig import FARM, Rig, farm_map, lon_lat
 
 ORDER = PlanOrder("field-1", "weeder-01", 3.0)
 
@@ -54,3 +55,30 @@ async def test_a_change_elsewhere_is_only_noted(rig: Rig) -> None:
     stored = await rig.book.stored(FARM, mission.id, "weeder-01")
     assert stored is not None
     assert stored.note == "The map is v2 now; nothing changed around this field since v1."
+
+
+def far_home(rig: Rig) -> None:
+    """Put the home at the end of a road of half a kilometre."""
+    road, home = (one for one in farm_map() if one.id in ("road-1", "home-1"))
+    line = {"type": "LineString", "coordinates": lon_lat((-500, 10), (4, 10))}
+    rig.features.put(
+        [replace(road, geometry=line), replace(home, geometry={"type": "Point", "coordinates": lon_lat((-480, 10))[0]})]
+    )
+
+
+@pytest.mark.parametrize("y_m", [10, 18])
+async def test_a_change_on_the_way_home_keeps_the_plan_from_being_sent(rig: Rig, y_m: float) -> None:
+    far_home(rig)
+    mission = await rig.book.plan(rig.person(Role.PLANNER), ORDER)
+    publish(rig, "trench", -340, y_m)
+    with pytest.raises(OrderRefused, match="Trench: Added"):
+        await rig.book.stored(FARM, mission.id, "weeder-01")
+
+
+async def test_what_lies_beside_a_long_way_is_only_noted(rig: Rig) -> None:
+    far_home(rig)
+    mission = await rig.book.plan(rig.person(Role.PLANNER), ORDER)
+    publish(rig, "trench", -340, 60)
+    stored = await rig.book.stored(FARM, mission.id, "weeder-01")
+    assert stored is not None
+    assert stored.note

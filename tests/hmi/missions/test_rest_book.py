@@ -88,10 +88,11 @@ class Wire:
 class Desk:
     """A mission on a robot in its second row, and the book of rests."""
 
-    def __init__(self, rig: Rig) -> None:
-        self.rig, self.wire = rig, Wire(rig)
-        put(rig)
-        through(rig, "m-1", *UNDER_WAY)
+    def __init__(self, rig: Rig, mission_id: str = "") -> None:
+        self.rig, self.wire, self.id = rig, Wire(rig), mission_id or "m-1"
+        if not mission_id:
+            put(rig)
+        through(rig, self.id, *UNDER_WAY)
         self.revisions = MissionRevisions(rig.missions, rig.database, rig.clock)
         wire: Any = self.wire
         self.sender = MissionSender(wire, rig.book, wire, rig.audit, lambda _event: None)
@@ -117,14 +118,14 @@ class Desk:
 
     @property
     def row_2(self) -> int:
-        segments = self.rig.missions.document(FARM, "m-1")["segments"]
+        segments = self.rig.missions.document(FARM, self.id)["segments"]
         return next(i for i, one in enumerate(segments) if one["row"] == 2)
 
     def reports(self, status: OrderStatus, mode: Mode = Mode.AUTO, hold: str = "") -> Robot:
-        known = self.rig.missions.known("m-1")
+        known = self.rig.missions.known(self.id)
         assert known is not None
         said: Order = replace(
-            order("m-1", known.sha256, status), segment=self.row_2, segment_s_m=5.0, row=2, area_done_m2=60.0
+            order(self.id, known.sha256, status), segment=self.row_2, segment_s_m=5.0, row=2, area_done_m2=60.0
         )
         robot = self.rig.fleet.report("weeder-01", said, self.rig.clock.mono_s())
         assert robot.state is not None
@@ -135,11 +136,11 @@ class Desk:
         return self.rig.fleet.robots["weeder-01"]
 
     def row(self, number: int) -> int:
-        segments = self.rig.missions.document(FARM, "m-1")["segments"]
+        segments = self.rig.missions.document(FARM, self.id)["segments"]
         return next(i for i, one in enumerate(segments) if one["row"] == number)
 
     async def change(self, **more: Any) -> PlannedRest:
-        return await self.rests.preview(self.supervisor, "m-1", RestOrder("change", **more))
+        return await self.rests.preview(self.supervisor, self.id, RestOrder("change", **more))
 
     async def follow(self) -> None:
         tracking = MissionTracking(self.rig.missions, self.rig.database, FARM, revisions=self.revisions)
@@ -149,10 +150,10 @@ class Desk:
 
     @property
     def mission(self) -> Any:
-        return self.rig.missions.known("m-1")
+        return self.rig.missions.known(self.id)
 
     def log(self) -> list[tuple[str, str]]:
-        return [(entry.by, entry.why) for entry in self.rig.missions.log(FARM, "m-1")]
+        return [(entry.by, entry.why) for entry in self.rig.missions.log(FARM, self.id)]
 
 
 @pytest.fixture

@@ -53,11 +53,14 @@ async def test_a_plan_of_the_service_is_the_plan_we_would_make_and_says_where_it
 def test_a_wish_survives_the_way_to_the_service_and_back() -> None:
     features = {one.id: one for one in farm_map()}
     around = Surroundings(((features["pylon-1"].geometry, 4.0),), ((features["road-1"].geometry, 6.0),))
+    ditch = {"type": "LineString", "coordinates": lon_lat((-10, -30), (-10, 60))}  # the road leads over it
+    around = replace(around, crossed=((ditch, 4.0),))
     area = TreatedArea(wish().parcel, 0.5)
     asked = wish(robot=SHEET, surroundings=around, home=tuple(lon_lat((-25, 10))[0]), returns_home=True,
                  treatment=Treatment((area,), 1.0), row_speed_mps=0.7, overlap=0.1)  # fmt: skip
     again, machine = wish_of(form_of(asked))
     own, other = plan_mission(asked), plan_mission(again, machine)
+    assert own.document["segments"][-1]["kind"] == "exit"
     assert other.document["segments"] == own.document["segments"]
     names = {asked.name, asked.field_name, asked.robot_id, asked.mission_id}
     assert not any(name in form_of(asked).model_dump_json() for name in names)
