@@ -13,6 +13,7 @@ from starlette.requests import ClientDisconnect
 from hmi.api.access import SignedIn, Watcher
 from hmi.api.errors import ApiError, not_found
 from hmi.api.orders import RobotId
+from hmi.clock import Clock
 from hmi.commands.audit_line import audit_line
 from hmi.commands.ports import AuditSink
 from hmi.domain.event import RobotEvent
@@ -72,6 +73,7 @@ class TwinRoutes:
     database: Database
     authorize: Authorize
     audit: AuditSink
+    clock: Clock
 
 
 def twin_routes(parts: TwinRoutes) -> APIRouter:
@@ -95,12 +97,13 @@ def _add_replay(router: APIRouter, parts: TwinRoutes) -> None:
     async def replay(
         robot_id: RobotId,
         session: SignedIn,
-        start: Annotated[datetime, Query(alias="from", description="ISO 8601 with zone")],
-        end: Annotated[datetime, Query(alias="to", description="ISO 8601 with zone")],
+        start: Annotated[datetime | None, Query(alias="from", description="ISO 8601 with zone")] = None,
+        end: Annotated[datetime | None, Query(alias="to", description="ISO 8601 with zone")] = None,
+        minutes: Annotated[int | None, Query(ge=1, le=60, description="the last ones, by the console's clock")] = None,
     ) -> dict[str, Any]:
         parts.authorize(session, Permission.REPLAY, robot_id)
         _known(parts, robot_id)
-        since, until = _span(start, end)
+        since, until = _span(start, end) if minutes is None else _last(minutes, parts.clock.utc())
         points = await parts.database.run(parts.history.postures, robot_id, since, until)
         events = await parts.database.run(
             parts.history.events, robot_id, start=since, end=until, kinds=EVENT_KINDS, limit=500
@@ -157,7 +160,13 @@ def _known(parts: TwinRoutes, robot_id: str) -> None:
         raise not_found(f"There is no robot {robot_id}.")
 
 
-def _span(start: datetime, end: datetime) -> tuple[datetime, datetime]:
+def _last(minutes: int, now: datetime) -> tuple[datetime, datetime]:
+    return now - timedelta(minutes=minutes), now
+
+
+def _span(start: datetime | None, end: datetime | None) -> tuple[datetime, datetime]:
+    if start is None or end is None:
+        raise ApiError(422, "invalid", "Give from and to, or minutes.", "from")
     if start.tzinfo is None or end.tzinfo is None:
         raise ApiError(422, "invalid", "from and to need a time zone, for example Z at the end.", "from")
     if not timedelta(0) < end - start <= MOST_REPLAY:

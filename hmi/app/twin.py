@@ -20,6 +20,7 @@ from hmi.app.twin_news import TwinNews
 from hmi.app.twin_pictures import TwinPictures
 from hmi.app.viser_page import CLIENT_PATH, viser_page
 from hmi.app.viser_proxy import OriginRule, TwinSockets
+from hmi.clock import Clock
 from hmi.commands.camera_ports import CameraProcess
 from hmi.commands.ports import FleetReader
 from hmi.live.lane import SessionGate
@@ -69,7 +70,7 @@ class TwinDesk:
             await asyncio.gather(self._task, return_exceptions=True)
         await self.link.close()
 
-    def rest(self, records: Records) -> APIRouter:
+    def rest(self, records: Records, clock: Clock) -> APIRouter:
         """Return the REST routes."""
         parts = TwinRoutes(
             MediaModels(self.link),
@@ -78,6 +79,7 @@ class TwinDesk:
             records.database,
             self._authorize,
             records.audit,
+            clock,
         )
         return twin_routes(parts)
 

@@ -173,7 +173,7 @@ def _api(console: Console) -> ApiServices:
             state_chart_routes(
                 StateRoutes(edge.fleet.robot, records.state_times, records.database, console.clock, console.authorize)
             ),
-            console.twin.rest(records),
+            console.twin.rest(records, console.clock),
             console.cameras.rest(records, console.desk.leases, edge.fleet),
             console.sensors.routes(),
             *console.cloud.routes(console.maps.book, console.authorize),

@@ -61,7 +61,9 @@ def models(console: Console) -> Models:
     """Return the keeper of models behind the console's routes."""
     made = Models()
     history = History(console.database, FARM)
-    parts = TwinRoutes(made, history, console.registry, console.database, console.authorize, console.audit)
+    parts = TwinRoutes(
+        made, history, console.registry, console.database, console.authorize, console.audit, console.field.clock
+    )
     console.api.include_router(twin_routes(parts))
     return made
 
@@ -87,6 +89,9 @@ async def test_a_replay_has_places_joints_and_events_in_columns(console: Console
     assert found["lon"][4] == 5.000004
     assert found["t"][1] - found["t"][0] == 1000
     assert found["height"] == [None] * 5
+    client = await console.browser(Role.SUPERVISOR)
+    assert (await client.get("/robots/weeder-01/replay", params={"minutes": 10})).json()["t"] == found["t"]
+    assert (await client.get("/robots/weeder-01/replay")).status_code == 422
 
 
 @pytest.mark.parametrize("role", [Role.VIEWER, Role.OPERATOR])
