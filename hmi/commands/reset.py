@@ -11,6 +11,7 @@ from hmi.commands.ledger import CommandResult, OrderLedger, Ticket
 from hmi.commands.ports import FleetReader
 from hmi.commands.refusal import (
     HARDWARE_STOP,
+    NEW_PRESS,
     NOT_STANDING,
     NOTHING_TO_RESET,
     OTHER_PRESS,
@@ -63,12 +64,12 @@ class ResetService:
 
     def _order(self, actor: SessionInfo, request: ResetRequest) -> ResetOrder:
         robot = self._gate.right(actor, Permission.RESET, request.robot_id)
-        self._gate.decided_now(request.tick_id)
+        seen_s = self._gate.decided_now(request.tick_id)
         reason = request.reason.strip()[:MAX_REASON]
         if not reason:
             raise OrderRefused(REASON_MISSING, "Say why it was stopped: one tap on a reason.")
         challenge = self._gate.challenge(robot)
-        stop_ids = self._presses(actor, robot, request)
+        stop_ids = self._presses(actor, robot, request, seen_s)
         lease = self._leases.control(actor, robot)
         return ResetOrder(
             robot_id=robot.id,
@@ -82,7 +83,7 @@ class ResetService:
             challenge=challenge,
         )
 
-    def _presses(self, actor: SessionInfo, robot: Robot, request: ResetRequest) -> tuple[str, ...]:
+    def _presses(self, actor: SessionInfo, robot: Robot, request: ResetRequest, seen_s: float) -> tuple[str, ...]:
         safety = self._gate.safety(robot)
         if safety.hardware_stop:
             raise OrderRefused(HARDWARE_STOP, "Hardware button is pressed on the machine. Release it there first.")
@@ -91,6 +92,8 @@ class ResetService:
         wanted = [p for p in safety.presses if not p.is_reset and p.stop_id in request.stop_ids]
         if not wanted:
             raise OrderRefused(NOTHING_TO_RESET, "This stop is not latched on the robot any more.")
+        if any(press.pressed_s > seen_s for press in wanted):
+            raise OrderRefused(NEW_PRESS, "STOP was pressed again. Look at it, then reset again.")
         others = [p for p in wanted if not _is_own(p, actor)]
         if others and not self._gate.may(actor, Permission.RESET_FOR_OTHERS, robot):
             raise OrderRefused(OTHER_PRESS, also_pressed(others))

@@ -104,6 +104,17 @@ async def test_a_reset_needs_a_reason_and_a_fresh_picture() -> None:
     assert field.weeder.orders == []
 
 
+async def test_a_press_that_is_newer_than_the_picture_is_not_reset() -> None:
+    field = stopped((ONE, "Martha Keller"))
+    seen = field.tick()
+    field.wait(0.3)
+    field.weeder.press(TWO, "", "Tablet 3")
+    result = await reset(field, MARTHA, ONE, TWO, tick=seen)
+    assert (result.outcome, result.code) == (Outcome.REJECTED, "new_press")
+    assert result.text == "STOP was pressed again. Look at it, then reset again."
+    assert field.weeder.orders == []
+
+
 async def test_what_is_not_latched_cannot_be_reset() -> None:
     field = stopped((ONE, "Martha Keller"))
     assert (await reset(field, MARTHA, "stop-999999")).code == "nothing_to_reset"
