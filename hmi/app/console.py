@@ -120,6 +120,7 @@ class Console:
             records.robots,
             records.audit,
             self.desk.leases,
+            settings.data / "stop" / "outbox.json",
             on_stop=self._stopped,
             on_stop_all=self.queue.freeze.stop_all,
             on_move=self._stop_moved,

@@ -132,6 +132,7 @@ def _api(console: Console) -> ApiServices:
         on_registry=console.sync_registry,
         title_of=console.missions.title_of,
         facts_of=console.missions.facts.of,
+        is_stop_open=console.stops.is_open_at,
     )
     return ApiServices(
         access=Access(records.sessions, records.tokens, console.authorize),

@@ -80,7 +80,7 @@ class StopService:
         now_s, utc = self._clock.mono_s(), self._clock.utc()
         fresh = [robot_id for robot_id in wanted if not self._book.has(stop_id, robot_id)]
         for robot_id in wanted:
-            target = targets.get(robot_id) or StopTarget(robot_id, robot_id)
+            target = targets.get(robot_id) or StopTarget(robot_id, robot_id, is_stranger=robot_id not in known)
             attempt = self._book.press(
                 stop_id, target, by, device, now_s=now_s, utc=utc, speed_mps=self._speed(robot_id, now_s)
             )

@@ -7,6 +7,8 @@
       └── too late ────┴──> not-confirmed <──────┘   │   (moves after it confirmed)
                                  └────── late ───────┘
 
+A press at an id that is no robot's ends as ``withdrawn``: that says nothing about any machine.
+
 Pure: the caller gives the time. ``*_s`` without more are on the console's monotonic clock; the robot's own
 time (``SafetyReport.at_s``) is only ever compared with itself.
 """
@@ -39,6 +41,7 @@ class StopState(StrEnum):
     STANDSTILL = "standstill"
     NOT_CONFIRMED = "not-confirmed"
     RESET = "reset"
+    WITHDRAWN = "withdrawn"
 
 
 def _limit(value: float | None, at_most: float) -> float:
@@ -50,13 +53,17 @@ def _limit(value: float | None, at_most: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class StopTarget:
-    """A robot as STOP needs it; limits outside the rules are brought inside them."""
+    """A robot as STOP needs it; limits outside the rules are brought inside them.
+
+    ``is_stranger``: when STOP was pressed nobody had registered it and nobody had heard it.
+    """
 
     id: str
     name: str
     decel_mps2: float | None = None
     ack_limit_s: float = ACK_LIMIT_S
     standstill_limit_s: float = STANDSTILL_LIMIT_S
+    is_stranger: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "ack_limit_s", _limit(self.ack_limit_s, ACK_LIMIT_S))
@@ -170,8 +177,8 @@ class StopAttempt:
 
     @property
     def is_open(self) -> bool:
-        """Whether the press is not reset yet."""
-        return self.state is not StopState.RESET
+        """Whether the press is still somebody's business: neither reset nor withdrawn."""
+        return self.state not in (StopState.RESET, StopState.WITHDRAWN)
 
     @property
     def wants_sending(self) -> bool:
