@@ -100,6 +100,7 @@ class Console:
                 next_epoch=self._next_epoch,
                 start_rules=self.missions.start_rules,
                 is_signed_in=lambda session_id: records.sessions.get(session_id) is not None,
+                pressers=lambda robot_id: self.stops.pressers(robot_id),
             )
         )
         self.queue = QueueDesk(

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from hmi.clock import Clock
 from hmi.commands.lease_service import LeaseService
-from hmi.commands.ports import AuditSink
+from hmi.commands.ports import AuditSink, Pressers
 from hmi.commands.stop import MovedOn, StopService
 from hmi.domain.command import OrderSender
 from hmi.domain.stop import StopTarget
@@ -61,7 +61,7 @@ class StopDesk:
     def press(self, stop_id: str, robots: Sequence[str] | Literal["all"], token: StopToken) -> list[dict[str, Any]]:
         """Send at once; then note who pressed."""
         is_new = not self.service.steps(stop_id)
-        steps = self.service.press(stop_id, robots, token.who, token.device_name)
+        steps = self.service.press(stop_id, robots, token.who, token.device_name, token.user_id)
         if robots == "all":
             self._tell(lambda: self._on_stop_all(stop_id, token.who))
         if is_new:
@@ -92,6 +92,17 @@ class StopDesk:
             return True
         held = await asyncio.to_thread(open_presses, self._outbox)
         return any(press.robot == robot_id for press in held)
+
+    async def pressers(self, robot_id: str) -> Pressers:
+        """Return who pressed what is open at a robot, as the signed tokens told console and gateway."""
+        found: dict[str, set[str]] = {}
+        held = await asyncio.to_thread(open_presses, self._outbox)
+        pairs = [(press.stop_id, press.user_id) for press in self.service.attempts_at(robot_id)]
+        pairs += [(press.stop_id, press.user_id) for press in held if press.robot == robot_id]
+        for stop_id, user_id in pairs:
+            if user_id is not None:
+                found.setdefault(stop_id, set()).add(user_id)
+        return found
 
     def start(self) -> None:
         """Begin to repeat what is not confirmed."""

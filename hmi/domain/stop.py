@@ -117,6 +117,8 @@ class StopAnswer:
 class StopAttempt:
     """One press at one robot. Every method returns the attempt as it is afterwards.
 
+    ``user_id`` is the account that pressed, from the signed stop token: empty where nobody was signed in, ``None``
+    where it is not known. ``by`` is for people to read; names are not unique.
     ``press_speed_mps`` is how fast it may have been when the limits began to run, ``speed_mps`` the newest
     speed it told; ``None`` is unknown.
     """
@@ -143,6 +145,7 @@ class StopAttempt:
     ack_at_s: float | None = None
     stopping_distance_m: float | None = None
     text: str = ""
+    user_id: str | None = None
 
     @classmethod
     def press(
@@ -155,6 +158,7 @@ class StopAttempt:
         now_s: float,
         utc: datetime,
         speed_mps: float | None = None,
+        user_id: str | None = None,
     ) -> StopAttempt:
         """Return a fresh attempt, due at once. ``speed_mps`` is the newest known speed, ``None`` if old."""
         return cls(
@@ -168,6 +172,7 @@ class StopAttempt:
             speed_mps=speed_mps,
             repeat_from_s=now_s,
             next_send_s=now_s,
+            user_id=user_id,
         )
 
     @property

@@ -65,13 +65,16 @@ class StopBook:
         now_s: float,
         utc: datetime,
         speed_mps: float | None = None,
+        user_id: str | None = None,
     ) -> StopAttempt:
         """Note a press, or one more copy of it; what is open afterwards is due at once."""
         key = (stop_id, target.id)
         known = self._open.get(key) or self._finished.get(key)
         if known is not None and known.state is not StopState.WITHDRAWN:
             return self._keep(key, known.at(now_s).pressed_again(now_s))
-        attempt = StopAttempt.press(stop_id, target, by, device, now_s=now_s, utc=utc, speed_mps=speed_mps)
+        attempt = StopAttempt.press(
+            stop_id, target, by, device, now_s=now_s, utc=utc, speed_mps=speed_mps, user_id=user_id
+        )
         self._add(attempt)
         return attempt
 

@@ -71,7 +71,16 @@ class StopDispatcher:
             speed = self.watch.speed_mps(robot_id, now_s)
             target = replace(self.registry.target(robot_id), is_stranger=robot_id not in known)
             attempts.append(
-                self.book.press(stop_id, target, token.who, token.device_name, now_s=now_s, utc=utc, speed_mps=speed)
+                self.book.press(
+                    stop_id,
+                    target,
+                    token.who,
+                    token.device_name,
+                    now_s=now_s,
+                    utc=utc,
+                    speed_mps=speed,
+                    user_id=token.user_id,
+                )
             )
         for attempt in attempts:
             if attempt.is_open:

@@ -46,6 +46,7 @@ class Record(Struct, frozen=True):
     stopping_distance_m: float | None = None
     text: str = ""
     is_stranger: bool = False
+    user_id: str | None = None
 
     @classmethod
     def of(cls, attempt: StopAttempt) -> Record:
@@ -74,6 +75,7 @@ class Record(Struct, frozen=True):
             stopping_distance_m=attempt.stopping_distance_m,
             text=attempt.text,
             is_stranger=target.is_stranger,
+            user_id=attempt.user_id,
         )
 
     def attempt(self, clock: Clock) -> StopAttempt:
@@ -104,6 +106,7 @@ class Record(Struct, frozen=True):
             ack_at_s=self.ack_at_s,
             stopping_distance_m=self.stopping_distance_m,
             text=self.text,
+            user_id=self.user_id,
         )
 
 
@@ -111,10 +114,11 @@ _decoder = msgspec.json.Decoder(list[Record])
 
 
 class OpenPress(Struct, frozen=True):
-    """What the console reads of a press that the gateway holds."""
+    """What the console reads of a press that the gateway holds; ``user_id`` as of ``StopAttempt``."""
 
     stop_id: str
     robot: str
+    user_id: str | None = None
 
 
 _open_presses = msgspec.json.Decoder(list[OpenPress])

@@ -135,6 +135,7 @@ async def test_control_is_asked_for_given_and_taken(console: Console) -> None:
 async def test_a_stop_is_reset_by_who_pressed_it(console: Console) -> None:
     client = await console.browser(Role.OPERATOR)
     console.field.weeder.press("stop-000001", "Martha Keller")
+    console.field.pressers["stop-000001"] = {"operator"}
     body = {"reset_id": "reset-00001", "stop_ids": ["stop-000001"], "reason": "Test", "tick": console.field.tick()}
     answer = (await client.post("/robots/weeder-01/stop-reset", json=body)).json()
     assert answer == {"reset_id": "reset-00001", "outcome": "accepted", "code": "ok", "text": "", "ms": 0}
