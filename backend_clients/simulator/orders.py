@@ -12,7 +12,7 @@ from backend_clients.edge import messages_up as up
 from backend_clients.edge.codec import mission_hash
 from backend_clients.simulator.brain import Brain
 from backend_clients.simulator.machine_orders import FRESH_ONLY, MachineOrders, needs
-from backend_clients.simulator.mission_run import AT_HOME_M, MOVED_LIMIT_M
+from backend_clients.simulator.mission_run import AT_HOME_M, MOVED_LIMIT_M, MissionRun
 from backend_clients.simulator.people_rules import BATTERY_VERY_LOW
 from backend_clients.simulator.pilot import DriveState
 from backend_clients.simulator.reports import Reporter
@@ -160,7 +160,7 @@ class OrderDesk:
             return verdict
         if run is None:
             return refused("no_mission")
-        if order.mission_id != run.mission.mission_id or order.mission_sha256 not in (None, run.sha256):
+        if not _is_named(order, run):
             return refused("wrong_mission")
         if run.status == "running" or brain.errand:
             return refused("already_running")
@@ -183,6 +183,8 @@ class OrderDesk:
             return verdict
         if run is None or run.status != "paused" or brain.errand:
             return refused("not_paused")
+        if not _is_named(order, run):
+            return refused("wrong_mission")
         moved_m = run.moved_m(brain.place)
         if moved_m > MOVED_LIMIT_M:
             return refused(
@@ -371,3 +373,8 @@ class OrderDesk:
             text=verdict.text,
             speed_mps=abs(self._brain.machine.base.speed_mps),
         )
+
+
+def _is_named(order: down.Command, run: MissionRun) -> bool:
+    """Say whether the order is for the mission that is here; a console that names no version means any."""
+    return order.mission_id == run.mission.mission_id and order.mission_sha256 in (None, run.sha256)

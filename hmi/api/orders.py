@@ -33,7 +33,10 @@ class CommandBody(Body):
         "node_start", "node_stop", "node_restart",
     ]  # fmt: skip
     tick: Tick
-    mission_id: Id | None = None
+    mission_id: Annotated[Id | None, Field(description="start and resume: the mission the robot reports")] = None
+    mission_sha256: Annotated[
+        str | None, Field(pattern=r"^[0-9a-f]{64}\z", description="start and resume: its hash as the robot reports it")
+    ] = None
     checklist_id: Annotated[str | None, Field(max_length=64, description="record of the pre-start checklist")] = None
     node: Annotated[Id | None, Field(description="for node_start, node_stop and node_restart")] = None
     place: Annotated[
@@ -82,7 +85,15 @@ def order_routes(desk: CommandDesk) -> APIRouter:
     async def command(robot_id: RobotId, body: CommandBody, session: SignedIn) -> dict[str, Any]:
         action, tick = Action(body.action), body.tick
         request = CommandRequest(
-            robot_id, action, body.command_id, tick, body.mission_id, body.checklist_id, body.node, body.place
+            robot_id,
+            action,
+            body.command_id,
+            tick,
+            mission_id=body.mission_id,
+            mission_sha256=body.mission_sha256,
+            checklist_id=body.checklist_id,
+            node=body.node,
+            place=body.place,
         )
         result = await desk.commands.submit(session, request)
         return {"command_id": body.command_id, **outcome_of(result)}

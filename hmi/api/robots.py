@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal, Protocol
 from urllib.parse import urlsplit
@@ -12,7 +12,7 @@ from pydantic import AfterValidator, Field
 
 from hmi.api.access import RobotManager, Watcher
 from hmi.api.body import Body, Id, Name, Secret
-from hmi.api.errors import not_found
+from hmi.api.errors import ApiError, not_found
 from hmi.api.orders import RobotId
 from hmi.clock import Clock
 from hmi.commands.audit_line import audit_line
@@ -87,6 +87,7 @@ class RobotRoutes:
         title_of: mission id to its name and field.
         facts_of: mission id to what the start checks need.
         is_supervised: whether somebody has to look on while a robot carries out what it has.
+        is_stop_open: whether STOP holds a press at a robot that is not reset.
     """
 
     fleet: FleetView
@@ -99,6 +100,7 @@ class RobotRoutes:
     title_of: Callable[[str], MissionTitle | None] = lambda _mission_id: None
     facts_of: Callable[[str], MissionFacts | None] = lambda _mission_id: None
     is_supervised: IsSupervised = lambda _robot, _order: True
+    is_stop_open: Callable[[str], Awaitable[bool]] | None = None
 
 
 def robot_routes(parts: RobotRoutes) -> APIRouter:
@@ -159,8 +161,20 @@ def _add_registry(router: APIRouter, parts: RobotRoutes) -> None:
 
     @router.delete("/{robot_id}", status_code=204, summary="Take a robot out of the registry; its records stay")
     async def remove(robot_id: RobotId, session: RobotManager) -> None:
+        await _refuse_while_stopped(parts, robot_id)
         await _changing(parts, session, "removed", robot_id, lambda: parts.registry.remove(robot_id))
         parts.leases.robot_removed(robot_id)
+
+
+async def _refuse_while_stopped(parts: RobotRoutes, robot_id: str) -> None:
+    """A robot that was told to stop and did not confirm may still drive: nobody may lose sight of it."""
+    robot = parts.fleet.robot(robot_id)
+    safety = robot.safety if robot is not None else None
+    is_latched = safety is not None and (safety.latched or any(not press.is_reset for press in safety.presses))
+    if is_latched or (parts.is_stop_open is not None and await parts.is_stop_open(robot_id)):
+        name = robot.name if robot is not None else robot_id
+        text = f"A STOP at {name} is not reset. Reset it, then remove the robot. It stays listed until it answers."
+        raise ApiError(409, "stop_open", text)
 
 
 def _new_robot(body: NewRobot, session: SessionInfo, clock: Clock) -> RegisteredRobot:

@@ -108,6 +108,7 @@ class Console:
                 next_epoch=self._next_epoch,
                 start_rules=self.missions.start_rules,
                 is_signed_in=lambda session_id: records.sessions.get(session_id) is not None,
+                pressers=lambda robot_id: self.stops.pressers(robot_id),
             )
         )
         self.queue = QueueDesk(
@@ -128,6 +129,7 @@ class Console:
             records.robots,
             records.audit,
             self.desk.leases,
+            settings.data / "stop" / "outbox.json",
             on_stop=self._stopped,
             on_stop_all=self.queue.freeze.stop_all,
             on_move=self._stop_moved,

@@ -6,15 +6,17 @@ import asyncio
 import contextlib
 import logging
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Any, Literal
 
 from hmi.clock import Clock
 from hmi.commands.lease_service import LeaseService
-from hmi.commands.ports import AuditSink
+from hmi.commands.ports import AuditSink, Pressers
 from hmi.commands.stop import MovedOn, StopService
 from hmi.domain.command import OrderSender
 from hmi.domain.stop import StopTarget
 from hmi.domain.stop_token import StopToken
+from hmi.stop_gateway.outbox import open_presses
 from hmi.store.audit_chain import AuditEntry
 from hmi.store.robots import Robots
 
@@ -25,6 +27,7 @@ class StopDesk:
     """Presses of people as REST takes them; each is audited after it was sent, and ends the robot's lease.
 
     Args:
+        outbox: the gateway's file of open presses; it may be missing.
         on_stop: told robot and person of each new press, after it was sent.
         on_stop_all: told press and person of each STOP ALL, after it was sent.
         on_move: told the robots at which a press moved on.
@@ -37,12 +40,13 @@ class StopDesk:
         robots: Robots,
         audit: AuditSink,
         leases: LeaseService,
+        outbox: Path,
         *,
         on_stop: Callable[[str, str], None] = lambda _robot_id, _by: None,
         on_stop_all: Callable[[str, str], None] = lambda _stop_id, _by: None,
         on_move: MovedOn = lambda _robots: None,
     ) -> None:
-        self._audit, self._robots, self._leases = audit, robots, leases
+        self._audit, self._robots, self._leases, self._outbox = audit, robots, leases, outbox
         self._on_stop, self._on_stop_all = on_stop, on_stop_all
         self.service = StopService(sender, clock, self, on_press=self._pressed, on_move=on_move)
         self._task: asyncio.Task[None] | None = None
@@ -57,7 +61,7 @@ class StopDesk:
     def press(self, stop_id: str, robots: Sequence[str] | Literal["all"], token: StopToken) -> list[dict[str, Any]]:
         """Send at once; then note who pressed."""
         is_new = not self.service.steps(stop_id)
-        steps = self.service.press(stop_id, robots, token.who, token.device_name)
+        steps = self.service.press(stop_id, robots, token.who, token.device_name, token.user_id)
         if robots == "all":
             self._tell(lambda: self._on_stop_all(stop_id, token.who))
         if is_new:
@@ -81,6 +85,24 @@ class StopDesk:
     def steps(self, stop_id: str | None = None) -> list[dict[str, Any]]:
         """Return the steps of one press."""
         return self.service.steps(stop_id) if stop_id else []
+
+    async def is_open_at(self, robot_id: str) -> bool:
+        """Say whether console or gateway hold a press at this robot that is not reset."""
+        if self.service.attempts_at(robot_id):
+            return True
+        held = await asyncio.to_thread(open_presses, self._outbox)
+        return any(press.robot == robot_id for press in held)
+
+    async def pressers(self, robot_id: str) -> Pressers:
+        """Return who pressed what is open at a robot, as the signed tokens told console and gateway."""
+        found: dict[str, set[str]] = {}
+        held = await asyncio.to_thread(open_presses, self._outbox)
+        pairs = [(press.stop_id, press.user_id) for press in self.service.attempts_at(robot_id)]
+        pairs += [(press.stop_id, press.user_id) for press in held if press.robot == robot_id]
+        for stop_id, user_id in pairs:
+            if user_id is not None:
+                found.setdefault(stop_id, set()).add(user_id)
+        return found
 
     def start(self) -> None:
         """Begin to repeat what is not confirmed."""

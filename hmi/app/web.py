@@ -133,6 +133,7 @@ def _api(console: Console) -> ApiServices:
         title_of=console.missions.title_of,
         facts_of=console.missions.facts.of,
         is_supervised=console.missions.start_rules.is_supervised,
+        is_stop_open=console.stops.is_open_at,
     )
     return ApiServices(
         access=Access(records.sessions, records.tokens, console.authorize),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 
 from hmi.cli.storage import opened
 from hmi.clock import SystemClock
@@ -14,10 +15,11 @@ from hmi.store.stop_list import StopList
 
 @dataclass(frozen=True, slots=True)
 class OpenRegistry:
-    """The registry and the farm whose robots it holds."""
+    """The registry, the farm whose robots it holds, and where the STOP gateway keeps what is not reset."""
 
     registry: Robots
     farm_id: str
+    outbox: Path
 
 
 @contextmanager
@@ -27,4 +29,4 @@ def opened_registry() -> Iterator[OpenRegistry]:
         stop_list = StopList(database, settings.farm_id, settings.data / "stop")
         robots = Robots(database, settings.farm_id, SystemClock(), stop_list)
         robots.load()
-        yield OpenRegistry(robots, settings.farm_id)
+        yield OpenRegistry(robots, settings.farm_id, settings.data / "stop" / "outbox.json")

@@ -11,6 +11,7 @@ from hmi.clock import SystemClock
 from hmi.domain.family import Family
 from hmi.domain.ids import is_id
 from hmi.keeper.errors import StartError
+from hmi.stop_gateway.outbox import open_presses
 
 if TYPE_CHECKING:
     from contextlib import AbstractContextManager
@@ -77,6 +78,8 @@ def show() -> None:
 def remove(robot_id: str) -> None:
     """Take a robot out of the registry; it is then shown but cannot be operated."""
     with _opened() as robots:
+        if any(press.robot == robot_id for press in open_presses(robots.outbox)):
+            raise StartError(f"A STOP at {robot_id} is not reset. Reset it, then remove the robot.")
         robots.registry.remove(robot_id)
         typer.echo(f"{robot_id} is removed. Restart the console if it runs.")
 

@@ -15,8 +15,8 @@ from hmi.commands.lease_service import LeaseService
 from hmi.commands.ledger import ACK_LIMIT_S, OrderLedger
 from hmi.commands.mission_send import MissionSender
 from hmi.commands.operator_pulse import OperatorPulseRelay
-from hmi.commands.ports import AuditSink, FleetReader, LaneEvent, MissionStore, StartRules, TickJudge
-from hmi.commands.reset import ResetService
+from hmi.commands.ports import AuditSink, FleetReader, LaneEvent, MissionStore, Pressers, StartRules, TickJudge
+from hmi.commands.reset import ResetService, nobody_known
 from hmi.commands.seen import SeenService
 from hmi.commands.service import CommandService
 from hmi.domain.command import OrderSender
@@ -34,6 +34,7 @@ class CommandPorts:
         epoch: a number greater than at any start before (``Counters.next_epoch("lease")``).
         next_epoch: draws a further one.
         is_signed_in: whether a session id is still open.
+        pressers: who pressed what is open at a robot.
     """
 
     fleet: FleetReader
@@ -49,6 +50,7 @@ class CommandPorts:
     is_signed_in: Callable[[str], bool] = lambda _session_id: True
     ack_limit_s: float = ACK_LIMIT_S
     start_rules: StartRules | None = None
+    pressers: Callable[[str], Awaitable[Pressers]] = nobody_known
 
 
 class CommandDesk:
@@ -74,7 +76,7 @@ class CommandDesk:
         )
         self.gate = gate
         self.commands = CommandService(gate, self.leases, self.ledger, ports.start_rules)
-        self.resets = ResetService(gate, self.leases, self.ledger, ports.fleet)
+        self.resets = ResetService(gate, self.leases, self.ledger, ports.fleet, ports.pressers)
         self.seen = SeenService(gate, ports.audit)
         self.missions = MissionSender(gate, ports.missions, ports.sender, ports.audit, ports.on_event)
         self.pulse = OperatorPulseRelay(self.leases, ports.fleet, ports.ticks, ports.sender, ports.clock)

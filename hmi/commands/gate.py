@@ -57,10 +57,12 @@ class Gate:
             return False
         return True
 
-    def decided_now(self, tick_id: str) -> None:
-        """Refuse what was decided on a picture older than 2 s, or sent late."""
-        if not self._ticks.is_fresh(tick_id):
+    def decided_now(self, tick_id: str) -> float:
+        """Refuse what was decided on a picture older than 2 s, or sent late; return the picture's time."""
+        age_s = self._ticks.age_s(tick_id)
+        if age_s is None or not self._ticks.is_fresh(tick_id):
             raise OrderRefused(STALE_TICK, "The picture on this screen was older than 2 s. Look again, then repeat.")
+        return self._clock.mono_s() - age_s
 
     def challenge(self, robot: Robot) -> str:
         """Return the challenge of the newest heartbeat if the robot was heard within 2 s."""

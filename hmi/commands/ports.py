@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -21,6 +22,10 @@ class TickJudge(Protocol):
     def age_s(self, tick_id: str) -> float | None:
         """Return the age of a tick, ``None`` for one never issued or forgotten."""
         ...
+
+
+Pressers = Mapping[str, AbstractSet[str]]
+"""Stop id to the user ids of who pressed it; empty ids where nobody was signed in. More than one: copies disagree."""
 
 
 class FleetReader(Protocol):

@@ -20,6 +20,7 @@ NO_LEASE, NOT_MANUAL, DRIVEN_ELSEWHERE = "no_lease", "not_manual", "driven_elsew
 DELAY, DELAY_UNKNOWN, BAD_SETPOINT = "delay", "delay_unknown", "bad_setpoint"
 PICTURE_OLD = "picture_old"
 NOT_STANDING, OTHER_PRESS, NOTHING_TO_RESET = "not_standing", "other_press", "nothing_to_reset"
+NEW_PRESS = "new_press"
 UNKNOWN_MISSION, HASH_MISMATCH, HAS_PROGRESS = "unknown_mission", "hash_mismatch", "has_progress"
 NO_CLOUD, NO_REVERSE = "no_cloud", "no_reverse"
 MAP_CHANGED, NOT_READ_BACK, CHECKLIST_MISSING = "map_changed", "not_read_back", "checklist_missing"

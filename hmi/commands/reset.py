@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 
 from hmi.commands.gate import Gate
 from hmi.commands.lease_service import LeaseService
 from hmi.commands.ledger import CommandResult, OrderLedger, Ticket
-from hmi.commands.ports import FleetReader
+from hmi.commands.ports import FleetReader, Pressers
 from hmi.commands.refusal import (
     HARDWARE_STOP,
+    NEW_PRESS,
     NOT_STANDING,
     NOTHING_TO_RESET,
     OTHER_PRESS,
@@ -37,11 +39,28 @@ class ResetRequest:
     tick_id: str
 
 
-class ResetService:
-    """Sends stop resets; the way and the answers are those of commands."""
+async def nobody_known(_robot_id: str) -> Pressers:
+    """Know of nobody who pressed: then a supervisor resets."""
+    return {}
 
-    def __init__(self, gate: Gate, leases: LeaseService, ledger: OrderLedger, fleet: FleetReader) -> None:
+
+class ResetService:
+    """Sends stop resets; the way and the answers are those of commands.
+
+    Args:
+        pressers: who pressed what is open at a robot, by account: the robot knows names alone, which may be shared.
+    """
+
+    def __init__(
+        self,
+        gate: Gate,
+        leases: LeaseService,
+        ledger: OrderLedger,
+        fleet: FleetReader,
+        pressers: Callable[[str], Awaitable[Pressers]] = nobody_known,
+    ) -> None:
         self._gate, self._leases, self._ledger, self._fleet = gate, leases, ledger, fleet
+        self._pressers = pressers
 
     async def reset(self, actor: SessionInfo, request: ResetRequest) -> CommandResult:
         """Ask the robot to clear presses; an accepted result says who else must reset before it is free."""
@@ -57,23 +76,27 @@ class ResetService:
             self._gate.right(actor, Permission.RESET, request.robot_id)
         except OrderRefused as refused:
             return self._ledger.refuse(ticket, refused)
-        result = await self._ledger.place(ticket, lambda: self._order(actor, request))
+        pressers = await self._pressers(request.robot_id)
+        result = await self._ledger.place(ticket, lambda: self._order(actor, request, pressers))
         left = self._left_after(request)
         return replace(result, text=also_pressed(left)) if result.is_accepted and left else result
 
-    def _order(self, actor: SessionInfo, request: ResetRequest) -> ResetOrder:
+    def _order(self, actor: SessionInfo, request: ResetRequest, pressers: Pressers) -> ResetOrder:
         robot = self._gate.right(actor, Permission.RESET, request.robot_id)
-        self._gate.decided_now(request.tick_id)
+        seen_s = self._gate.decided_now(request.tick_id)
         reason = request.reason.strip()[:MAX_REASON]
         if not reason:
             raise OrderRefused(REASON_MISSING, "Say why it was stopped: one tap on a reason.")
         challenge = self._gate.challenge(robot)
-        stop_ids = self._presses(actor, robot, request)
+        wanted = self._wanted(robot, request, seen_s)
+        others = [press for press in wanted if not _is_own(pressers.get(press.stop_id, frozenset()), actor)]
+        if others and not self._gate.may(actor, Permission.RESET_FOR_OTHERS, robot):
+            raise OrderRefused(OTHER_PRESS, _whose(others, actor))
         lease = self._leases.control(actor, robot)
         return ResetOrder(
             robot_id=robot.id,
             reset_id=request.reset_id,
-            stop_ids=stop_ids,
+            stop_ids=tuple(press.stop_id for press in wanted),
             by=actor.user_name,
             reason=reason,
             lease_token=lease.token,
@@ -82,7 +105,7 @@ class ResetService:
             challenge=challenge,
         )
 
-    def _presses(self, actor: SessionInfo, robot: Robot, request: ResetRequest) -> tuple[str, ...]:
+    def _wanted(self, robot: Robot, request: ResetRequest, seen_s: float) -> list[Press]:
         safety = self._gate.safety(robot)
         if safety.hardware_stop:
             raise OrderRefused(HARDWARE_STOP, "Hardware button is pressed on the machine. Release it there first.")
@@ -91,10 +114,9 @@ class ResetService:
         wanted = [p for p in safety.presses if not p.is_reset and p.stop_id in request.stop_ids]
         if not wanted:
             raise OrderRefused(NOTHING_TO_RESET, "This stop is not latched on the robot any more.")
-        others = [p for p in wanted if not _is_own(p, actor)]
-        if others and not self._gate.may(actor, Permission.RESET_FOR_OTHERS, robot):
-            raise OrderRefused(OTHER_PRESS, also_pressed(others))
-        return tuple(p.stop_id for p in wanted)
+        if any(press.pressed_s > seen_s for press in wanted):
+            raise OrderRefused(NEW_PRESS, "STOP was pressed again. Look at it, then reset again.")
+        return wanted
 
     def _left_after(self, request: ResetRequest) -> list[Press]:
         robot = self._fleet.robot(request.robot_id)
@@ -109,6 +131,13 @@ def also_pressed(presses: Sequence[Press]) -> str:
     return f"{listed} also pressed STOP. They must reset theirs."
 
 
-def _is_own(press: Press, actor: SessionInfo) -> bool:
-    # A press on a tablet nobody was signed in at belongs to no person, so whoever looks after the robot resets it.
-    return press.by in ("", press.device, actor.user_name)
+def _whose(others: Sequence[Press], actor: SessionInfo) -> str:
+    if any(press.by == actor.user_name for press in others):
+        return "A STOP with your name is not known as yours: another account, or before a restart. Ask a supervisor."
+    return also_pressed(others)
+
+
+def _is_own(users: AbstractSet[str], actor: SessionInfo) -> bool:
+    # A press on a tablet nobody was signed in at belongs to no account: nobody could ever come and reset it as theirs,
+    # so whoever looks after the robot does. Only the signed token says so, never a name. What nobody knows is no one's.
+    return users in ({""}, {actor.user_id})

@@ -36,6 +36,7 @@ _MOVING = LEASED_ACTIONS - {Action.DRIVE_CLOSE}
 class CommandRequest:
     """What a screen asks for; ``tick_id`` is the newest tick the screen had when the person decided.
 
+    ``mission_id`` and ``mission_sha256`` are what the robot reported when the person began to confirm.
     ``node`` is for ``NODE_ACTIONS``, ``place`` (ENU metres of the robot's datum) for ``PLACE_ACTIONS``.
     """
 
@@ -44,6 +45,7 @@ class CommandRequest:
     command_id: str
     tick_id: str
     mission_id: str | None = None
+    mission_sha256: str | None = None
     checklist_id: str | None = None
     node: str | None = None
     place: Point3 | None = None
@@ -77,7 +79,12 @@ class CommandService:
             robot_id=request.robot_id,
             what=action.value,
             actor=actor,
-            content=(request.mission_id or "", request.node or "", str(request.place or "")),
+            content=(
+                request.mission_id or "",
+                request.mission_sha256 or "",
+                request.node or "",
+                str(request.place or ""),
+            ),
             is_urgent=action not in LEASED_ACTIONS | NODE_ACTIONS,  # the room of pausing is for pausing alone
             about=_about(request),
         )
@@ -196,12 +203,24 @@ def _about(request: CommandRequest) -> str:
 
 
 def _mission(robot: Robot, request: CommandRequest) -> Order | None:
-    """Return the mission to name in the order: the one on the robot, which must be the one on the screen."""
+    """Return the mission to name in the order: the one on the robot, which must be the one that was looked at."""
     loaded = robot.state.order if robot.state is not None else None
     if loaded is not None and loaded.status is OrderStatus.NONE:
         loaded = None
     if request.mission_id is not None and loaded is None:
         raise OrderRefused(WRONG_MISSION, f"{robot.name} has no mission. Send this one first.")
+    if request.action in (Action.START, Action.RESUME):
+        return None if loaded is None else _as_seen(loaded, request)
     if request.mission_id is not None and loaded is not None and loaded.mission_id != request.mission_id:
         raise OrderRefused(WRONG_MISSION, f"{robot.name} holds another mission than this screen. Send this one first.")
-    return loaded if request.action in (Action.START, Action.RESUME) else None
+    return None
+
+
+def _as_seen(loaded: Order, request: CommandRequest) -> Order:
+    """Refuse to move by a mission that nobody looked at: sending needs no control, so it may change at any moment."""
+    if request.mission_id is None or request.mission_sha256 is None:
+        text = "A start or resume names mission_id and mission_sha256, as the robot reports them."
+        raise OrderRefused(INCOMPLETE, text)
+    if (loaded.mission_id, loaded.sha256) != (request.mission_id, request.mission_sha256):
+        raise OrderRefused(WRONG_MISSION, "The mission changed while you slid. Look at it and slide again.")
+    return loaded

@@ -68,7 +68,14 @@ class StopService:
         self._next_sweep_s = 0.0
         self._http: dict[str, set[asyncio.Task[None]]] = {}
 
-    def press(self, stop_id: str, robots: Sequence[str] | Literal["all"], by: str, device: str) -> list[dict[str, Any]]:
+    def press(
+        self,
+        stop_id: str,
+        robots: Sequence[str] | Literal["all"],
+        by: str,
+        device: str,
+        user_id: str | None = None,
+    ) -> list[dict[str, Any]]:
         """Send STOP at once on every path; the same ``stop_id`` again sends one more copy.
 
         Returns the step of each robot; ids that break the id rule, and strangers beyond a limit, are left out.
@@ -80,9 +87,16 @@ class StopService:
         now_s, utc = self._clock.mono_s(), self._clock.utc()
         fresh = [robot_id for robot_id in wanted if not self._book.has(stop_id, robot_id)]
         for robot_id in wanted:
-            target = targets.get(robot_id) or StopTarget(robot_id, robot_id)
+            target = targets.get(robot_id) or StopTarget(robot_id, robot_id, is_stranger=robot_id not in known)
             attempt = self._book.press(
-                stop_id, target, by, device, now_s=now_s, utc=utc, speed_mps=self._speed(robot_id, now_s)
+                stop_id,
+                target,
+                by,
+                device,
+                now_s=now_s,
+                utc=utc,
+                speed_mps=self._speed(robot_id, now_s),
+                user_id=user_id,
             )
             if attempt.is_open:
                 self._send(attempt, now_s)

@@ -7,6 +7,8 @@
       └── too late ────┴──> not-confirmed <──────┘   │   (moves after it confirmed)
                                  └────── late ───────┘
 
+A press at an id that is no robot's ends as ``withdrawn``: that says nothing about any machine.
+
 Pure: the caller gives the time. ``*_s`` without more are on the console's monotonic clock; the robot's own
 time (``SafetyReport.at_s``) is only ever compared with itself.
 """
@@ -39,6 +41,7 @@ class StopState(StrEnum):
     STANDSTILL = "standstill"
     NOT_CONFIRMED = "not-confirmed"
     RESET = "reset"
+    WITHDRAWN = "withdrawn"
 
 
 def _limit(value: float | None, at_most: float) -> float:
@@ -50,13 +53,17 @@ def _limit(value: float | None, at_most: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class StopTarget:
-    """A robot as STOP needs it; limits outside the rules are brought inside them."""
+    """A robot as STOP needs it; limits outside the rules are brought inside them.
+
+    ``is_stranger``: when STOP was pressed nobody had registered it and nobody had heard it.
+    """
 
     id: str
     name: str
     decel_mps2: float | None = None
     ack_limit_s: float = ACK_LIMIT_S
     standstill_limit_s: float = STANDSTILL_LIMIT_S
+    is_stranger: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "ack_limit_s", _limit(self.ack_limit_s, ACK_LIMIT_S))
@@ -110,6 +117,8 @@ class StopAnswer:
 class StopAttempt:
     """One press at one robot. Every method returns the attempt as it is afterwards.
 
+    ``user_id`` is the account that pressed, from the signed stop token: empty where nobody was signed in, ``None``
+    where it is not known. ``by`` is for people to read; names are not unique.
     ``press_speed_mps`` is how fast it may have been when the limits began to run, ``speed_mps`` the newest
     speed it told; ``None`` is unknown.
     """
@@ -136,6 +145,7 @@ class StopAttempt:
     ack_at_s: float | None = None
     stopping_distance_m: float | None = None
     text: str = ""
+    user_id: str | None = None
 
     @classmethod
     def press(
@@ -148,6 +158,7 @@ class StopAttempt:
         now_s: float,
         utc: datetime,
         speed_mps: float | None = None,
+        user_id: str | None = None,
     ) -> StopAttempt:
         """Return a fresh attempt, due at once. ``speed_mps`` is the newest known speed, ``None`` if old."""
         return cls(
@@ -161,6 +172,7 @@ class StopAttempt:
             speed_mps=speed_mps,
             repeat_from_s=now_s,
             next_send_s=now_s,
+            user_id=user_id,
         )
 
     @property
@@ -170,8 +182,8 @@ class StopAttempt:
 
     @property
     def is_open(self) -> bool:
-        """Whether the press is not reset yet."""
-        return self.state is not StopState.RESET
+        """Whether the press is still somebody's business: neither reset nor withdrawn."""
+        return self.state not in (StopState.RESET, StopState.WITHDRAWN)
 
     @property
     def wants_sending(self) -> bool:

@@ -65,13 +65,16 @@ class StopBook:
         now_s: float,
         utc: datetime,
         speed_mps: float | None = None,
+        user_id: str | None = None,
     ) -> StopAttempt:
         """Note a press, or one more copy of it; what is open afterwards is due at once."""
         key = (stop_id, target.id)
         known = self._open.get(key) or self._finished.get(key)
-        if known is not None:
+        if known is not None and known.state is not StopState.WITHDRAWN:
             return self._keep(key, known.at(now_s).pressed_again(now_s))
-        attempt = StopAttempt.press(stop_id, target, by, device, now_s=now_s, utc=utc, speed_mps=speed_mps)
+        attempt = StopAttempt.press(
+            stop_id, target, by, device, now_s=now_s, utc=utc, speed_mps=speed_mps, user_id=user_id
+        )
         self._add(attempt)
         return attempt
 
@@ -143,17 +146,17 @@ class StopBook:
         """A path to all robots is back: what is not confirmed is due at once."""
         self._each(list(self._open), lambda attempt: attempt.returned(now_s))
 
-    def withdraw(self, robot_id: str, text: str) -> list[StopAttempt]:
-        """End the presses at a robot that was taken out of the registry."""
-        gone = self._keys_at(robot_id)
-        return self._each(gone, lambda attempt: replace(attempt, state=StopState.RESET, text=text))
-
     def forget_strangers(self, known: Container[str], now_s: float) -> list[StopAttempt]:
-        """End old presses at robots that are not ``known``: a mistyped id, never a robot of the farm."""
+        """End old presses at mistyped ids; never those at a robot that was registered or heard, however long ago."""
         changed: list[StopAttempt] = []
-        for robot_id in [r for r, keys in self._by_robot.items() if keys and r not in known]:
-            if all(now_s - attempt.pressed_s > STRANGER_S for attempt in self.attempts_at(robot_id)):
-                changed += self.withdraw(robot_id, "Nobody registered this robot and nobody ever heard it.")
+        for robot_id in list(self._by_robot):
+            attempts = self.attempts_at(robot_id)
+            if not any(attempt.target.is_stranger for attempt in attempts):
+                continue
+            if robot_id in known:
+                changed += self._each(self._keys_at(robot_id), _no_stranger)
+            elif all(a.target.is_stranger and now_s - a.pressed_s > STRANGER_S for a in attempts):
+                changed += self._each(self._keys_at(robot_id), _withdrawn)
         return changed
 
     def admits(self, robot_id: str, known: Container[str]) -> bool:
@@ -199,3 +202,11 @@ class StopBook:
         while len(self._finished) > MAX_FINISHED:
             self._finished.popitem(last=False)
         return attempt
+
+
+def _no_stranger(attempt: StopAttempt) -> StopAttempt:
+    return replace(attempt, target=replace(attempt.target, is_stranger=False))
+
+
+def _withdrawn(attempt: StopAttempt) -> StopAttempt:
+    return replace(attempt, state=StopState.WITHDRAWN, text="Nobody registered this robot and nobody ever heard it.")

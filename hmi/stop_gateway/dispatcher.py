@@ -7,6 +7,7 @@ import logging
 import secrets
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from backend_clients.edge import messages_up as up
@@ -16,7 +17,7 @@ from hmi.domain.stop_book import StopBook
 from hmi.domain.stop_token import StopToken
 from hmi.stop_gateway.errors import TooManyRobots
 from hmi.stop_gateway.http_path import HttpEvents, HttpPath
-from hmi.stop_gateway.registry import Registry
+from hmi.stop_gateway.registry import Registry, RobotEntry
 from hmi.stop_gateway.watch import RobotWatch
 from hmi.stop_gateway.wire import BrokerWire, Heard, LinkChanged, answer_of, report_of
 
@@ -53,6 +54,7 @@ class StopDispatcher:
         self._ask_at: dict[str, float] = {}
         self._ask_pause: dict[str, float] = {}
         self._pings: dict[str, tuple[str, float]] = {}
+        self._left: dict[str, RobotEntry] = {}
 
     # -- browsers ---------------------------------------------------------------------------------------
 
@@ -64,12 +66,21 @@ class StopDispatcher:
         """
         now_s = self._clock.mono_s()
         utc = self._clock.utc()
-        attempts = []
+        attempts, known = [], self._known()
         for robot_id in self._admitted(self._everyone() if isinstance(robots, str) else dict.fromkeys(robots)):
             speed = self.watch.speed_mps(robot_id, now_s)
-            target = self.registry.target(robot_id)
+            target = replace(self.registry.target(robot_id), is_stranger=robot_id not in known)
             attempts.append(
-                self.book.press(stop_id, target, token.who, token.device_name, now_s=now_s, utc=utc, speed_mps=speed)
+                self.book.press(
+                    stop_id,
+                    target,
+                    token.who,
+                    token.device_name,
+                    now_s=now_s,
+                    utc=utc,
+                    speed_mps=speed,
+                    user_id=token.user_id,
+                )
             )
         for attempt in attempts:
             if attempt.is_open:
@@ -152,12 +163,13 @@ class StopDispatcher:
     async def refresh(self) -> bool:
         """Follow the console's files; return whether the robots changed."""
         self._changed(self.book.forget_strangers(self._known(), self._clock.mono_s()))
-        before = set(self.registry.robots)
+        before = self.registry.robots
         if not await asyncio.to_thread(self.registry.refresh):
             return False
-        self._http.follow(self.registry.robots)
-        for robot_id in before - set(self.registry.robots):
-            self._changed(self.book.withdraw(robot_id, "The robot was taken out of the registry."))
+        # a robot that was taken out of the list may still drive: its STOP goes on, on both paths, until it answers
+        self._left = {**self._left, **before}
+        self._left = {a.robot_id: self._left[a.robot_id] for a in self.book.attempts() if a.robot_id in self._left}
+        self._http.follow({**self._left, **self.registry.robots})
         return True
 
     def _send_due(self, now_s: float) -> None:
@@ -179,7 +191,7 @@ class StopDispatcher:
 
     def _ask(self, now_s: float) -> None:
         unsure = {attempt.robot_id for attempt in self.book.attempts() if attempt.wants_sending}
-        for robot_id in self.registry.robots:
+        for robot_id in {*self.registry.robots, *unsure}:
             if not self._http.has(robot_id) or now_s < self._ask_at.get(robot_id, 0.0):
                 continue
             heard = self.watch.of(robot_id)

@@ -45,6 +45,8 @@ class Record(Struct, frozen=True):
     ack_at_s: float | None = None
     stopping_distance_m: float | None = None
     text: str = ""
+    is_stranger: bool = False
+    user_id: str | None = None
 
     @classmethod
     def of(cls, attempt: StopAttempt) -> Record:
@@ -72,13 +74,17 @@ class Record(Struct, frozen=True):
             ack_at_s=attempt.ack_at_s,
             stopping_distance_m=attempt.stopping_distance_m,
             text=attempt.text,
+            is_stranger=target.is_stranger,
+            user_id=attempt.user_id,
         )
 
     def attempt(self, clock: Clock) -> StopAttempt:
         """Return the attempt, due at once; its age comes from the wall clock, the only one that survives."""
         now_s = clock.mono_s()
         pressed_s = now_s - max(0.0, (clock.utc() - self.pressed_utc).total_seconds())
-        target = StopTarget(self.robot, self.name, self.decel_mps2, self.ack_limit_s, self.standstill_limit_s)
+        target = StopTarget(
+            self.robot, self.name, self.decel_mps2, self.ack_limit_s, self.standstill_limit_s, self.is_stranger
+        )
         return StopAttempt(
             stop_id=self.stop_id,
             target=target,
@@ -100,10 +106,33 @@ class Record(Struct, frozen=True):
             ack_at_s=self.ack_at_s,
             stopping_distance_m=self.stopping_distance_m,
             text=self.text,
+            user_id=self.user_id,
         )
 
 
 _decoder = msgspec.json.Decoder(list[Record])
+
+
+class OpenPress(Struct, frozen=True):
+    """What the console reads of a press that the gateway holds; ``user_id`` as of ``StopAttempt``."""
+
+    stop_id: str
+    robot: str
+    user_id: str | None = None
+
+
+_open_presses = msgspec.json.Decoder(list[OpenPress])
+
+
+def open_presses(path: Path) -> list[OpenPress]:
+    """Return the presses that the outbox held when it was last written; none where it cannot be read. Blocks."""
+    try:
+        return _open_presses.decode(path.read_bytes())
+    except FileNotFoundError:
+        return []
+    except (OSError, msgspec.DecodeError) as error:
+        _log.error("the STOP outbox %s cannot be read: %s", path, error)
+        return []
 
 
 class Outbox:

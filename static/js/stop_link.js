@@ -9,6 +9,7 @@
   const REFUSED_MS = 5000;
   const ABORT_MS = 1500;
   const PING_MS = 1000;
+  const MOST_PINGS = 8; // waiting for an answer: the oldest tells how late the path is, more add nothing
   const ASLEEP_MS = 2000;
 
   class GatewaySocket {
@@ -22,7 +23,7 @@
       this.rttMs = null;
       this.refusal = "";
       this.connectAt = Infinity;
-      this.pings = new Map();
+      this.pings = new Map(); // not answered yet, oldest first: number -> when it left
     }
 
     // Point at a gateway; connects at once if something changed.
@@ -33,8 +34,10 @@
       this.connectAt = token && base ? 0 : Infinity;
     }
 
+    // Heartbeats say that the gateway reaches this page; only an answered ping says that a press would arrive, and when.
     isFresh(now) {
-      return now - this.lastBeat < FRESH_MS;
+      const [waiting = now] = this.pings.values();
+      return now - this.lastBeat < FRESH_MS && Math.max(now - waiting, this.rttMs) < FRESH_MS;
     }
 
     // Send now or not at all: HTTP carries the same press, and nothing may arrive from the past.
@@ -54,17 +57,24 @@
 
     // Called every 100 ms.
     tick(now) {
-      if (this.wasAsleep(now)) this.lastBeat = -Infinity;
+      if (this.wasAsleep(now)) {
+        this.lastBeat = -Infinity;
+        this.forget();
+      }
       if (!this.socket && now >= this.connectAt) this.connect(now);
       else if (this.socket && !this.isWelcome && now - this.began > CONNECT_MS) this.drop(now);
       else if (this.isWelcome && now - Math.max(this.lastBeat, this.began) > HALF_OPEN_MS) this.drop(now);
-      if (this.isWelcome && now - (this.pinged || 0) > PING_MS) {
+      if (this.isWelcome && now - (this.pinged || 0) > PING_MS && this.pings.size < MOST_PINGS) {
         this.pinged = now;
         this.n = (this.n || 0) + 1;
-        this.pings.clear();
-        this.pings.set(this.n, now);
-        this.send({ k: "ping", n: this.n });
+        if (this.send({ k: "ping", n: this.n })) this.pings.set(this.n, now);
       }
+    }
+
+    // What was measured on another connection, or before a sleep, says nothing about this one.
+    forget() {
+      this.pings.clear();
+      [this.rttMs, this.pinged] = [null, 0];
     }
 
     retryNow() {
@@ -74,6 +84,7 @@
     connect(now) {
       this.began = now;
       this.isWelcome = false;
+      this.forget();
       let socket;
       try {
         socket = this.socket = new WebSocket(`${this.base.replace(/^http/, "ws")}/ws`);
@@ -110,8 +121,9 @@
       } else if (frame.k === "hello") {
         [this.isWelcome, this.pause, this.refusal] = [true, BACKOFF_MS[0], ""];
         this.on.hello(frame);
-      } else if (frame.k === "pong" && this.pings.has(frame.n)) {
-        this.rttMs = now - this.pings.get(frame.n);
+      } else if (frame.k === "pong") {
+        if (this.pings.has(frame.n)) this.rttMs = now - this.pings.get(frame.n);
+        for (const n of this.pings.keys()) if (n <= frame.n) this.pings.delete(n); // a slow browser hears only the newest
       } else if (frame.k === "refused") {
         this.refusal = String(frame.text || "");
         this.on.refused(this.refusal);

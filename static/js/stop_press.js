@@ -50,7 +50,7 @@
       const key = `${step.stop_id}/${step.robot}`;
       const own = this.own.get(step.stop_id);
       this.drop(`${step.stop_id}/${ANY}`);
-      if (step.state === "reset") {
+      if (step.state === "reset" || step.state === "withdrawn") {
         this.drop(key);
         if (own && ![...this.entries.values()].some((e) => e.step.stop_id === own.id)) this.own.delete(own.id);
         return;

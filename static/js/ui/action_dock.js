@@ -44,9 +44,11 @@
     return `Tracks and ${what()} start${body?.horn_s ? ` after ${body.horn_s} s horn` : ""}`;
   }
 
-  const order = (action, extra) => () => HL.port.command(HL.view.robot, action, extra);
-  const start = (action) => () => HL.port.command(HL.view.robot, action, { checklist_id: HL.startChecks?.recordId(HL.view.robot) ?? null });
+  const order = (action) => () => HL.port.command(HL.view.robot, action);
   const onRobot = () => HL.port.robot(HL.view.robot).mission;
+  // others may send a mission at any moment: the order names the one that was shown when the slide began
+  const shown = () => [onRobot()?.id, onRobot()?.sha256];
+  const start = (action) => ([mission_id, mission_sha256]) => HL.port.command(HL.view.robot, action, { mission_id, mission_sha256, checklist_id: HL.startChecks?.recordId(HL.view.robot) ?? null });
 
   function button(hook, sign, label, act, look = "", line = "") {
     const sub = el("span", { class: "sub" }, line);
@@ -75,16 +77,16 @@
     home: (dock) => [slide(dock, { hook: "mission-return-home", icon: "home", label: "Slide to return home", line: "It drives home by itself", button: { icon: "home", label: dock.isShort ? "Home" : "Return home" }, act: order("return_home") }), "return_home"],
     abort: (dock) => [slide(dock, { hook: "mission-abort", icon: "cancel", label: "Slide to abort", line: "It stops here. Cannot be undone", button: { icon: "cancel", label: "Abort" }, act: order("abort") }), "abort"],
     drive: (dock) => [button("drive-open", "sports_esports", "Drive", () => HL.drive.open(HL.view.robot)), "drive"],
-    start: (dock) => [slide(dock, { hook: "mission-start", label: "Slide to start", line: motionLine(), act: start("start") }), "start", motionLine],
+    start: (dock) => [slide(dock, { hook: "mission-start", label: "Slide to start", line: motionLine(), seen: shown, act: start("start") }), "start", motionLine],
     checks: () => [checks(), null],
     later: () => [button("mission-later", "history", "Resume later", () => void HL.rest?.later(onRobot()), "pri", "Drives back, goes on where it stopped"), "later"],
     fresh: (dock) => [slide(dock, { hook: "mission-fresh", icon: "refresh", label: "Hold to start fresh", line: HL.rest?.forgets(HL.port.robot(HL.view.robot).mission), goal: "refresh", isHold: true, button: { icon: "refresh", label: "Start fresh" }, act: () => HL.rest.fresh(onRobot().id) }), "fresh"],
-    resume: (dock) => [slide(dock, { hook: "mission-resume", label: "Slide to resume", line: motionLine(), act: start("resume") }), "resume", motionLine],
-    reset: (dock) => [slide(dock, { hook: "stop-reset", label: "Slide to reset stop", line: "Robot stays still. Check the area is clear.", goal: "lock_open", act: () => reset() }), "reset"],
+    resume: (dock) => [slide(dock, { hook: "mission-resume", label: "Slide to resume", line: motionLine(), seen: shown, act: start("resume") }), "resume", motionLine],
+    reset: (dock) => [slide(dock, { hook: "stop-reset", label: "Slide to reset stop", line: "Robot stays still. Check the area is clear.", goal: "lock_open", seen: () => HL.stops.openIds(HL.view.robot), act: reset }), "reset"],
     endManual: (dock) => [button("drive-close", "autoplay", "End manual", () => HL.drive.end() ?? HL.port.command(HL.view.robot, "drive_close"), "pri"), null],
     closeManual: (dock) => [button("drive-close", "autoplay", "End manual", order("drive_close"), "pri"), "drive"],
     resumeOff: (dock) => [resumeOff(), null],
-    seen: (dock) => [slide(dock, { hook: "stop-seen", icon: "visibility", label: "I see it standing still", line: "Hold 1.5 s. Logged as seen, not as confirmed", goal: "visibility", isHold: true, done: "Noted", act: () => seen() }), null],
+    seen: (dock) => [slide(dock, { hook: "stop-seen", icon: "visibility", label: "I see it standing still", line: "Hold 1.5 s. Logged as seen, not as confirmed", goal: "visibility", isHold: true, done: "Noted", act: seen }), null],
     call: (dock) => [call(), null],
     timer: (dock) => [timer(), null],
     gap: (dock) => [{ node: el("span", { class: "h-sp" }), hook: "", allow: () => {} }, null],
@@ -136,11 +138,11 @@
     return { node: el("span", { class: "h-timer h-t14 h-2", "data-testid": "drive-ends-in" }, "Control ends in", left), hook: "", allow: () => text(left, HL.drive.endsIn()) };
   }
 
-  async function reset() {
+  async function reset(stopIds) {
     const robot = HL.view.robot;
     const why = HL.stopReason.get(robot);
     if (!why) return { outcome: "refused", text: "Tap a reason first." };
-    const reply = await HL.port.reset(robot, HL.stops.openIds(robot), why);
+    const reply = await HL.port.reset(robot, stopIds, why);
     if (reply.outcome === "accepted") HL.stopReason.clear(robot);
     return reply;
   }

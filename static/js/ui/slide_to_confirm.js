@@ -2,7 +2,7 @@
 // Without dragging: hold Enter or Space, or with `Confirm by: hold` the control itself, for 1.5 s.
 (() => {
   "use strict";
-  const { el, icon, text, attr, style, toggle, words } = HL;
+  const { el, icon, text, attr, style, toggle } = HL;
   const ARM_MS = 8000;
   const HOLD_MS = 1500;
   const SPEAK_MS = 6000; // how long a cancellation or refusal stays before the control is itself again
@@ -10,7 +10,8 @@
   const PAST = 0.9; // share of the way at which the thumb lies on the flag
 
   class Slide {
-    // {hook, icon, label, line, goal, isHold, button: {icon, label} | null, act: async () => ({outcome, text})}
+    // {hook, icon, label, line, goal, isHold, button: {icon, label} | null, seen: () => any, act: async (seen) => ({outcome, text})}
+    // `seen` says what the act is about: the act gets it as it was when the person began, and another one cancels.
     constructor(options) {
       this.options = options;
       this.state = "idle";
@@ -46,7 +47,10 @@
     allow(reason, line) {
       if (line !== undefined) this.options.line = line;
       this.reason = reason;
-      if (reason && this.state === "armed") this.cancel();
+      if (this.state === "armed") {
+        if (reason) this.cancel();
+        else if (String(this.options.seen?.()) !== String(this.seen)) this.expire("What you saw has changed");
+      }
       this.show();
     }
 
@@ -68,6 +72,7 @@
 
     arm() {
       this.state = "armed";
+      this.seen = this.options.seen?.();
       clearTimeout(this.armTimer);
       this.armTimer = setTimeout(() => this.expire(), ARM_MS);
       this.show();
@@ -159,11 +164,11 @@
       this.show();
     }
 
-    expire() {
+    expire(why = "Cancelled after 8 s") {
       this.letGo();
       this.state = "idle";
       this.fold();
-      this.say("Cancelled after 8 s", this.options.button ? "Tap the action again" : "Slide again", "timer_off");
+      this.say(why, this.options.button ? "Tap the action again" : "Slide again", "timer_off");
     }
 
     async confirm() {
@@ -173,7 +178,7 @@
       this.show();
       let result;
       try {
-        result = await this.options.act();
+        result = await this.options.act(this.seen);
       } catch (error) {
         result = { outcome: "unknown", text: "No answer. It may have taken effect; look at the robot." };
         console.error(error);
@@ -238,5 +243,5 @@
   }
 
   const OUTCOMES = { accepted: "Accepted", rejected: "Robot did not accept", timed_out: "No answer in time", unknown: "Outcome unknown", refused: "Not sent", pending: "Waiting for the robot" };
-  Object.assign(HL, { Slide, outcomeWords: (outcome) => OUTCOMES[outcome] || "Not accepted", HOLD_MS, PALM_PX, sinceWords: words.since });
+  Object.assign(HL, { Slide, outcomeWords: (outcome) => OUTCOMES[outcome] || "Not accepted", PALM_PX });
 })();

@@ -31,10 +31,10 @@
 
   const ageMs = (stop) => (stop.at === undefined ? HL.port.age(stop.pressedT) : performance.now() - stop.at);
 
-  // every press the robot still holds; those the slab knows where the robot says nothing
+  // every press that the robot or the slab knows to be open
   function openIds(robot) {
-    const reported = (HL.port.robot(robot).safety?.presses || []).filter((press) => !press.is_reset).map((press) => press.stop_id);
-    return [...new Set(reported.length ? reported : known.filter((step) => step.robot === robot).map((step) => step.stop_id))];
+    const open = [...(HL.port.robot(robot).safety?.presses || []), ...known].filter((one) => !one.is_reset && (one.robot ?? robot) === robot);
+    return [...new Set(open.map((one) => one.stop_id))].sort();
   }
 
   const name = (stop) => stop.name || HL.port.fleet()[stop.robot]?.name || stop.robot;

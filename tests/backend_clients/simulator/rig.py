@@ -122,7 +122,9 @@ class Rig:
         return down.Command(**{**fields, **more})
 
     def do(self, action: str, **more: Any) -> up.Ack:
-        """Send a fresh command and return the answer."""
+        """Send a fresh command and return the answer; a resume names the mission on the robot, as consoles do."""
+        if action == "resume" and (held := self.state.order) is not None:
+            more = {"mission_id": held.mission_id, "mission_sha256": held.sha256, **more}
         ack = self.robot.receive(self.order(action, **more))
         assert ack is not None
         return ack

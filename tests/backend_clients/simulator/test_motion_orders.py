@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import pytest
@@ -378,3 +379,23 @@ def test_speed_up_hastens_a_mission_but_not_driving_by_hand() -> None:
     before = fast.robot.machine.base.distance_m
     fast.drive_for(2, 0.5)
     assert fast.robot.machine.base.distance_m - before < 1.0
+
+
+@pytest.mark.parametrize(
+    "named",
+    [
+        {"mission_sha256": "0" * 64},
+        {"mission_id": "mission-2"},
+        {"mission_id": None, "mission_sha256": None},
+    ],
+)
+def test_a_resume_is_for_the_version_that_was_looked_at(named: dict[str, Any]) -> None:
+    rig = Rig()
+    rig.start()
+    until(rig, 1)
+    rig.do("pause")
+    rig.run(3)
+    assert rig.do("resume", **named).code == "wrong_mission"
+    rig.run(4)
+    assert (rig.state.mode, rig.speed) == ("paused", 0)
+    assert rig.do("resume").outcome == "accepted"

@@ -134,6 +134,7 @@ class Console:
         )
         self.enrolment = Enrolment(self.database, self.devices, self.sessions, self.tokens, note)
         self.stop = FakeStop()
+        self.stops_at: set[str] = set()
         self.metrics = ConsoleMetrics()
         self.field.desk.ledger.when_settled(self.metrics.observe)
         self.metrics.add(Gauge("lanes", "Open lanes.", lambda: 3))
@@ -153,7 +154,14 @@ class Console:
             ),
             accounts=self.accounts,
             robots=RobotRoutes(
-                self.fleet, self.registry, self.database, self.field.desk.leases, self.audit, clock, self.fleet.sync
+                self.fleet,
+                self.registry,
+                self.database,
+                self.field.desk.leases,
+                self.audit,
+                clock,
+                self.fleet.sync,
+                is_stop_open=self._is_stop_open,
             ),
             records=RecordRoutes(self.audit, History(self.database, FARM), self.registry, self.database, clock),
             health=HealthRoutes(
@@ -175,6 +183,9 @@ class Console:
                 node_routes(NodeRoutes(self.fleet.robot, self.field.desk.commands, self.logs, clock)),
             ],
         )
+
+    async def _is_stop_open(self, robot_id: str) -> bool:
+        return robot_id in self.stops_at
 
     def register(self) -> None:
         """Put the field's weeder into the registry."""

@@ -32,13 +32,30 @@ async def test_a_mission_is_sent_started_and_paused(console: Console) -> None:
         "way": "direct",
     }
     console.field.weeder.mission = mission("field-1")
-    started = await send(console, client, "start", mission_id="field-1")
+    started = await send(console, client, "start", mission_id="field-1", mission_sha256=SHA)
     assert started == {"command_id": "command-1", "outcome": "accepted", "code": "ok", "text": "", "ms": 0}
     paused = await send(console, client, "pause", "command-2")
     assert paused["outcome"] == "accepted"
     outcomes = [(e.actor, e.ref, e.outcome) for e in await console.written("command")]
     assert outcomes == []  # the desk of this console audits into the field's log
     assert console.field.audit.outcomes("command") == ["pending", "accepted", "pending", "accepted"]
+
+
+async def test_a_program_that_starts_without_saying_what_is_told_how(console: Console) -> None:
+    client = await console.browser(Role.OPERATOR)
+    console.field.weeder.mission = mission("field-1")
+    for number, (named, status, code) in enumerate(
+        [
+            ({}, 422, "incomplete"),
+            ({"mission_id": "field-1"}, 422, "incomplete"),
+            ({"mission_id": "field-1", "mission_sha256": "short"}, 422, "invalid"),
+            ({"mission_id": "field-1", "mission_sha256": "b" * 64}, 200, "wrong_mission"),
+        ]
+    ):
+        body = {"command_id": f"command-{number}", "action": "resume", "tick": console.field.tick(), **named}
+        answer = await client.post("/robots/weeder-01/commands", json=body)
+        assert (answer.status_code, answer.json()["code"]) == (status, code), answer.text
+    assert console.field.weeder.orders == []
 
 
 async def test_a_repeated_request_gets_the_same_answer_and_acts_once(console: Console) -> None:
@@ -118,6 +135,7 @@ async def test_control_is_asked_for_given_and_taken(console: Console) -> None:
 async def test_a_stop_is_reset_by_who_pressed_it(console: Console) -> None:
     client = await console.browser(Role.OPERATOR)
     console.field.weeder.press("stop-000001", "Martha Keller")
+    console.field.pressers["stop-000001"] = {"operator"}
     body = {"reset_id": "reset-00001", "stop_ids": ["stop-000001"], "reason": "Test", "tick": console.field.tick()}
     answer = (await client.post("/robots/weeder-01/stop-reset", json=body)).json()
     assert answer == {"reset_id": "reset-00001", "outcome": "accepted", "code": "ok", "text": "", "ms": 0}

@@ -42,6 +42,20 @@ async def test_the_width_of_its_tool_is_told_for_planning(console: Console) -> N
     assert (await planner.get("/robots")).json()["robots"][0]["tool_width_m"] == 1.5
 
 
+async def test_a_robot_with_a_stop_that_is_not_reset_cannot_be_removed(console: Console) -> None:
+    admin = await console.browser(Role.ADMIN)
+    console.field.weeder.press("stop-00000001", "Martha Keller")
+    answer = await admin.delete("/robots/weeder-01")
+    assert (answer.status_code, answer.json()["code"]) == (409, "stop_open")
+    assert "Reset it, then remove the robot." in answer.json()["text"]
+    console.field.weeder.presses.clear()
+    console.stops_at.add("weeder-01")  # the robot is silent and says nothing, but it was told to stop
+    assert (await admin.delete("/robots/weeder-01")).status_code == 409
+    assert [r["id"] for r in (await admin.get("/robots")).json()["robots"]] == ["weeder-01"]
+    console.stops_at.clear()
+    assert (await admin.delete("/robots/weeder-01")).status_code == 204
+
+
 async def test_an_id_is_taken_once(console: Console) -> None:
     admin = await console.browser(Role.ADMIN)
     answer = await admin.post("/robots", json={"id": "weeder-01", "name": "Another"})

@@ -348,6 +348,7 @@ class Field:
         self.audit = AuditLog()
         self.events: list[Mapping[str, Any]] = []
         self.signed_out: set[str] = set()
+        self.pressers: dict[str, set[str]] = {}
         self._epoch = epoch
         self.weeder = self.add("weeder-01", "Weeder 01")
         self.desk = CommandDesk(
@@ -365,6 +366,7 @@ class Field:
                 is_signed_in=lambda session_id: session_id not in self.signed_out,
                 ack_limit_s=ack_limit_s,
                 start_rules=rules,
+                pressers=self._who_pressed,
             )
         )
         self.wire.desk = self.desk
@@ -395,6 +397,9 @@ class Field:
     def events_of(self, kind: str) -> list[Mapping[str, Any]]:
         """Return lane events of one kind."""
         return [e for e in self.events if e["kind"] == kind]
+
+    async def _who_pressed(self, robot_id: str) -> Mapping[str, set[str]]:
+        return self.pressers
 
     def _registered(self, robot_id: str) -> FakeRobot | None:
         robot = self.robots.get(robot_id)

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import pytest
+
 from hmi.commands.ledger import CommandResult
 from hmi.commands.reset import ResetRequest
 from hmi.domain.command import Outcome, ResetOrder
@@ -17,6 +21,7 @@ def stopped(*presses: tuple[str, str]) -> Field:
     field = Field()
     for stop_id, by in presses:
         field.weeder.press(stop_id, by)
+        field.pressers[stop_id] = {person(by).user_id}
     return field
 
 
@@ -69,7 +74,32 @@ async def test_a_supervisor_resets_for_everybody() -> None:
 async def test_a_press_on_a_tablet_nobody_was_signed_in_at_is_anybodys() -> None:
     field = Field()
     field.weeder.press(ONE, "Tablet 3", "Tablet 3")
+    field.pressers[ONE] = {""}
     assert (await reset(field, MARTHA, ONE)).is_accepted
+
+
+@pytest.mark.parametrize("users", [{"martha-2"}, {"", "martha"}, set()], ids=["namesake", "disputed", "unknown"])
+async def test_a_shared_name_is_not_the_person_who_pressed(users: set[str]) -> None:
+    field = stopped((ONE, "Martha Keller"))
+    field.pressers[ONE] = users
+    result = await reset(field, MARTHA, ONE)
+    assert (result.outcome, result.code) == (Outcome.REJECTED, "other_press")
+    assert "Ask a supervisor." in result.text
+    assert field.weeder.orders == []
+    assert (await reset(field, ANNA, ONE, ref="reset-00002")).is_accepted
+
+
+async def test_an_account_named_like_the_tablet_does_not_make_its_stop_anybodys() -> None:
+    field = Field()
+    field.weeder.press(ONE, "Tablet 3", "Tablet 3")
+    field.pressers[ONE] = {"tablet-3-account"}
+    assert (await reset(field, MARTHA, ONE)).code == "other_press"
+
+
+async def test_who_was_renamed_still_resets_their_own() -> None:
+    field = stopped((ONE, "Martha Keller"))
+    renamed = replace(MARTHA, user_name="Martha Vogel")
+    assert (await reset(field, renamed, ONE)).is_accepted
 
 
 async def test_a_viewer_may_stop_but_not_reset() -> None:
@@ -101,6 +131,17 @@ async def test_a_reset_needs_a_reason_and_a_fresh_picture() -> None:
     old = field.tick()
     field.wait(2.1)
     assert (await reset(field, MARTHA, ONE, ref="reset-00002", tick=old)).code == "stale_tick"
+    assert field.weeder.orders == []
+
+
+async def test_a_press_that_is_newer_than_the_picture_is_not_reset() -> None:
+    field = stopped((ONE, "Martha Keller"))
+    seen = field.tick()
+    field.wait(0.3)
+    field.weeder.press(TWO, "", "Tablet 3")
+    result = await reset(field, MARTHA, ONE, TWO, tick=seen)
+    assert (result.outcome, result.code) == (Outcome.REJECTED, "new_press")
+    assert result.text == "STOP was pressed again. Look at it, then reset again."
     assert field.weeder.orders == []
 
 

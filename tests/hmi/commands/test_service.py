@@ -13,6 +13,9 @@ from hmi.domain.robot import Mode, OrderStatus
 from hmi.domain.role import Role
 from tests.hmi.commands.field import ANNA, JONAS, MARTHA, SHA, VERA, Field, Rules, mission, person
 
+SEEN = {"mission_id": "field-1", "mission_sha256": SHA}
+"""What a screen names that shows the mission of ``field.mission()``."""
+
 
 def request(
     field: Field, action: Action = Action.RETURN_HOME, *, ref: str = "command-1", **more: str
@@ -25,7 +28,7 @@ def request(
 async def test_an_accepted_command_reaches_the_robot_once_with_its_proofs() -> None:
     field = Field()
     field.weeder.mission = mission()
-    result = await field.desk.commands.submit(MARTHA, request(field, Action.START))
+    result = await field.desk.commands.submit(MARTHA, request(field, Action.START, **SEEN))
     assert (result.outcome, result.code) == (Outcome.ACCEPTED, "ok")
     [order] = field.weeder.orders
     assert isinstance(order, CommandOrder)
@@ -165,13 +168,36 @@ async def test_nothing_moves_while_the_hardware_button_is_pressed() -> None:
 async def test_a_start_names_the_mission_on_the_screen_or_is_refused() -> None:
     field = Field()
     field.weeder.mission = mission("field-2")
-    result = await field.desk.commands.submit(MARTHA, request(field, Action.START, mission_id="field-1"))
+    result = await field.desk.commands.submit(MARTHA, request(field, Action.START, **SEEN))
     assert result.code == "wrong_mission"
     field.weeder.mission = mission("field-1", OrderStatus.NONE)
-    result = await field.desk.commands.submit(
-        MARTHA, request(field, Action.START, ref="c-2-00000", mission_id="field-1")
-    )
+    result = await field.desk.commands.submit(MARTHA, request(field, Action.START, ref="c-2-00000", **SEEN))
     assert result.code == "wrong_mission"
+    assert field.weeder.orders == []
+
+
+@pytest.mark.parametrize("action", [Action.START, Action.RESUME])
+async def test_a_mission_that_was_replaced_while_somebody_slid_does_not_move(action: Action) -> None:
+    """Sending needs no control: another person may send a mission, or change the rest of one, at any moment."""
+    field = Field()
+    others = (mission("field-2"), replace(mission("field-1", OrderStatus.PAUSED), sha256="b" * 64))
+    for number, held in enumerate(others):
+        field.weeder.mission = held
+        asked = request(field, action, ref=f"command-{number}", **SEEN)
+        result = await field.desk.commands.submit(MARTHA, asked)
+        assert (result.outcome, result.code) == (Outcome.REJECTED, "wrong_mission")
+        assert result.text == "The mission changed while you slid. Look at it and slide again."
+    assert field.weeder.orders == []
+
+
+@pytest.mark.parametrize("action", [Action.START, Action.RESUME])
+@pytest.mark.parametrize("named", [{}, {"mission_id": "field-1"}, {"mission_sha256": SHA}])
+async def test_a_start_or_resume_that_does_not_say_of_what_is_refused(action: Action, named: dict[str, str]) -> None:
+    field = Field()
+    field.weeder.mission = mission(status=OrderStatus.PAUSED)
+    result = await field.desk.commands.submit(MARTHA, request(field, action, **named))
+    assert (result.outcome, result.code) == (Outcome.REJECTED, "incomplete")
+    assert result.text == "A start or resume names mission_id and mission_sha256, as the robot reports them."
     assert field.weeder.orders == []
 
 

@@ -73,14 +73,6 @@ def test_robots_and_paths_that_return_get_what_is_not_confirmed_at_once() -> Non
     assert len(book.due(T0 + 0.15)) == 2
 
 
-def test_a_robot_taken_out_of_the_registry_ends_its_presses() -> None:
-    book = StopBook()
-    press(book, "press-one")
-    changed = book.withdraw("weeder-01", "gone")
-    assert [a.text for a in changed] == ["gone"]
-    assert not book.attempts()
-
-
 def test_thousands_of_presses_cost_no_more_memory_than_a_robot_keeps() -> None:
     book = StopBook()
     for n in range(1000):
@@ -89,14 +81,45 @@ def test_thousands_of_presses_cost_no_more_memory_than_a_robot_keeps() -> None:
     assert book.attempts()[-1].stop_id == "press-0999"
 
 
-def test_a_robot_that_nobody_knows_cannot_raise_an_alarm_without_end() -> None:
+def stranger(book: StopBook, stop_id: str = "press-one", now_s: float = T0) -> StopAttempt:
+    target = StopTarget("weeder-99", "weeder-99", is_stranger=True)
+    return book.press(stop_id, target, "Martha", "Tablet 3", now_s=now_s, utc=UTC0)
+
+
+def test_an_id_that_nobody_knows_cannot_raise_an_alarm_without_end_and_is_never_called_reset() -> None:
     book = StopBook()
     press(book, "press-one")
-    press(book, "press-one", "weeder-02")
+    stranger(book)
     assert not book.forget_strangers({"weeder-01"}, T0 + STRANGER_S)
     changed = book.forget_strangers({"weeder-01"}, T0 + STRANGER_S + 1)
-    assert [a.robot_id for a in changed] == ["weeder-02"]
-    assert [a.robot_id for a in book.attempts()] == ["weeder-01"]  # a robot of the farm is waited for, however long
+    assert [(a.robot_id, a.state) for a in changed] == [("weeder-99", StopState.WITHDRAWN)]
+    assert [a.robot_id for a in book.attempts()] == ["weeder-01"]
+    assert [s["state"] for s in book.steps(T0 + STRANGER_S + 1, "press-one")] == ["sent", "withdrawn"]
+
+
+def test_a_robot_that_is_listed_no_more_keeps_its_stop_however_long_it_is_silent() -> None:
+    book = StopBook()
+    press(book, "press-one")
+    book.tick(T0 + 5)
+    assert not book.forget_strangers(set(), T0 + 100 * STRANGER_S)
+    assert [a.state for a in book.attempts()] == [StopState.NOT_CONFIRMED]
+    assert [a.robot_id for a in book.due(T0 + 100 * STRANGER_S)] == ["weeder-01"]
+
+
+def test_an_id_that_was_heard_or_registered_once_is_no_stranger_any_more() -> None:
+    book = StopBook()
+    stranger(book)
+    book.forget_strangers({"weeder-99"}, T0 + 1)
+    assert not book.forget_strangers(set(), T0 + 100 * STRANGER_S)
+    assert len(book) == 1
+
+
+def test_a_press_that_was_withdrawn_stops_again_when_it_is_made_again() -> None:
+    book = StopBook()
+    stranger(book)
+    book.forget_strangers(set(), T0 + STRANGER_S + 1)
+    assert stranger(book, now_s=T0 + STRANGER_S + 2).state is StopState.SENT
+    assert len(book.due(T0 + STRANGER_S + 2)) == 1
 
 
 def test_strangers_are_kept_up_to_a_limit_and_known_robots_always() -> None:

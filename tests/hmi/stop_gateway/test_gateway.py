@@ -229,6 +229,24 @@ async def test_a_reset_ends_the_press_and_no_late_copy_latches_again(
     assert not latecomer.steps
 
 
+async def test_a_robot_taken_out_of_the_list_keeps_its_stop_until_it_answers(
+    gateway: RunningGateway, make_robot: MakeRobot, open_tablet: OpenTablet
+) -> None:
+    robot, other = await make_robot("weeder-01", speed_mps=0.2), await make_robot("weeder-02")
+    gateway.register(robot, other)
+    gateway.start()
+    tablet = await open_tablet()
+    await _linked(tablet, robot.id, other.id)
+    stop_id = await tablet.press([robot.id])
+    await tablet.until_state(stop_id, robot.id, "standstill")
+    gateway.register(other)
+    async with gateway.http() as http:
+        await _until_answer(http, "/health", lambda a: a.json()["robots"] == 1)
+        assert [s["state"] for s in (await http.get(f"/stop/{stop_id}")).json()["steps"]] == ["standstill"]
+    robot.reset(stop_id)
+    await tablet.until_state(stop_id, robot.id, "reset")
+
+
 async def test_http_alone_stops_a_robot_and_a_token_in_the_body_spares_the_preflight(
     gateway: RunningGateway, make_robot: MakeRobot
 ) -> None:
