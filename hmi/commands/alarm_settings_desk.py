@@ -12,7 +12,7 @@ from hmi.domain.alarm.priority import Priority
 from hmi.domain.role import Permission
 from hmi.notifications.address import AddressRules
 from hmi.notifications.book import ChannelBook, plain
-from hmi.notifications.channel import Channel, Webhook
+from hmi.notifications.channel import LEFT_OUT, Channel, Webhook
 from hmi.notifications.errors import BadAddress, BadChannel
 from hmi.notifications.post import PostOffice
 from hmi.security.authorization import Authorize
@@ -73,7 +73,7 @@ class AlarmSettingsDesk:
         secrets: Mapping[str, str | None],
         escalate_after_s: Mapping[str, float | None],
     ) -> dict[str, Any]:
-        """Replace everything; a secret that is ``None`` stays, an empty one goes.
+        """Replace everything; a secret that is ``None`` stays, an empty one goes, an address as shown stays.
 
         A secret stays only while the address it is for stays: a new address never gets an old password.
 
@@ -85,7 +85,8 @@ class AlarmSettingsDesk:
         before = {one.id: one for one in parts.post.channels()}
         if len({one.id for one in channels}) != len(channels):
             raise BadChannel("Two channels have the same id.", "channels")
-        whole = [self._with_secret(one, before.get(one.id), secrets.get(one.id)) for one in channels]
+        known = [_with_address(one, before.get(one.id)) for one in channels]
+        whole = [self._with_secret(one, before.get(one.id), secrets.get(one.id)) for one in known]
         for one in whole:
             one.check()
             self._check_address(one)
@@ -144,6 +145,14 @@ class AlarmSettingsDesk:
             session.farm_id, session.user_name, session.device_name, "alarm_settings", outcome, data=data
         )
         self._parts.audit.append(entry)
+
+
+def _with_address(new: Channel, old: Channel | None) -> Channel:
+    if not isinstance(new.way, Webhook) or LEFT_OUT not in new.way.url:
+        return new
+    if old is not None and isinstance(old.way, Webhook) and old.way.shown == new.way.url:
+        return replace(new, way=old.way)
+    raise BadChannel("Type the whole address: the part that is not shown is not known for this one.", "url")
 
 
 def _goes_to(channel: Channel) -> tuple[object, ...]:

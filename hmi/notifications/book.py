@@ -32,15 +32,20 @@ class ChannelBook:
         self._settings.put(NAME, {"channels": [self._written(one) for one in channels]}, by, self._clock.utc())
 
     def _written(self, channel: Channel) -> dict[str, Any]:
-        return {**plain(channel), "secret": self._box.seal(channel.secret)}
+        sealed = {"secret": self._box.seal(channel.secret)}
+        if isinstance(channel.way, Webhook):
+            sealed["address"] = self._box.seal(channel.way.url)
+        return {**plain(channel), **sealed}
 
     def _read(self, stored: Mapping[str, Any]) -> Channel:
+        if "address" in stored:  # one that was kept before addresses were sealed has it as its url
+            stored = {**stored, "url": self._box.open(str(stored["address"]))}
         channel = channel_of(stored)
         return replace(channel, secret=self._box.open(str(stored.get("secret", ""))))
 
 
 def plain(channel: Channel) -> dict[str, Any]:
-    """Return a channel as JSON carries it, without its secret."""
+    """Return a channel as JSON carries it, without its secret and without what an address keeps secret."""
     way = channel.way
     shared: dict[str, Any] = {
         "id": channel.id,
@@ -53,7 +58,7 @@ def plain(channel: Channel) -> dict[str, Any]:
         "per_hour": channel.per_hour,
     }
     if isinstance(way, Webhook):
-        return {**shared, "url": way.url}
+        return {**shared, "url": way.shown}
     return {
         **shared,
         "host": way.host,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from enum import StrEnum
+from urllib.parse import urlsplit
 
 from hmi.domain.alarm.live_alarm import What
 from hmi.domain.alarm.priority import Priority
@@ -12,6 +13,7 @@ from hmi.notifications.errors import BadChannel
 
 TELLABLE = (What.RAISED, What.ESCALATED, What.RETURNED, What.ACKNOWLEDGED)
 MAX_CHANNELS, MAX_RECIPIENTS = 20, 20
+LEFT_OUT = "…"
 _MAIL = re.compile(r"[^@\s,;<>\"]{1,64}@[^@\s,;<>\"]{1,190}")
 
 
@@ -35,6 +37,12 @@ class Webhook:
     """An address that takes a POST; with a secret the body is signed, see docs/alarms.md."""
 
     url: str
+
+    @property
+    def shown(self) -> str:
+        """Return where it goes without path and query: whoever knows those may post there."""
+        parts = urlsplit(self.url)
+        return f"{parts.scheme}://{parts.netloc.rpartition('@')[2]}/{LEFT_OUT}"
 
 
 @dataclass(frozen=True, slots=True)

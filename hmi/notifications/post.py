@@ -42,13 +42,21 @@ class ChannelHealth:
 
 
 @dataclass(slots=True)
+class _Tried:
+    """A message that is sent, and how often that failed: what joins it later has all of its own tries."""
+
+    message: Message
+    tries: int = 0
+
+
+@dataclass(slots=True)
 class _Box:
     channel: Channel
     tokens: float
     filled_s: float
     waiting: deque[Message] = field(default_factory=deque)
-    retry: Message | None = None
-    tries: int = 0
+    again: list[_Tried] = field(default_factory=list)
+    sending: asyncio.Task[None] | None = None
     due_s: float = 0.0
     sent: int = 0
     failed: int = 0
@@ -100,6 +108,8 @@ class PostOffice:
                 box.waiting.popleft()  # the newest is what matters
                 box.dropped += 1
             box.waiting.append(Message(farm, (told,)))
+            if told.priority is Priority.CRITICAL:
+                box.due_s = 0.0  # it does not wait for what failed before it
             self._wake.set()
 
     async def test(self, channel: Channel, farm: str) -> str:
@@ -116,7 +126,7 @@ class PostOffice:
         """Return how each channel does."""
         return {
             name: ChannelHealth(
-                len(box.waiting) + (box.retry is not None), box.sent, box.failed, box.dropped, box.last_error,
+                len(box.waiting) + len(box.again), box.sent, box.failed, box.dropped, box.last_error,
                 box.last_sent_at, box.failing_since_s,
             )
             for name, box in self._boxes.items()
@@ -128,36 +138,48 @@ class PostOffice:
 
     async def stop(self) -> None:
         """End; what waits is forgotten: an old alarm by mail helps nobody."""
-        if self._task is not None:
-            self._task.cancel()
+        tasks = [self._task, *(box.sending for box in self._boxes.values())]
+        for task in (one for one in tasks if one is not None):
+            task.cancel()
             with contextlib.suppress(asyncio.CancelledError):
-                await self._task
+                await task
 
     async def _run(self) -> None:
         while True:
             self._wake.clear()
-            await self.send_due()
+            self._begin_due()
             wait_s = self._next_s()
-            with contextlib.suppress(TimeoutError):
-                await asyncio.wait_for(self._wake.wait(), wait_s)
+            with contextlib.suppress(TimeoutError):  # wait_for may swallow a cancellation that comes with a wake
+                async with asyncio.timeout(wait_s):
+                    await self._wake.wait()
 
     async def send_due(self) -> None:
-        """Send what may go now; channels do not wait for each other."""
-        ready = [box for box in self._boxes.values() if self._is_ready(box)]
-        await asyncio.gather(*(self._send(box) for box in ready))
+        """Send what may go now and wait until it went or failed."""
+        await asyncio.gather(*self._begin_due())
+
+    def _begin_due(self) -> list[asyncio.Task[None]]:
+        """Begin to send what may go now: each channel in a task of its own, for one that hangs holds up no other."""
+        begun = []
+        for box in self._boxes.values():
+            if self._is_ready(box):
+                box.sending = asyncio.create_task(self._send(box), name=f"notification by {box.channel.id}")
+                box.sending.add_done_callback(lambda _: self._wake.set())
+                begun.append(box.sending)
+        return begun
 
     def _is_ready(self, box: _Box) -> bool:
         now_s = self._clock.mono_s()
         box.fill(now_s)
-        if not (box.waiting or box.retry) or now_s < box.due_s or not box.channel.is_on:
+        is_busy = box.sending is not None and not box.sending.done()
+        if is_busy or not (box.waiting or box.again) or now_s < box.due_s or not box.channel.is_on:
             return False
-        urgent = any(one.priority is Priority.CRITICAL for one in (*box.waiting, *([box.retry] if box.retry else [])))
+        urgent = any(one.priority is Priority.CRITICAL for one in (*box.waiting, *(one.message for one in box.again)))
         return box.tokens >= 1 or (urgent and box.tokens > -CRITICAL_BURST)
 
     async def _send(self, box: _Box) -> None:
-        waiting = [*([box.retry] if box.retry is not None else []), *box.waiting]
+        box.again += [_Tried(one) for one in box.waiting]
         box.waiting.clear()
-        message = box.retry = waiting[0] if len(waiting) == 1 else merged(waiting)
+        message = box.again[0].message if len(box.again) == 1 else merged([one.message for one in box.again])
         box.tokens -= 1
         try:
             await self._deliver(box.channel, message)
@@ -167,7 +189,7 @@ class PostOffice:
             log.exception("channel %s failed", box.channel.id)
             self._failed(box, NotDelivered(f"{type(error).__name__}.", is_lasting=True))
         else:
-            box.retry, box.tries, box.failing_since_s, box.last_error = None, 0, None, ""
+            box.again, box.failing_since_s, box.last_error = [], None, ""
             box.sent, box.last_sent_at = box.sent + 1, self._clock.utc()
 
     def _failed(self, box: _Box, error: NotificationError) -> None:
@@ -176,12 +198,17 @@ class PostOffice:
         box.failing_since_s = now_s if box.failing_since_s is None else box.failing_since_s
         log.warning("notification by %s: %s", box.channel.name, error.text)
         is_lasting = not isinstance(error, NotDelivered) or error.is_lasting
-        if is_lasting or box.tries >= len(WAIT_S):
-            box.failed, box.retry, box.tries = box.failed + 1, None, 0
-            return
-        box.due_s = now_s + WAIT_S[box.tries]
-        box.tries += 1
+        for one in box.again:
+            one.tries += 1
+        kept = [] if is_lasting else [one for one in box.again if one.tries <= len(WAIT_S)]
+        if len(kept) < len(box.again):
+            box.failed += 1
+        box.again = kept
+        # by the newest of it; what is critical and came meanwhile goes at once
+        is_urgent = any(one.priority is Priority.CRITICAL for one in box.waiting)
+        if kept and not is_urgent:
+            box.due_s = now_s + WAIT_S[min(one.tries for one in kept) - 1]
 
     def _next_s(self) -> float:
-        boxes: Sequence[_Box] = [box for box in self._boxes.values() if box.waiting or box.retry]
+        boxes: Sequence[_Box] = [box for box in self._boxes.values() if box.waiting or box.again]
         return 1.0 if boxes else 3600.0

@@ -93,7 +93,8 @@ def _mail(mail: Mail, password: str, message: Message, rules: AddressRules) -> N
                 server.starttls(context=ssl.create_default_context())
             if mail.user:
                 server.login(mail.user, password)
-            server.send_message(_letter(mail, message), from_addr=mail.sender, to_addrs=list(mail.recipients))
+            letter = _letter(mail, message)
+            refused = server.send_message(letter, from_addr=mail.sender, to_addrs=list(mail.recipients))
     except smtplib.SMTPAuthenticationError as error:
         raise NotDelivered(f"{mail.host} refused name or password.", is_lasting=True) from error
     except smtplib.SMTPRecipientsRefused as error:
@@ -108,6 +109,8 @@ def _mail(mail: Mail, password: str, message: Message, rules: AddressRules) -> N
         raise NotDelivered(text, is_lasting=True) from error
     except (OSError, smtplib.SMTPException) as error:
         raise NotDelivered(f"{mail.host} cannot be reached: {type(error).__name__}.") from error
+    if refused:  # the others have it; to try again would tell them twice
+        raise NotDelivered(f"{mail.host} refused {', '.join(sorted(refused))}.", is_lasting=True)
 
 
 def _distrust(error: BaseException | None) -> ssl.SSLCertVerificationError | None:

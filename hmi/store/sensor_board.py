@@ -80,6 +80,11 @@ class StationNow:
         return sorted(self.values.values(), key=lambda one: one.channel.order)
 
 
+def _is_usable(known: StationNow, value: ValueNow, now_s: float) -> bool:
+    age_s, is_slow = now_s - value.measured_s, value.channel.about().is_slow
+    return is_usable(age_s, known.station.period_s, is_slow=is_slow)
+
+
 class SensorBoard:
     """Every station of one console.
 
@@ -158,7 +163,7 @@ class SensorBoard:
         now_s = self._clock.mono_s()
         return [
             Measured(one.channel, one.value,
-                     one.is_plausible and is_usable(now_s - one.measured_s, known.station.period_s), known.station.id)
+                     one.is_plausible and _is_usable(known, one, now_s), known.station.id)
             for known in self.accepted() for one in known.values.values()
         ]  # fmt: skip
 

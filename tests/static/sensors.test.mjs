@@ -22,10 +22,10 @@ test('an age runs on between two answers, never backwards, and what was never he
 });
 
 test('a state is the older of what the server said and what the age says now', () => {
-  assert.equal(R.stateNow('fresh', 119, 60), 'fresh');
-  assert.equal(R.stateNow('fresh', 121, 60), 'late');
-  assert.equal(R.stateNow('fresh', 1799, 60), 'late');
-  assert.equal(R.stateNow('fresh', 1801, 60), 'silent');
+  assert.equal(R.stateNow('fresh', 89, 60), 'fresh');
+  assert.equal(R.stateNow('fresh', 91, 60), 'late');
+  assert.equal(R.stateNow('fresh', 179, 60), 'late');
+  assert.equal(R.stateNow('fresh', 181, 60), 'silent');
   assert.equal(R.stateNow('fresh', 1801, 3600), 'fresh'); // an hourly camera
   assert.equal(R.stateNow('silent', 3, 60), 'silent'); // the server may know more than an age
   assert.equal(R.stateNow('fresh', null, 60), 'never');
@@ -35,8 +35,8 @@ test('a state is the older of what the server said and what the age says now', (
 test('stations and their values age without an answer', () => {
   const [one] = R.aged([station('soil-01', [value('soil_moisture@0.10')])], 200);
   assert.equal(one.age, 205);
-  assert.equal(one.state, 'late');
-  assert.equal(one.values[0].state, 'late');
+  assert.equal(one.state, 'silent');
+  assert.equal(one.values[0].state, 'silent');
   const [never] = R.aged([station('soil-02', [], { age_s: null, state: 'never' })], 200);
   assert.deepEqual([never.age, never.state], [null, 'never']);
 });

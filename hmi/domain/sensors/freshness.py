@@ -13,9 +13,8 @@ from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from enum import StrEnum
 
-LATE_PERIODS, SILENT_PERIODS = 2.0, 5.0
-SILENT_LEAST_S = 1800.0
-USABLE_LEAST_S = 900.0  # as long as the queue goes by a report of the weather
+LATE_PERIODS, SILENT_PERIODS = 1.5, 3.0
+USABLE_MOST_S = 900.0  # as long as the queue goes by a report of the weather, whatever period a station declares
 CLOCK_WRONG_S = 60.0
 RECENT = 8  # messages whose delays are compared: a clock that was set right is believed again after so many
 KEPT_S = 14 * 86_400.0  # what waited longer is not kept: its time is rather wrong
@@ -42,12 +41,17 @@ def state_of(age_s: float | None, period_s: float) -> State:
 
 def silent_after_s(period_s: float) -> float:
     """Return the age from which on a station counts as silent."""
-    return max(SILENT_PERIODS * period_s, SILENT_LEAST_S)
+    return SILENT_PERIODS * period_s
 
 
-def is_usable(age_s: float, period_s: float) -> bool:
-    """Say whether a decision may still go by a value of this age."""
-    return age_s <= max(LATE_PERIODS * period_s, USABLE_LEAST_S)
+def is_usable(age_s: float, period_s: float, *, is_slow: bool = False) -> bool:
+    """Say whether a decision may still go by a value of this age: never by a stale one.
+
+    Args:
+        is_slow: it changes in hours, as moisture of the soil does; weather changes in minutes.
+    """
+    limit_s = silent_after_s(period_s)
+    return age_s <= (limit_s if is_slow else min(limit_s, USABLE_MOST_S))
 
 
 class Fate(StrEnum):

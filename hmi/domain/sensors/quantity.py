@@ -20,6 +20,7 @@ class Quantity:
         shown_unit, factor: on screens, value times factor.
         digits: after the point on screens.
         steady: changes within two hours below this are no trend, in the unit of the wire.
+        is_slow: changes in hours, not in minutes: an older value still tells of now.
     """
 
     name: str
@@ -31,6 +32,7 @@ class Quantity:
     factor: float = 1.0
     digits: int = 1
     steady: float = 0.5
+    is_slow: bool = False
 
     def is_plausible(self, value: float) -> bool:
         """Say whether nature can do this; not for NaN."""
@@ -54,8 +56,8 @@ _ALL = (
     Quantity("wind_gust", "Gusts", "m/s", 0, 120, "m/s", steady=0.8),
     Quantity("wind_bearing", "Wind from", "deg", 0, 360, "°", digits=0, steady=360),
     Quantity("radiation", "Radiation", "W/m2", -20, 1600, "W/m²", digits=0, steady=40),
-    Quantity("soil_moisture", "Soil", "m3/m3", 0, 0.7, "%", 100, 0, 0.01),
-    Quantity("soil_temperature", "Soil temperature", "degC", -30, 60, "°C", steady=0.3),
+    Quantity("soil_moisture", "Soil", "m3/m3", 0, 0.7, "%", 100, 0, 0.01, is_slow=True),
+    Quantity("soil_temperature", "Soil temperature", "degC", -30, 60, "°C", steady=0.3, is_slow=True),
     Quantity("co2", "CO₂", "umol/mol", 100, 50_000, "ppm", digits=0, steady=30),
     Quantity("h2o", "Water vapour", "mmol/mol", 0, 150, "mmol/mol", steady=0.5),
 )

@@ -1,9 +1,8 @@
 // What counts for field stations, without a page: ages that run on, states, which station stands for a quantity, what is said.
 (() => {
   "use strict";
-  const LATE_PERIODS = 2; // the console's own rule, hmi/domain/sensors/freshness.py
-  const SILENT_PERIODS = 5;
-  const SILENT_LEAST_S = 1800;
+  const LATE_PERIODS = 1.5; // the console's own rule, hmi/domain/sensors/freshness.py
+  const SILENT_PERIODS = 3;
   const STATES = ["fresh", "late", "silent", "never"];
   const ANSWER_OLD_S = 30; // three answers missed: what they said no longer counts as now
   const KINDS = { weather: "Weather", soil: "Soil", respiration: "Respiration", camera: "Camera" };
@@ -35,7 +34,7 @@
   function stateNow(said, age, periodS) {
     if (age === null) return "never";
     const p = periodS > 0 ? periodS : Infinity;
-    const seen = age > Math.max(SILENT_PERIODS * p, SILENT_LEAST_S) ? "silent" : age > LATE_PERIODS * p ? "late" : "fresh";
+    const seen = age > SILENT_PERIODS * p ? "silent" : age > LATE_PERIODS * p ? "late" : "fresh";
     return STATES[Math.max(rank(said), rank(seen))];
   }
 

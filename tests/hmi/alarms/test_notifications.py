@@ -159,6 +159,41 @@ async def test_what_is_not_taken_is_tried_again_and_nothing_is_sent_twice() -> N
     assert (health.sent, health.failed, health.last_error) == (1, 0, "")
 
 
+async def test_what_is_critical_does_not_share_the_last_try_of_an_older_message() -> None:
+    outside = Outside()
+    outside.errors = [NotDelivered("down.")] * 6
+    outside.post.set_channels([hook()])
+    outside.post.tell("Hof Brandt", told(1))
+    while len(outside.errors) > 1:
+        await outside.run(1)
+    outside.post.tell("Hof Brandt", told(2, Priority.CRITICAL))
+    await outside.run(1)
+    assert outside.errors == [], "it did not wait for the older one's last try"
+    await outside.run(30)
+    assert [one.source for message in outside.got for one in message.items] == ["weeder-02"]
+    health = outside.post.health()["hook"]
+    assert (health.sent, health.failed, health.waiting) == (1, 1, 0)
+
+
+async def test_a_channel_that_hangs_holds_up_no_other() -> None:
+    hangs, got = asyncio.Event(), asyncio.Queue[str]()
+
+    async def take(channel: Channel, _message: Message) -> None:
+        if channel.id == "hook":
+            await hangs.wait()
+        await got.put(channel.id)
+
+    post = PostOffice(FakeClock(), take)
+    post.set_channels([hook(), replace(hook(), id="other")])
+    post.start()
+    for number in (1, 2):
+        post.tell("Hof Brandt", told(number))
+        assert await asyncio.wait_for(got.get(), 10) == "other"
+    hangs.set()
+    assert await asyncio.wait_for(got.get(), 10) == "hook"
+    await post.stop()
+
+
 async def test_a_refusal_for_good_is_not_repeated_and_is_remembered() -> None:
     outside = Outside()
     outside.errors = [NotDelivered("hooks.example answered 404.", is_lasting=True)]
@@ -232,8 +267,8 @@ async def test_this_machine_is_not_reached_without_the_setting(server: str) -> N
     assert _Hook.got == []
 
 
-async def test_a_mail_says_what_to_do_and_a_name_cannot_bend_its_head() -> None:
-    got: list[bytes] = []
+async def mail_server(got: list[bytes], refuses: bytes = b"nobody@") -> asyncio.Server:
+    """Return a mail server that takes letters, but none for one recipient."""
 
     async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         writer.write(b"220 mail\r\n")
@@ -246,18 +281,38 @@ async def test_a_mail_says_what_to_do_and_a_name_cannot_bend_its_head() -> None:
                     writer.write(b"250 taken\r\n")
                 continue
             is_data = line.upper().startswith(b"DATA")
-            writer.write(
-                b"354 go on\r\n" if is_data else b"221 bye\r\n" if line.upper().startswith(b"QUIT") else b"250 ok\r\n"
-            )
+            is_refused = line.upper().startswith(b"RCPT") and refuses in line
+            ends = b"354 go on" if is_data else b"221 bye" if line.upper().startswith(b"QUIT") else b"250 ok"
+            writer.write((b"550 unknown" if is_refused else ends) + b"\r\n")
         writer.close()
 
-    mail_server = await asyncio.start_server(serve, "127.0.0.1", 0)
-    port = mail_server.sockets[0].getsockname()[1]
-    mail = Mail("127.0.0.1", port, Security.NONE, "", "headland@farm.example", ("anna@farm.example",))
-    channel = Channel("mail", "Mail", True, mail, ALL, frozenset({What.RAISED}))
+    return await asyncio.start_server(serve, "127.0.0.1", 0)
+
+
+def mail_to(server: asyncio.Server, *recipients: str) -> Channel:
+    """Return a channel by this server."""
+    port = server.sockets[0].getsockname()[1]
+    mail = Mail("127.0.0.1", port, Security.NONE, "", "headland@farm.example", recipients)
+    return Channel("mail", "Mail", True, mail, ALL, frozenset({What.RAISED}))
+
+
+async def test_a_refused_recipient_is_named_though_the_others_have_it() -> None:
+    got: list[bytes] = []
+    async with await mail_server(got) as server:
+        channel = mail_to(server, "anna@farm.example", "nobody@farm.example")
+        with pytest.raises(NotDelivered, match=r"refused nobody@farm\.example") as refused:
+            await deliver(channel, Message("Hof Brandt", (told(7),)), LOCAL)
+    assert refused.value.is_lasting, "trying again would tell the others twice"
+    assert got
+
+
+async def test_a_mail_says_what_to_do_and_a_name_cannot_bend_its_head() -> None:
+    got: list[bytes] = []
+    server = await mail_server(got)
+    channel = mail_to(server, "anna@farm.example")
     evil = Message("Hof\r\nBcc: evil@evil.test\r\nBrandt", (told(7, Priority.CRITICAL),))
     await deliver(channel, evil, LOCAL)
-    mail_server.close()
+    server.close()
     letter = b"".join(got).decode()
     assert "\nBcc:" not in letter
     assert "Subject: Hof Bcc: evil@evil.test Brandt: Alarm, No data link" in letter.replace("\r\n ", " ")

@@ -22,7 +22,7 @@ from hmi.domain.alarm.priority import Priority
 from hmi.domain.role import Role
 from hmi.notifications.address import AddressRules
 from hmi.notifications.book import ChannelBook
-from hmi.notifications.channel import Channel
+from hmi.notifications.channel import Channel, Webhook
 from hmi.notifications.errors import NotDelivered
 from hmi.notifications.message import Message
 from hmi.notifications.post import PostOffice
@@ -188,6 +188,39 @@ async def test_a_secret_stays_while_its_address_stays_and_goes_with_it(console: 
     moved = {**HOOK, "secret": MASK, "url": "https://evil.example/x"}
     gone = (await admin.put("/alarms/notifications", json={"channels": [moved]})).json()
     assert gone["channels"][0]["secret"] == ""
+
+
+async def test_the_path_of_an_address_is_as_secret_as_a_password_and_stays_while_it_is_shown(
+    console: RecordConsole,
+) -> None:
+    admin = await console.browser(Role.ADMIN)
+    hook = {**HOOK, "url": "https://hooks.example:8443/T0/B0/token?key=1"}
+    (shown,) = (await admin.put("/alarms/notifications", json={"channels": [hook]})).json()["channels"]
+    assert shown["url"] == "https://hooks.example:8443/…"
+    stored = str(await console.database.run(console.settings.get, "notifications"))
+    written = str([one.data for one in await console.written("alarm_settings")])
+    assert "token" not in stored + written + (await admin.get("/alarms/notifications")).text
+    again = {**hook, "name": "Other name", "url": shown["url"], "secret": None}
+    assert (await admin.put("/alarms/notifications", json={"channels": [again]})).status_code == 200
+    book = ChannelBook(console.settings, console.box, console.field.clock)
+    (kept,) = await console.database.run(book.load)
+    assert (kept.name, kept.way) == ("Other name", Webhook(hook["url"]))
+    other = {**hook, "id": "another", "url": shown["url"]}
+    refused = await admin.put("/alarms/notifications", json={"channels": [again, other]})
+    assert (refused.status_code, refused.json()["field"]) == (422, "url")
+
+
+async def test_an_address_kept_before_addresses_were_sealed_still_works(console: RecordConsole) -> None:
+    admin = await console.browser(Role.ADMIN)
+    await admin.put("/alarms/notifications", json={"channels": [HOOK]})
+    stored = await console.database.run(console.settings.get, "notifications")
+    (old,) = stored["channels"]
+    del old["address"]
+    old["url"] = HOOK["url"]
+    await console.database.run(console.settings.put, "notifications", stored, "ana", console.field.clock.utc())
+    book = ChannelBook(console.settings, console.box, console.field.clock)
+    (kept,) = await console.database.run(book.load)
+    assert kept.way == Webhook(HOOK["url"])
 
 
 async def test_an_address_inside_the_network_is_refused_with_the_reason(console: RecordConsole) -> None:

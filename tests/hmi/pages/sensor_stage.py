@@ -128,17 +128,9 @@ class SensorStage:
         period = own["period_s"]
         is_never = heard is None
         # a station goes on reporting: its age runs up to its period and begins anew
-        is_quiet = not is_never and heard > 5 * period
+        is_quiet = not is_never and heard > 3 * period
         age = None if is_never else heard + (self._now_s() - self.begun_s if is_quiet else 0.0)
-        state = (
-            "never"
-            if is_never
-            else "silent"
-            if age > max(5 * period, 1800)
-            else "late"
-            if age > 2 * period
-            else "fresh"
-        )
+        state = "never" if is_never else "silent" if age > 3 * period else "late" if age > 1.5 * period else "fresh"
         heard_utc = None if age is None else (datetime.now(UTC) - timedelta(seconds=age)).isoformat()
         low = own["battery"] is not None and own["battery"] < 0.15
         silence = f"{own['name']} silent for {round((age or 0) / 3600)} h." if state == "silent" else ""

@@ -20,28 +20,31 @@ PERIOD_S = 60.0
 @pytest.mark.parametrize(
     ("age_s", "period_s", "state"),
     [
-        (None, 60, State.NEVER), (0, 60, State.FRESH), (120, 60, State.FRESH), (121, 60, State.LATE),
-        (1800, 60, State.LATE), (1801, 60, State.SILENT), (1801, 600, State.LATE), (3000, 600, State.LATE),
-        (3001, 600, State.SILENT), (7201, 3600, State.LATE), (18_001, 3600, State.SILENT),
+        (None, 60, State.NEVER), (0, 60, State.FRESH), (90, 60, State.FRESH), (91, 60, State.LATE),
+        (180, 60, State.LATE), (181, 60, State.SILENT), (901, 600, State.LATE), (1800, 600, State.LATE),
+        (1801, 600, State.SILENT), (5401, 3600, State.LATE), (10_801, 3600, State.SILENT),
     ],
 )  # fmt: skip
-def test_late_after_two_periods_and_silent_after_five_but_not_before_half_an_hour(
+def test_late_after_one_and_a_half_periods_and_silent_after_three(
     age_s: float | None, period_s: float, state: State
 ) -> None:
     assert state_of(age_s, period_s) is state
 
 
-def test_a_decision_goes_by_a_value_for_a_quarter_of_an_hour_at_least() -> None:
-    assert is_usable(899, 60)
-    assert not is_usable(901, 60)
-    assert is_usable(1199, 600)
+def test_no_decision_goes_by_a_stale_value_nor_by_weather_older_than_a_quarter_of_an_hour() -> None:
+    assert is_usable(180, 60)
+    assert not is_usable(181, 60)
+    assert is_usable(900, 600)
+    assert not is_usable(901, 86_400), "whatever period a station declares"
+    assert is_usable(1800, 600, is_slow=True)
+    assert not is_usable(1801, 600, is_slow=True)
 
 
 @given(age_s=st.floats(0, 1e6), more_s=st.floats(0, 1e6), period_s=st.floats(1, 86_400))
 def test_what_gets_older_never_looks_fresher(age_s: float, more_s: float, period_s: float) -> None:
     order = list(State)
     assert order.index(state_of(age_s + more_s, period_s)) >= order.index(state_of(age_s, period_s))
-    assert silent_after_s(period_s) >= 1800
+    assert silent_after_s(period_s) == 3 * period_s
 
 
 def test_a_repeat_is_known_by_boot_and_number() -> None:
