@@ -156,7 +156,7 @@ class Brain:
 
     @property
     def is_farm_heard(self) -> bool:
-        """Whether anything from the farm came lately."""
+        """Whether the console was heard lately."""
         return self.link_heard_s > self._boot_s and self.clock.mono_s() - self.link_heard_s < FARM_HEARD_S
 
     @property

@@ -8,7 +8,6 @@ if TYPE_CHECKING:
     from backend_clients.simulator.brain import Brain
 
 OPERATOR_LOST_S = 3.5  # operator pulses come at 1 Hz; same figure as common ground stations
-LINK_LOST_S = 10.0
 MANUAL_LOST_S = 10.0  # an open drive nobody uses is closed
 BATTERY_VERY_LOW = 0.1
 
@@ -33,7 +32,7 @@ def check(brain: Brain) -> None:
         is_supervised = brain.run.is_supervised
     if is_supervised and now - brain.operator_heard_s > OPERATOR_LOST_S:
         brain.pause("operator_lost")
-    elif not is_supervised and now - brain.link_heard_s > LINK_LOST_S:
+    elif not is_supervised and now - brain.link_heard_s > brain.config.link_lost_pause_s:
         brain.pause("link_lost")
     elif not brain.errand and brain.machine.soc < brain.profile.home_below:
         brain.go_home(by="low_charge")
