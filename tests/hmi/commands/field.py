@@ -324,7 +324,7 @@ class Field:
 
     def __init__(self, *, epoch: int = 1, ack_limit_s: float = 0.0) -> None:
         self.clock = FakeClock()
-        self.ticks = TickRing("console1", self.clock.mono_s)
+        self.ticks = TickRing("console1", self.clock.mono_s, self.clock.utc)
         self.robots: dict[str, FakeRobot] = {}
         self.wire = Wire(self.robots)
         self.missions = Missions()
