@@ -31,6 +31,10 @@ ALREADY_RESET = frozenset({"already_reset", "already-reset"})
 """Codes by which a robot says that this press was reset; valid whatever the outcome field says."""
 
 
+STRANGER_HEARD_S = 60.0
+"""A robot that nobody registered belongs to STOP ALL for so long after it was heard."""
+
+
 class StopState(StrEnum):
     """What may be claimed about one press at one robot."""
 
@@ -57,6 +61,11 @@ class StopTarget:
     decel_mps2: float | None = None
     ack_limit_s: float = ACK_LIMIT_S
     standstill_limit_s: float = STANDSTILL_LIMIT_S
+
+    @classmethod
+    def stranger(cls, robot_id: str) -> StopTarget:
+        """Return a robot that is heard but not in the registry, with the limits of the rules; its name says so."""
+        return cls(robot_id, f"{robot_id} (not registered)")
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "ack_limit_s", _limit(self.ack_limit_s, ACK_LIMIT_S))
