@@ -17,8 +17,8 @@ LIMIT_S = 10.0
 
 async def _until(is_so: Callable[[], bool]) -> None:
     async with asyncio.timeout(LIMIT_S):
-        while not is_so():
-            await asyncio.sleep(0.01)  # threads of another library have no event to wait for
+        while not is_so():  # noqa: ASYNC110 - threads of another library have no event to wait for
+            await asyncio.sleep(0.01)
 
 
 async def test_a_dead_network_thread_is_told_and_started_again(tmp_path: Path, broker: Broker) -> None:
