@@ -137,7 +137,7 @@ async def served(robots: int, *, crowd: int | None) -> AsyncIterator[tuple[Any, 
     clock = SystemClock()
     store = FleetStore(clock.mono_s)
     store.set_registry([Entry(f"robot-{i:04d}") for i in range(robots)])
-    hub = LiveHub(store, TickRing("bench1", clock.mono_s), clock, crowd=CROWD if crowd is None else crowd)
+    hub = LiveHub(store, TickRing("bench1", clock.mono_s, clock.utc), clock, crowd=CROWD if crowd is None else crowd)
     one = SessionInfo("s", "u", "U", Role.VIEWER, "d", "", "farm", "c", datetime(2100, 1, 1, tzinfo=UTC))
 
     class Gate:

@@ -91,4 +91,4 @@ def _watch(process: subprocess.Popen[bytes], port: int, out: Path) -> tuple[floa
 def _ping(client: Client, ids: list[str], ended: threading.Event) -> None:
     while not ended.wait(1.0):
         for robot_id in ids:
-            client.publish(topic(robot_id, Down.PING), codec.encode(down.Ping(robot=robot_id, nonce="b")))
+            client.publish(topic(robot_id, Down.PING), codec.encode(down.Ping(robot=robot_id, nonce="console-b")))

@@ -118,8 +118,15 @@ class OperatorHeartbeat(Order, frozen=True, kw_only=True, forbid_unknown_fields=
     challenge: Challenge
 
 
+CONSOLE_NONCE = "console-"
+"""How the nonces of the console's own pings begin; any other ping proves no console."""
+
+
 class Ping(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """Asks the robot to echo ``nonce`` in its next heartbeat: measures the round trip."""
+    """Asks the robot to echo ``nonce`` in its next heartbeat: measures the round trip.
+
+    A nonce that begins with ``console-`` also says that the console lives; the STOP gateway's never do.
+    """
 
     nonce: Annotated[str, Meta(min_length=1, max_length=64)]
 

@@ -156,8 +156,13 @@ class Brain:
 
     @property
     def is_farm_heard(self) -> bool:
-        """Whether anything from the farm came lately."""
-        return self.link_heard_s > self._boot_s and self.clock.mono_s() - self.link_heard_s < FARM_HEARD_S
+        """Whether the console was heard lately."""
+        return self.is_farm_known and self.clock.mono_s() - self.link_heard_s < FARM_HEARD_S
+
+    @property
+    def is_farm_known(self) -> bool:
+        """Whether the console was ever heard since the boot: it may come up after the robot."""
+        return self.link_heard_s > self._boot_s
 
     @property
     def is_on_lead(self) -> bool:
@@ -376,12 +381,15 @@ class Brain:
         return self.machine.soc < 1.0 and self.is_at_home
 
     def _is_airborne(self) -> bool:
-        """Whether it has to carry itself: a UAV anywhere but on its pad."""
-        return self.profile.energy.hover_w > 0 and self.machine.soc > 0 and not self.is_at_home
+        """Whether it has to carry itself: a UAV anywhere but on its pad, or landed at the home of its mission."""
+        is_flying = self.profile.energy.hover_w > 0 and self.machine.soc > 0
+        return is_flying and not self.is_at_home and not self._rests_at(self.home)
 
     @property
     def is_at_home(self) -> bool:
         """Whether it stands in its bay and does not set off."""
-        if not self.machine.base.is_still or self.is_auto:
-            return False
-        return math.dist(self.place, (self.config.x_m, self.config.y_m)) < CHARGER_REACH_M
+        return self._rests_at((self.config.x_m, self.config.y_m))
+
+    def _rests_at(self, point: Point) -> bool:
+        is_at_rest = self.machine.base.is_still and not self.is_auto
+        return is_at_rest and math.dist(self.place, point) < CHARGER_REACH_M

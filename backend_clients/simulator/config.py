@@ -14,6 +14,7 @@ from backend_clients.simulator.late_sensors import StationsMaker
 from backend_clients.simulator.profile import Family, Profile
 
 DEFAULT_LAT_DEG, DEFAULT_LON_DEG = 40.312546, -3.480860  # published position of the experimental site
+LINK_LOST_S = (5.0, 300.0)  # what may be chosen, as with common autopilots
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +30,7 @@ class RobotConfig:
         soc: battery charge at first start, 0 to 1.
         family: what machine it is.
         is_lean: cheap enough for a thousand: it runs on rails, steps and reports at 2 Hz.
+        link_lost_pause_s: without the console for so long, an unattended mission pauses.
     """
 
     id: str
@@ -42,9 +44,13 @@ class RobotConfig:
     soc: float = 0.92
     family: Family = "weeder"
     is_lean: bool = False
+    link_lost_pause_s: float = 10.0
 
     def __post_init__(self) -> None:
         check_id(self.id)
+        low_s, high_s = LINK_LOST_S
+        if not low_s <= self.link_lost_pause_s <= high_s:
+            raise ValueError(f"robot {self.id}: link_lost_pause_s is outside {low_s:g} to {high_s:g}")
         if not self.token:
             raise ValueError(f"robot {self.id}: the HTTP token is empty")
         if self.family not in FAMILIES:

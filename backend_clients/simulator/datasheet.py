@@ -38,7 +38,11 @@ def factsheet_fields(config: RobotConfig) -> dict[str, Any]:
         ],
         "functions": list(profile.functions),
         "chart": None if config.is_lean else tree_of(profile.family).chart,
-        "behaviour": up.Behaviour(stop_effect=profile.stop_effect, keep_out_m=profile.keep_out_m),
+        "behaviour": up.Behaviour(
+            stop_effect=profile.stop_effect,
+            keep_out_m=profile.keep_out_m,
+            link_lost_pause_s=config.link_lost_pause_s,
+        ),
     }
 
 

@@ -26,6 +26,8 @@ HELPED = {"tray_empty": "Tray loaded", "ask_person": "Tray and arm looked at"}
 """What somebody beside the machine does about what it waits for."""
 GOES_ON = ("rebooted", "continued", "link_lost", "battery_low")
 """Reasons of a pause that somebody beside the machine may end."""
+WENT_HOME = ("low_charge", "link_lost")
+"""Reasons for which a robot goes home by itself; there its mission is begun anew."""
 
 
 class Foreman:
@@ -116,21 +118,28 @@ class Foreman:
     def _may_go(self, robot_id: str, brain: Brain) -> bool:
         run = brain.run
         assert run is not None
-        if run.status == "paused" and run.pause_code in GOES_ON:
-            return brain.machine.soc > SENT_HOME_BELOW and run.moved_m(brain.place) <= MOVED_LIMIT_M
+        if _may_resume(brain):
+            return brain.machine.soc > SENT_HOME_BELOW
         if run.status == "loaded":
             return robot_id in self._to_begin and brain.machine.soc > SENT_HOME_BELOW
         if self._jobs[robot_id].is_endless and run.status == "done":
             return True
-        has_ended = run.status == "done" or (run.status == "paused" and run.pause_code == "low_charge")
+        has_ended = run.status == "done" or (run.status == "paused" and run.pause_code in WENT_HOME)
         return has_ended and brain.is_at_home and brain.machine.soc >= CHARGED
 
     def _go(self, brain: Brain) -> None:
         run = brain.run
         assert run is not None
-        if run.status == "paused" and run.pause_code in GOES_ON:
+        if _may_resume(brain):
             brain.resume(is_supervised=False)
             return
         if run.is_open:
             brain.abort()
         brain.begin(is_supervised=False)
+
+
+def _may_resume(brain: Brain) -> bool:
+    run = brain.run
+    if run is None or run.status != "paused" or run.pause_code not in GOES_ON:
+        return False
+    return run.moved_m(brain.place) <= MOVED_LIMIT_M

@@ -41,11 +41,8 @@ class OrderDesk:
 
     def receive(self, order: down.Order, *, is_retained: bool = False) -> up.Ack | None:
         """Judge and carry out one order; return the answer to send, if there is one."""
-        brain = self._brain
-        if not is_retained:
-            brain.link_heard_s = brain.clock.mono_s()
         answer = self._judge(order, is_retained=is_retained)
-        brain.memory.keep_fence(brain)
+        self._brain.memory.keep_fence(self._brain)
         return answer
 
     def _judge(self, order: down.Order, *, is_retained: bool) -> up.Ack | None:
@@ -63,10 +60,20 @@ class OrderDesk:
             case down.OperatorHeartbeat():
                 self._pulse(order, is_retained=is_retained)
             case down.Ping() if not is_retained:
+                if order.nonce.startswith(down.CONSOLE_NONCE):
+                    self._console_heard()
                 self._reporter.ping(order.nonce)
             case down.Mission():
                 return self._mission(order, is_retained=is_retained)
         return None
+
+    def _console_heard(self) -> None:
+        """Count it as a sign of life of the console: only its own pings, and orders proven to be sent just now.
+
+        What is refused, repeated or kept on the way does not count, nor what the STOP gateway or the cloud sends:
+        all of that also comes while the console is dead.
+        """
+        self._brain.link_heard_s = self._brain.clock.mono_s()
 
     def stop(self, order: down.Stop) -> up.Ack:
         """Stop and latch; valid at any age, from anyone, also retained."""
@@ -104,6 +111,7 @@ class OrderDesk:
             )
         if verdict.is_accepted:
             verdict = brain.latch.reset(order.stop_ids)
+            self._console_heard()
             brain.note("safety", "STOP reset", order.reason, by=order.by, stop_ids=list(order.stop_ids))
             brain.memory.save_safety(brain)
         if verdict.code != "retained":
@@ -127,6 +135,8 @@ class OrderDesk:
             verdict = refused("simulated_reject")
         if verdict.is_accepted:
             verdict = self._carry_out(order)
+        if verdict.is_accepted:
+            self._console_heard()
         if verdict.code != "retained":
             brain.guard.remember(order.command_id, verdict, now)
         self._note_action(order, verdict)
@@ -278,6 +288,7 @@ class OrderDesk:
         elif verdict.is_accepted and brain.drive is None:
             verdict = refused("not_in_manual")
         if verdict.is_accepted:
+            self._console_heard()
             brain.drive = DriveState(order.v_mps, order.yaw_rate_radps, now)
             brain.last_drive = brain.drive
         return self._answer_setpoint(order.lease_seq, verdict)
@@ -289,6 +300,8 @@ class OrderDesk:
         )
         if verdict.is_accepted:
             verdict = self._inside.jog(order, self._may_move(), now)
+        if verdict.is_accepted:
+            self._console_heard()
         return self._answer_setpoint(order.lease_seq, verdict)
 
     def _answer_setpoint(self, lease_seq: int, verdict: Verdict) -> up.Ack | None:
@@ -306,6 +319,7 @@ class OrderDesk:
         )
         if verdict.is_accepted:
             brain.operator_heard_s = now
+            self._console_heard()
 
     def _mission(self, order: down.Mission, *, is_retained: bool) -> up.Ack:
         proof, order = order.proof, replace(order, proof=UNSET)

@@ -110,7 +110,7 @@ def run_trial(
     inside, spent = dict[str, int](), Counter[str]()
     while clock.mono_s() < end_s and robot.boot.brain.is_auto:
         if clock.mono_s() >= next_ping_s:
-            robot.receive(down.Ping(robot=robot.config.id, nonce="t"))
+            robot.receive(down.Ping(robot=robot.config.id, nonce="console-t"))
             next_ping_s = clock.mono_s() + PING_S
             robot.machine.seedlings, robot.machine.soc = 67, 1.0
         span_s = _span_s(is_at_site=robot.boot.brain.work.is_at_site) if is_hasty else STEP_S

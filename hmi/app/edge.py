@@ -19,7 +19,7 @@ class Edge:
     def __init__(self, settings: Settings, clock: Clock) -> None:
         self.boot = secrets.token_hex(6)
         self.fleet = FleetStore(clock.mono_s, settings.farm_id)
-        self.ticks = TickRing(self.boot, clock.mono_s)
+        self.ticks = TickRing(self.boot, clock.mono_s, clock.utc)
         ca_file = str(settings.broker_ca) if settings.broker_ca else None
         link = mqtt_link(settings.broker_url, f"headland-console-{self.boot}", ca_file=ca_file)
         self.coordinator = EdgeCoordinator(link, self.fleet, clock)

@@ -16,6 +16,7 @@ from hmi.cameras.inbox import Inbox, Shot
 from hmi.cameras.jpeg_header import MAX_BYTES, BadPicture, checked_size
 from hmi.cameras.multipart import MultipartReader, Part, boundary_of
 from hmi.cameras.picture_wire import Plan
+from hmi.clock import mono_s
 from hmi.domain.camera import Source, SourceKind
 
 CONNECT_S = 4.0
@@ -111,7 +112,7 @@ class HttpPull:
 
     def _snapshots(self, client: httpx.Client, target: Target) -> None:
         period_s = max(self._source.expected_period_s, 1.0 / self._plan_of().fps)
-        began_s = time.monotonic()
+        began_s = mono_s()
         with client.stream("GET", target.url, extensions=self._extensions(target)) as response:
             _check(response)
             at_ms, body = _now_ms(), bytearray()
@@ -120,7 +121,7 @@ class HttpPull:
                 if len(body) > MAX_BYTES:
                     break
         self._take(Part(bytes(body), dict(response.headers), at_ms))
-        time.sleep(max(0.0, period_s - (time.monotonic() - began_s)))
+        time.sleep(max(0.0, period_s - (mono_s() - began_s)))
 
     def _extensions(self, target: Target) -> dict[str, Any]:
         return {"sni_hostname": target.hostname, "trace": self._trace}
@@ -189,4 +190,4 @@ def age_ms_of(said: str | None) -> float | None:
 
 
 def _now_ms() -> float:
-    return time.monotonic() * 1000
+    return mono_s() * 1000

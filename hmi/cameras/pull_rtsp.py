@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from urllib.parse import quote, urlsplit, urlunsplit
 
 import av
@@ -11,6 +10,7 @@ from hmi.cameras.addresses import target_of
 from hmi.cameras.inbox import Inbox, Shot, Unit
 from hmi.cameras.jpeg_header import MAX_BYTES, BadPicture, checked_size
 from hmi.cameras.pull_http import PullFailed
+from hmi.clock import mono_s
 from hmi.domain.camera import Source
 
 OPEN_S, SILENT_S = 6.0, 5.0
@@ -56,7 +56,7 @@ class RtspPull:
     def _take(self, packet: av.Packet[av.VideoStream]) -> None:
         if not packet.size:
             return
-        now_ms = time.monotonic() * 1000
+        now_ms = mono_s() * 1000
         if packet.size > MAX_BYTES or packet.is_corrupt:
             self._inbox.refuse("a broken picture" if packet.is_corrupt else "larger than 8 MB")
             return

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import time
 from collections.abc import Awaitable, Callable
 from typing import Any
 from urllib.parse import urljoin
@@ -17,6 +16,7 @@ from hmi.cameras.addresses import Target, target_of
 from hmi.cameras.depacketizer import Depacketizer
 from hmi.cameras.inbox import Inbox, Unit
 from hmi.cameras.pull_http import CONNECT_S, PullFailed, trust_for
+from hmi.clock import mono_s
 from hmi.domain.camera import Source
 
 SILENT_S = 5.0
@@ -33,7 +33,7 @@ class WhepPull:
     def __init__(self, source: Source, inbox: Inbox) -> None:
         self._source, self._inbox = source, inbox
         self._units = Depacketizer()
-        self._heard_s = time.monotonic()
+        self._heard_s = mono_s()
         self._asked_s = 0.0
 
     def run(self) -> None:
@@ -84,16 +84,16 @@ class WhepPull:
         return place if place.startswith(target.url[: target.url.index("/", 8)]) else ""
 
     async def _watch(self, peer: RTCPeerConnection) -> None:
-        self._heard_s = time.monotonic()
+        self._heard_s = mono_s()
         while True:
             await asyncio.sleep(0.2)
             if peer.connectionState in ("failed", "closed"):
                 raise PullFailed("the connection to the camera broke off")
-            if time.monotonic() - self._heard_s > SILENT_S:
+            if mono_s() - self._heard_s > SILENT_S:
                 raise PullFailed("the camera sends no pictures")
 
     async def _take(self, packet: RtpPacket, arrival_time_ms: int) -> None:
-        now_s = self._heard_s = time.monotonic()
+        now_s = self._heard_s = mono_s()
         unit = self._units.add(packet)
         if unit is not None:
             self._inbox.put_unit(Unit(unit[0], now_s * 1000, unit[1]))

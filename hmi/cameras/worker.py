@@ -12,7 +12,6 @@ import signal
 import socket
 import sys
 import threading
-import time
 from typing import Protocol
 
 import av
@@ -28,6 +27,7 @@ from hmi.cameras.multipart import Refused
 from hmi.cameras.pace import Pace
 from hmi.cameras.picture_wire import JpegWish, KeyPicture, Kind, News, Piece, Plan, order_decoder
 from hmi.cameras.pull_http import HttpPull, PullFailed
+from hmi.clock import mono_s
 from hmi.domain.camera import Source, SourceKind
 
 NICE = 5
@@ -84,7 +84,7 @@ class Worker:
         """Work until the source fails."""
         threading.Thread(target=self._hear, name="orders", daemon=True).start()
         threading.Thread(target=self._pulling, name="pull", daemon=True).start()
-        told_s, bad = time.monotonic(), 0
+        told_s, bad = mono_s(), 0
         while True:
             item = self._inbox.take(NEWS_S / 2)
             if item is not None:
@@ -99,8 +99,8 @@ class Worker:
             if bad >= BAD_IN_A_ROW:
                 self._inbox.end("nothing it sends can be decoded")
             ended = self._inbox.ended
-            if time.monotonic() - told_s >= NEWS_S or ended is not None:
-                told_s = time.monotonic()
+            if mono_s() - told_s >= NEWS_S or ended is not None:
+                told_s = mono_s()
                 self._link.sendall(self._news(ended or "").packed())
             if ended is not None:
                 return
@@ -243,7 +243,7 @@ class Worker:
         if not self._wants_key or not (plan.has_h264 or plan.has_vp8):
             return
         last = self._last or self._decoded(plan)
-        if last is None or time.monotonic() - last[1] / 1000 > REPEAT_S:
+        if last is None or mono_s() - last[1] / 1000 > REPEAT_S:
             return
         self._last, self._wants_key = last, False
         frame, captured_ms, is_dated = last
@@ -261,7 +261,7 @@ class Worker:
         return None if frame is None else (fitted(frame, plan.video_width, "yuv420p"), shot.captured_ms, shot.is_dated)
 
     def _due(self, wishes: tuple[JpegWish, ...]) -> list[JpegWish]:
-        now_s = time.monotonic()
+        now_s = mono_s()
         return [one for one in wishes if self._paces.setdefault(one, Pace(one.fps)).is_due(now_s)]
 
     def _send(

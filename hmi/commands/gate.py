@@ -11,6 +11,7 @@ from hmi.commands.refusal import (
     ROBOT_SILENT,
     SAFETY_UNKNOWN,
     STALE_TICK,
+    STATE_UNKNOWN,
     UNKNOWN_ROBOT,
     OrderRefused,
 )
@@ -82,6 +83,12 @@ class Gate:
         if safety is None or self._clock.mono_s() - safety.stamp.source_s > LINK_FRESH_S:
             raise OrderRefused(SAFETY_UNKNOWN, f"The safety state of {robot.name} is not known right now.")
         return safety
+
+    def knows_state(self, robot: Robot) -> None:
+        """Refuse what goes by the robot's mission and mode if it told them more than 2 s ago, or never."""
+        state = robot.state
+        if state is None or self._clock.mono_s() - state.stamp.source_s > LINK_FRESH_S:
+            raise OrderRefused(STATE_UNKNOWN, f"What {robot.name} is doing is not known right now.")
 
     def may_move(self, robot: Robot) -> None:
         """Refuse motion while a stop is latched, pressed on the machine, or not known to be clear."""

@@ -125,7 +125,7 @@ class MissionRests:
         proof = None
         if self._is_driven(mission, robot):
             self._parts.authorize(session, Permission.START, robot.id)
-            proof = partial(self._proof, session, robot.id)
+            proof = partial(self._proof, session, robot.id, tick_id)
         sent = await self._parts.sender.put(session, robot.id, mission_id, source, proof)
         if sent.outcome is Outcome.ACCEPTED:
             self._previews.pop(sha256, None)
@@ -190,8 +190,9 @@ class MissionRests:
         order = self._order_of(mission, robot)
         return order is not None and order.status is OrderStatus.RUNNING
 
-    def _proof(self, session: SessionInfo, robot_id: str) -> dict[str, Any]:
+    def _proof(self, session: SessionInfo, robot_id: str, tick_id: str) -> dict[str, Any]:
         """Return what lets a robot that drives take another path; raises ``OrderRefused``."""
+        self._parts.gate.decided_now(tick_id)  # once more: storing the document may have waited for the disk
         robot = self._parts.fleet.robot(robot_id)
         if robot is None:
             raise OrderRefused(UNKNOWN_ROBOT, "There is no such robot.")

@@ -104,6 +104,7 @@ def _robot(robot: Robot, source: FactSources, *, is_allowed: bool) -> RobotFacts
         is_unattended_allowed=is_allowed,
         link_age_s=None if robot.link.challenge_s is None else now_s - robot.link.challenge_s,
         safety_age_s=None if safety is None else now_s - safety.stamp.source_s,
+        state_age_s=None if state is None else now_s - state.stamp.source_s,
         stop=_stop(robot),
         mode=Mode.UNKNOWN if state is None else state.mode,
         order=OrderStatus.NONE if order is None else order.status,

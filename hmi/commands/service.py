@@ -117,6 +117,7 @@ class CommandService:
                 raise OrderRefused(NO_LEASE, "The queue has no control of the robot any more.")
             still()
             self._gate.may_move(robot)
+            self._gate.knows_state(robot)
             _is_able(robot, Action.START)
             loaded = robot.state.order if robot.state is not None else None
             if loaded is None or (loaded.mission_id, loaded.sha256) != (request.mission_id, request.sha256):
@@ -143,6 +144,8 @@ class CommandService:
         _is_complete(robot, request)
         if request.action in _MOVING:
             self._gate.may_move(robot)
+        if request.action in (Action.START, Action.RESUME):
+            self._gate.knows_state(robot)
         _is_able(robot, request.action)
         mission = _mission(robot, request)
         if mission is not None and self._rules is not None:

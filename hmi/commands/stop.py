@@ -14,8 +14,8 @@ from hmi.clock import Clock
 from hmi.domain.command import Acknowledgement, OrderSender, StopOrder
 from hmi.domain.ids import is_id
 from hmi.domain.robot import SafetyState
-from hmi.domain.stop import SafetyReport, StopAnswer, StopAttempt, StopTarget
-from hmi.domain.stop_book import StopBook
+from hmi.domain.stop import STRANGER_HEARD_S, SafetyReport, StopAnswer, StopAttempt, StopTarget
+from hmi.domain.stop_book import MAX_STRANGERS, StopBook
 
 IDLE_S = 0.1  # longest wait of the repeating task
 SWEEP_S = 10.0  # how often presses at robots that nobody knows are looked through
@@ -43,7 +43,7 @@ class StopService:
     Args:
         sender: puts orders on the wire.
         clock: where the time comes from.
-        registry: names, limits, and what ``all`` means.
+        registry: names and limits; ``all`` means its robots and those heard lately.
         on_press: told robot id, stop id and person of each new press, after it was sent: a stop revokes the lease.
         on_move: told the robots at which a press moved on, such as to NOT CONFIRMED, at once.
     """
@@ -81,13 +81,15 @@ class StopService:
         Returns the step of each robot; ids that break the id rule, and strangers beyond a limit, are left out.
         """
         targets = self._registry.stop_targets()
-        asked = list(targets) if robots == "all" else [r for r in dict.fromkeys(robots) if is_id(r)]
+        asked = self._everyone(targets) if robots == "all" else [r for r in dict.fromkeys(robots) if is_id(r)]
         known = {*targets, *self._speeds}
         wanted = [robot_id for robot_id in asked if self._book.admits(robot_id, known)]
         now_s, utc = self._clock.mono_s(), self._clock.utc()
         fresh = [robot_id for robot_id in wanted if not self._book.has(stop_id, robot_id)]
         for robot_id in wanted:
-            target = targets.get(robot_id) or StopTarget(robot_id, robot_id, is_stranger=robot_id not in known)
+            target = targets.get(robot_id) or replace(
+                StopTarget.unregistered(robot_id), is_stranger=robot_id not in known
+            )
             attempt = self._book.press(
                 stop_id,
                 target,
@@ -163,6 +165,13 @@ class StopService:
         for task in tasks:
             task.cancel()
         await asyncio.gather(*tasks, return_exceptions=True)
+
+    def _everyone(self, registered: Mapping[str, StopTarget]) -> list[str]:
+        """Return what ``all`` means: the registered robots and whoever else was heard lately, as for the gateway."""
+        now_s = self._clock.mono_s()
+        heard = [robot_id for robot_id, (at_s, _) in self._speeds.items() if now_s - at_s <= STRANGER_HEARD_S]
+        strangers = [robot_id for robot_id in heard if robot_id not in registered]
+        return [*registered, *strangers[:MAX_STRANGERS]]
 
     def _send(self, attempt: StopAttempt, now_s: float) -> None:
         order = StopOrder(attempt.robot_id, attempt.stop_id, attempt.by, attempt.device)

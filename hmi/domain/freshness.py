@@ -1,7 +1,8 @@
 """How old a value is, on clocks that never have to agree.
 
 Three clocks meet here: the robot's monotonic clock (its zero is its boot), the console's monotonic clock and
-the browser's. Wall clocks take no part. All times are seconds unless the name says ``_ms``.
+the browser's. Wall clocks take no part, but for one: where the console's own runs ahead, its machine was paused.
+All times are seconds unless the name says ``_ms``.
 """
 
 from __future__ import annotations
@@ -9,11 +10,13 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from datetime import datetime
 from enum import StrEnum
 
 FAST_PERIOD_S = 0.5  # streams of 2 Hz and more share one set of limits
 LATE_S, STALE_S, LOST_S = 1.0, 2.0, 3.5  # safety.md: clock glyph, hatched, banner
 LATE_PERIODS, STALE_PERIODS = 1.5, 3.0  # slower streams: one and a half, and three, missed periods
+WALL_AHEAD_S = 2.0  # the wall clock runs ahead of the monotonic one by no more unless the machine was paused
 TICK_MAX_AGE_S = 2.0  # an order that echoes an older tick was decided on an old picture
 WINDOW_BUCKETS, BUCKET_S = 12, 5.0  # one minute of hearing; 200 ppm of drift is 12 ms of it
 CLOCK_JUMP_MARGIN_S = 0.25  # jitter of a loaded machine that is not yet a jump of the robot's clock
@@ -110,23 +113,29 @@ class ClockMap:
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """One beat of the console: its id and when it was issued, monotonic seconds."""
+    """One beat of the console: its id and when it was issued, monotonic seconds and wall clock."""
 
     id: str
     at_s: float
+    utc: datetime
 
 
 class TickRing:
     """Issues tick ids and judges the ones that come back.
 
+    The monotonic clock of a paused virtual machine stands still, and its wall clock is put right afterwards. So a
+    tick since which the wall clock ran ahead by more than 2 s is as old as the wall clock says. A wall clock that
+    is set forward looks the same: what was sent just before is refused, and the next tick is judged as ever.
+
     Args:
         boot: names this run of the console; ids of another run are refused.
         mono_s: the console's monotonic clock.
+        utc: its wall clock.
     """
 
-    def __init__(self, boot: str, mono_s: Callable[[], float]) -> None:
+    def __init__(self, boot: str, mono_s: Callable[[], float], utc: Callable[[], datetime]) -> None:
         self.boot = boot
-        self._mono_s = mono_s
+        self._mono_s, self._utc = mono_s, utc
         self._number = 0
         self._issued: deque[Tick] = deque()
 
@@ -139,7 +148,7 @@ class TickRing:
         """Make the next tick."""
         self._number += 1
         now_s = self._mono_s()
-        tick = Tick(f"{self.boot}-{self._number}", now_s)
+        tick = Tick(f"{self.boot}-{self._number}", now_s, self._utc())
         self._issued.append(tick)
         while now_s - self._issued[0].at_s > TICK_MAX_AGE_S:
             self._issued.popleft()
@@ -154,7 +163,10 @@ class TickRing:
         if not 0 <= behind < len(self._issued):
             return None
         tick = self._issued[-1 - behind]
-        return self._mono_s() - tick.at_s if tick.id == tick_id else None
+        if tick.id != tick_id:
+            return None
+        age_s, wall_s = self._mono_s() - tick.at_s, (self._utc() - tick.utc).total_seconds()
+        return wall_s if wall_s - age_s > WALL_AHEAD_S else age_s
 
     def is_fresh(self, tick_id: str) -> bool:
         """Say whether an order that echoes ``tick_id`` was decided on a picture at most 2 s old."""

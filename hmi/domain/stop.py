@@ -33,6 +33,10 @@ ALREADY_RESET = frozenset({"already_reset", "already-reset"})
 """Codes by which a robot says that this press was reset; valid whatever the outcome field says."""
 
 
+STRANGER_HEARD_S = 60.0
+"""A robot that nobody registered belongs to STOP ALL for so long after it was heard."""
+
+
 class StopState(StrEnum):
     """What may be claimed about one press at one robot."""
 
@@ -64,6 +68,11 @@ class StopTarget:
     ack_limit_s: float = ACK_LIMIT_S
     standstill_limit_s: float = STANDSTILL_LIMIT_S
     is_stranger: bool = False
+
+    @classmethod
+    def unregistered(cls, robot_id: str) -> StopTarget:
+        """Return a robot that is heard but not in the registry, with the limits of the rules; its name says so."""
+        return cls(robot_id, f"{robot_id} (not registered)")
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "ack_limit_s", _limit(self.ack_limit_s, ACK_LIMIT_S))

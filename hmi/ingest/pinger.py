@@ -1,4 +1,7 @@
-"""Measures the round trip console - robot: one ping a second each, answered in the robot's heartbeat."""
+"""Measures the round trip console - robot: one ping a second each, answered in the robot's heartbeat.
+
+An unattended robot works on only while it hears these pings, so nobody but the console may send them.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,7 @@ class Pinger:
 
     def __init__(self, link: Publisher, mono_s: Callable[[], float]) -> None:
         self._link, self._mono_s = link, mono_s
-        self._prefix = secrets.token_hex(4)
+        self._prefix = down.CONSOLE_NONCE + secrets.token_hex(4)
         self._number = 0
         self._due_s: dict[str, float] = {}
         self._sent: dict[str, dict[str, float]] = {}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
+from hmi.domain.family import Family
 from hmi.domain.robot import Mode, Order, Robot
 from hmi.presenters.actions import actions, why
 from hmi.presenters.start_checks import MissionFacts, start_checks
@@ -183,7 +184,7 @@ def _body(robot: Robot, context: Context) -> Any:
         "max_speed_mps": sheet.max_speed_mps,
         "deadman_s": sheet.drive_deadman_s,
         "operator_lost_s": sheet.operator_lost_pause_s,
-        "link_lost_s": sheet.link_lost_pause_s,
+        "link_lost_s": None if sheet.family is Family.UAV else sheet.link_lost_pause_s,  # it flies home
         "stop_effect": sheet.stop_effect,
         "horn_s": sheet.start_horn_s,
         "tool_label": tool_label(robot),

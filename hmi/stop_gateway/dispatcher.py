@@ -12,8 +12,8 @@ from typing import Any
 
 from backend_clients.edge import messages_up as up
 from hmi.clock import Clock
-from hmi.domain.stop import StopAnswer, StopAttempt
-from hmi.domain.stop_book import StopBook
+from hmi.domain.stop import STRANGER_HEARD_S, StopAnswer, StopAttempt
+from hmi.domain.stop_book import MAX_STRANGERS, StopBook
 from hmi.domain.stop_token import StopToken
 from hmi.stop_gateway.errors import TooManyRobots
 from hmi.stop_gateway.http_path import HttpEvents, HttpPath
@@ -67,7 +67,7 @@ class StopDispatcher:
         now_s = self._clock.mono_s()
         utc = self._clock.utc()
         attempts, known = [], self._known()
-        for robot_id in self._admitted(self._everyone() if isinstance(robots, str) else dict.fromkeys(robots)):
+        for robot_id in self._admitted(self._everyone(now_s) if isinstance(robots, str) else dict.fromkeys(robots)):
             speed = self.watch.speed_mps(robot_id, now_s)
             target = replace(self.registry.target(robot_id), is_stranger=robot_id not in known)
             attempts.append(
@@ -94,18 +94,26 @@ class StopDispatcher:
         return self.book.steps(self._clock.mono_s(), stop_id)
 
     def heartbeat(self) -> dict[str, Any]:
-        """Return the robots of the ``hb`` frame: all registered, and those with an open press."""
+        """Return the robots of the ``hb`` frame: whom ``all`` means, and those with an open press."""
         now_s = self._clock.mono_s()
         names = {robot_id: entry.name or robot_id for robot_id, entry in self.registry.robots.items()}
-        for robot_id in self._everyone():
-            names.setdefault(robot_id, robot_id)
+        for robot_id in self._everyone(now_s):
+            if robot_id not in names:
+                names[robot_id] = self.registry.target(robot_id).name
         for attempt in self.book.attempts():
             names.setdefault(attempt.robot_id, attempt.target.name)
         return {robot_id: self.watch.line(robot_id, name, now_s) for robot_id, name in names.items()}
 
-    def _everyone(self) -> list[str]:
-        """Return what ``all`` means: the registered robots; before the first list, whoever was heard."""
-        return list(self.registry.robots) if self.registry.is_known else self.watch.known()
+    def _everyone(self, now_s: float) -> list[str]:
+        """Return what ``all`` means: the registered robots and whoever else was heard lately.
+
+        Before the first list it means whoever was heard.
+        """
+        registered = self.registry.robots
+        if not self.registry.is_known:
+            return self.watch.known()
+        strangers = [r for r in self.watch.lately(now_s, STRANGER_HEARD_S) if r not in registered]
+        return [*registered, *strangers[:MAX_STRANGERS]]
 
     def _admitted(self, robots: Iterable[str]) -> list[str]:
         asked = list(robots)

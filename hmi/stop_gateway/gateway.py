@@ -145,6 +145,8 @@ class Gateway:
     async def _look(self) -> None:
         while True:
             await asyncio.sleep(LOOK_S)
+            if self.dispatcher.wire.look_after():
+                _log.error("a network thread had died and was started again")
             if await self.dispatcher.refresh():
                 self.hub.tell("robots", self._cards())
 

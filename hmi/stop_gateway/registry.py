@@ -109,7 +109,9 @@ class Registry:
     def target(self, robot_id: str) -> StopTarget:
         """Return a robot for STOP; one that is not registered gets the default limits."""
         entry = self._robots.get(robot_id)
-        return entry.target() if entry else StopTarget(robot_id, robot_id)
+        if entry is not None:
+            return entry.target()
+        return StopTarget.unregistered(robot_id) if self.is_known else StopTarget(robot_id, robot_id)
 
     def _read_robots(self) -> bool:
         try:

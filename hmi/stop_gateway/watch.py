@@ -38,6 +38,12 @@ class RobotWatch:
         """Return every robot heard since the start."""
         return [robot_id for robot_id, heard in self._heard.items() if heard.heard_s is not None]
 
+    def lately(self, now_s: float, within_s: float) -> list[str]:
+        """Return every robot heard within ``within_s``."""
+        return [
+            r for r, heard in self._heard.items() if heard.heard_s is not None and now_s - heard.heard_s <= within_s
+        ]
+
     def heard(self, robot_id: str, now_s: float, via: str = "mqtt") -> bool:
         """Note a sign of life; return whether the robot was away before it."""
         heard = self._heard.setdefault(robot_id, Heard())

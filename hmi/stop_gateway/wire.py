@@ -56,14 +56,22 @@ class BrokerWire:
 
     @property
     def is_up(self) -> bool:
-        """Whether a STOP published now would be sent."""
-        return self._orders.is_up
+        """Whether a STOP published now would be sent, and its acknowledgement heard."""
+        return self._orders.is_up and self._orders.is_alive
 
     def start(self) -> None:
         """Connect in the background; must be called on the loop."""
         self._loop = asyncio.get_running_loop()
         self._orders.start()
         self._traffic.start()
+
+    def look_after(self) -> int:
+        """Start network threads that have died again; return how many had."""
+        dead = [link for link in (self._orders, self._traffic) if not link.is_alive]
+        for link in dead:
+            link.start()
+        self.faults += len(dead)
+        return len(dead)
 
     def stop(self) -> None:
         """Disconnect; blocks up to two reconnect pauses."""

@@ -43,7 +43,7 @@
       case "ready":
         return ["STOP ALL", robots(total), `READY · ${standing ? `${standing} of ${total} stopped` : view.note || (linked < total ? `${linked} of ${total} linked` : view.link)}`, true];
       case "no-link":
-        return ["STOP ALL", total ? robots(total) : "No robots", total ? "NO LINK · sends anyway" : "sends anyway", true];
+        return ["STOP ALL", total ? robots(total) : "No robots", total ? "NO LINK · sends anyway" : "none heard", true];
       case "no-path":
         return view.isEnrolled ? ["STOP ALL", "NO PATH", "use the machine buttons", false] : ["STOP ALL", ...NOT_ENROLLED, false];
       case "sent":

@@ -13,7 +13,7 @@ from hmi.domain.queue.blackout import Blackout
 from hmi.domain.robot import Mode, OrderStatus
 from hmi.domain.sensors.gate import Gate
 
-FRESH_S = 2.0  # link and safety: as for a person's command
+FRESH_S = 2.0  # link, safety and state, which comes twice a second: as for a person's command
 VALUE_FRESH_S = 10.0  # battery and position fix, which come ten times a second
 WEATHER_FRESH_S = 900.0  # stations report each one to ten minutes
 
@@ -38,6 +38,7 @@ class RobotFacts:
         held: name of the mission it holds or drives, with its id and hash.
         trouble: a fault of high level, in its words.
         hold: why it does not go on by itself, in its words.
+        state_age_s: age of mode, order, trouble and hold.
         value_age_s: age of battery and fix.
         cannot: which function that its work needs is off, and what turns it on; empty if none is.
     """
@@ -54,6 +55,7 @@ class RobotFacts:
     held_name: str = ""
     trouble: str = ""
     hold: str = ""
+    state_age_s: float | None = None
     value_age_s: float | None = None
     soc: float | None = None
     fix: str | None = None

@@ -106,6 +106,9 @@ def _robot_cannot(entry: Entry, facts: Facts, mission: MissionFacts) -> Waiting 
     if robot.safety_age_s is None or robot.safety_age_s > FRESH_S:
         text = f"The safety state of {robot.name} is not known right now."
         return Waiting("safety_unknown", text, "Look at the machine.", Who.SITE)
+    if robot.state_age_s is None or robot.state_age_s > FRESH_S:
+        text = f"What {robot.name} is doing is not known right now."
+        return Waiting("state_unknown", text, "Look at the machine.", Who.SITE)
     return _robot_busy(facts, robot)
 
 

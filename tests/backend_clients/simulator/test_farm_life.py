@@ -43,7 +43,7 @@ class Farm:
                 for robot_id, robot in self.world.robots.items():
                     silence = robot.faults.silence
                     if silence is None or not silence.deaf:
-                        robot.receive(down.Ping(robot=robot_id, nonce="p"))
+                        robot.receive(down.Ping(robot=robot_id, nonce="console-p"))
             self.world.step(STEP_S)
             self.foreman.look()
             before = set(self.director.now().items())
@@ -186,7 +186,7 @@ def test_lean_robots_live_in_long_steps_and_stop_at_once_all_the_same() -> None:
             clock.advance(0.05)
             if n % 20 == 0:
                 for robot_id, robot in world.robots.items():
-                    robot.receive(down.Ping(robot=robot_id, nonce="p"))
+                    robot.receive(down.Ping(robot=robot_id, nonce="console-p"))
             world.step(0.05)
             foreman.look()
 

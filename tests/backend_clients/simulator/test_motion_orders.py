@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -346,6 +347,68 @@ def test_a_mission_goes_on_as_the_one_who_resumes_it_says_not_as_it_began() -> N
     rig.run(4.0)
     assert rig.state.hold is not None
     assert rig.state.hold.code == "operator_lost"
+
+
+def gateway_ping(rig: Rig) -> down.Order:
+    return down.Ping(robot="weeder-01", nonce="stop-0123456789ab")
+
+
+def refused_order(rig: Rig) -> down.Order:
+    return rig.order("pause", challenge="of-yesterday")
+
+
+def order_of_an_old_lease(rig: Rig) -> down.Order:
+    return rig.order("resume", lease_token=rig.token - 1)
+
+
+def mission_of_the_cloud(rig: Rig) -> down.Order:
+    return small_mission()
+
+
+def console_ping(rig: Rig) -> down.Order:
+    return down.Ping(robot="weeder-01", nonce="console-1")
+
+
+def page_of_the_operator(rig: Rig) -> down.Order:
+    return down.OperatorHeartbeat(
+        robot="weeder-01", lease_token=rig.token, lease_seq=rig.next_seq(), challenge=rig.challenge()
+    )
+
+
+def unattended(rig: Rig, message: Callable[[Rig], down.Order], seconds: float) -> str:
+    """Start an unattended mission, send it one message a second; return what it does after ``seconds``."""
+    rig.has_page = False
+    rig.start(is_supervised=False)
+    for _ in range(round(seconds)):
+        rig.robot.receive(message(rig))
+        rig.run(1)
+    return rig.state.hold.code if rig.state.hold is not None else rig.state.mode
+
+
+@pytest.mark.parametrize("message", [gateway_ping, refused_order, order_of_an_old_lease, mission_of_the_cloud])
+def test_what_also_comes_from_a_farm_without_console_keeps_no_unattended_mission_going(
+    message: Callable[[Rig], down.Order],
+) -> None:
+    assert unattended(Rig(), message, 11) == "link_lost"
+
+
+@pytest.mark.parametrize("message", [console_ping, page_of_the_operator])
+def test_signs_of_life_of_the_console_keep_an_unattended_mission_going(message: Callable[[Rig], down.Order]) -> None:
+    assert unattended(Rig(), message, 11) == "auto"
+
+
+def test_a_repeated_order_is_no_new_sign_of_life() -> None:
+    rig = Rig()
+    first = rig.order("stock_refilled", command_id="same-id-1")
+    assert unattended(rig, lambda _rig: first, 11) == "link_lost"
+
+
+def test_each_robot_pauses_after_its_own_time_without_the_console_and_says_so() -> None:
+    rig = Rig(link_lost_pause_s=5.0)
+    assert rig.boot.reporter.factsheet().behaviour.link_lost_pause_s == 5.0
+    assert unattended(rig, gateway_ping, 6) == "link_lost"
+    with pytest.raises(ValueError, match="outside 5 to 300"):
+        Rig(link_lost_pause_s=301.0)
 
 
 def test_a_reboot_brings_the_mission_back_paused_with_its_progress(tmp_path: Path) -> None:

@@ -50,7 +50,7 @@ class Field:
             self.clock.advance(STEP_S)
             if n % 10 == 0:
                 for robot_id, robot in self.world.robots.items():
-                    robot.receive(down.Ping(robot=robot_id, nonce="p"))
+                    robot.receive(down.Ping(robot=robot_id, nonce="console-p"))
             self.world.step(STEP_S)
             self.traffic.look()
             places = [self.place(one) for one in self.world.robots]

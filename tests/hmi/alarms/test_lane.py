@@ -43,7 +43,7 @@ class AlarmHub(HubRig):
         super().__init__("weeder-01")
         self.clock = FakeClock()
         self.alarms = AlarmStore(self.clock, catalogue())
-        ticks = TickRing("boot1", self.clock.mono_s)
+        ticks = TickRing("boot1", self.clock.mono_s, self.clock.utc)
         self.hub = LiveHub(self.store, ticks, self.clock, alarms=_Source(self.alarms))
 
     def turn(self, turn: Turn, code: str = "link-lost") -> None:

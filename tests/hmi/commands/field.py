@@ -94,6 +94,7 @@ class FakeRobot:
     own_s: float = 0.0
     challenge: str = ""
     heard_s: float | None = None
+    state_s: float | None = None  # when it told its state last; with each heartbeat if nothing is said
     orders: list[Order] = field(default_factory=list)
     done: list[str] = field(default_factory=list)
     v_mps: float = 0.0
@@ -158,6 +159,7 @@ class FakeRobot:
         now_s = self.clock.mono_s()
         heard_s = self.heard_s if self.heard_s is not None else now_s
         stamp = Stamp(heard_s, heard_s)
+        told = stamp if self.state_s is None else Stamp(self.state_s, self.state_s)
         return Robot(
             id=self.id,
             is_registered=self.is_registered,
@@ -175,7 +177,7 @@ class FakeRobot:
                 rtt_at_s=now_s if self.rtt_s is not None else None,
             ),
             factsheet=self.factsheet,
-            state=RobotState(self.mode, (), now_s, self._token, None, self.mission, (), None, stamp),
+            state=RobotState(self.mode, (), now_s, self._token, None, self.mission, (), None, told),
             safety=SafetyState(
                 hardware_stop=self.hardware_stop,
                 latched=self.is_latched,
@@ -341,7 +343,7 @@ class Field:
 
     def __init__(self, *, epoch: int = 1, ack_limit_s: float = 0.0, rules: Rules | None = None) -> None:
         self.clock = FakeClock()
-        self.ticks = TickRing("console1", self.clock.mono_s)
+        self.ticks = TickRing("console1", self.clock.mono_s, self.clock.utc)
         self.robots: dict[str, FakeRobot] = {}
         self.wire = Wire(self.robots)
         self.missions = Missions()

@@ -149,6 +149,19 @@ async def test_a_silent_robot_gets_no_command() -> None:
     assert field.weeder.orders == []
 
 
+@pytest.mark.parametrize("action", [Action.START, Action.RESUME])
+async def test_a_mission_is_not_started_by_what_a_robot_said_of_it_long_ago(action: Action) -> None:
+    field = Field()
+    field.weeder.mission = mission()
+    field.weeder.state_s = field.clock.mono_s()
+    field.wait(2.1)  # heartbeats and safety states come, its state does not
+    result = await field.desk.commands.submit(MARTHA, request(field, action))
+    assert (result.code, result.text) == ("state_unknown", "What Weeder 01 is doing is not known right now.")
+    assert field.weeder.orders == []
+    paused = await field.desk.commands.submit(MARTHA, request(field, Action.PAUSE, ref="c-2-00000"))
+    assert paused.code != "state_unknown"
+
+
 @pytest.mark.parametrize("action", [Action.START, Action.RESUME, Action.RETURN_HOME, Action.DRIVE_OPEN])
 async def test_nothing_moves_while_a_stop_is_latched(action: Action) -> None:
     field = Field()

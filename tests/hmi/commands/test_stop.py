@@ -120,8 +120,17 @@ async def test_copies_go_until_standstill_and_limits_run_out_by_the_monotonic_cl
     assert field.state() == "not-confirmed"
 
 
-async def test_all_means_every_registered_robot(field: Field) -> None:
-    assert {step["robot"] for step in field.press("all")} == {"weeder-01", "weeder-02"}
+async def test_all_means_every_registered_robot_and_whoever_else_was_heard_lately(field: Field) -> None:
+    field.report("gone-1", standstill=False)
+    field.clock.advance(60.001)
+    field.report("stranger-1", standstill=False)
+    names = {step["robot"]: step["name"] for step in field.press("all")}
+    assert names == {
+        "weeder-01": "Weeder-01",
+        "weeder-02": "Weeder-02",
+        "stranger-1": "stranger-1 (not registered)",
+    }
+    assert {order.robot_id for order in field.sender.sent} == set(names)
 
 
 async def test_a_robot_that_nobody_registered_can_be_stopped_and_a_bad_id_cannot_reach_the_wire(field: Field) -> None:

@@ -90,7 +90,7 @@ def test_a_reboot_starts_a_new_map() -> None:
 @given(jumps_s=st.lists(st.floats(-7200, 7200), max_size=10))
 def test_wall_clocks_take_no_part(jumps_s: list[float]) -> None:
     clock, clock_map = FakeClock(), ClockMap()
-    ticks = TickRing("boot1", clock.mono_s)
+    ticks = TickRing("boot1", clock.mono_s, clock.utc)
     for index, jump_s in enumerate([0.0, *jumps_s]):
         clock.jump_wall(jump_s)
         clock.advance(0.5)
@@ -118,7 +118,7 @@ def test_a_held_answer_to_a_ping_keeps_its_age() -> None:
 
 def test_a_tick_is_refused_after_two_seconds() -> None:
     clock = FakeClock()
-    ticks = TickRing("boot1", clock.mono_s)
+    ticks = TickRing("boot1", clock.mono_s, clock.utc)
     tick = ticks.issue()
     clock.advance(2.0)
     assert ticks.is_fresh(tick.id)
@@ -128,17 +128,38 @@ def test_a_tick_is_refused_after_two_seconds() -> None:
 
 def test_a_tick_of_a_stalled_console_grows_old_though_none_followed() -> None:
     clock = FakeClock()
-    ticks = TickRing("boot1", clock.mono_s)
+    ticks = TickRing("boot1", clock.mono_s, clock.utc)
     tick = ticks.issue()
     clock.advance(3600)
     assert not ticks.is_fresh(tick.id)
     assert ticks.age_s(tick.id) == pytest.approx(3600)
 
 
+def test_a_tick_of_before_a_paused_machine_is_refused_though_its_monotonic_clock_stood() -> None:
+    clock = FakeClock()
+    ticks = TickRing("boot1", clock.mono_s, clock.utc)
+    before = ticks.issue()
+    clock.jump_wall(120)
+    clock.advance(0.05)
+    assert not ticks.is_fresh(before.id)  # already before the next beat
+    after = ticks.issue()
+    assert not ticks.is_fresh(before.id)
+    assert ticks.is_fresh(after.id)
+
+
+@pytest.mark.parametrize("jump_s", [-3600.0, -2.5, 1.9])
+def test_a_wall_clock_set_back_or_a_little_forward_makes_no_tick_old(jump_s: float) -> None:
+    clock = FakeClock()
+    ticks = TickRing("boot1", clock.mono_s, clock.utc)
+    tick = ticks.issue()
+    clock.jump_wall(jump_s)
+    assert ticks.age_s(tick.id) == 0.0
+
+
 def test_a_tick_of_an_earlier_run_of_the_console_is_refused() -> None:
     clock = FakeClock()
-    old = TickRing("boot1", clock.mono_s).issue()
-    fresh = TickRing("boot2", clock.mono_s)
+    old = TickRing("boot1", clock.mono_s, clock.utc).issue()
+    fresh = TickRing("boot2", clock.mono_s, clock.utc)
     fresh.issue()
     assert not fresh.is_fresh(old.id)
 
@@ -146,14 +167,15 @@ def test_a_tick_of_an_earlier_run_of_the_console_is_refused() -> None:
 @given(text=st.text(max_size=90))
 def test_what_was_never_issued_is_refused(text: str) -> None:
     clock = FakeClock()
-    ticks = TickRing("boot1", clock.mono_s)
+    ticks = TickRing("boot1", clock.mono_s, clock.utc)
     issued = {ticks.issue().id for _ in range(5)}
     assert ticks.is_fresh(text) == (text in issued)
 
 
 @pytest.mark.parametrize("forged", ["boot1-6", "boot1-0", "boot1--1", "boot1-05", "boot1-٣", "boot1-", "boot1", "-5"])
 def test_a_forged_tick_is_refused(forged: str) -> None:
-    ticks = TickRing("boot1", FakeClock().mono_s)
+    clock = FakeClock()
+    ticks = TickRing("boot1", clock.mono_s, clock.utc)
     for _ in range(5):
         ticks.issue()
     assert not ticks.is_fresh(forged)
@@ -162,7 +184,7 @@ def test_a_forged_tick_is_refused(forged: str) -> None:
 @given(steps_s=st.lists(st.floats(0, 1.5), min_size=1, max_size=80))
 def test_a_tick_is_fresh_exactly_while_it_is_at_most_two_seconds_old(steps_s: list[float]) -> None:
     clock = FakeClock()
-    ticks = TickRing("boot1", clock.mono_s)
+    ticks = TickRing("boot1", clock.mono_s, clock.utc)
     issued = []
     for step_s in steps_s:
         clock.advance(step_s)

@@ -252,6 +252,7 @@ async def test_the_round_trip_is_measured_from_the_echo_and_without_the_time_the
         rig.edge.ping_due()
         ping = rig.published()[0]
         assert isinstance(ping, down.Ping)
+        assert ping.nonce.startswith(down.CONSOLE_NONCE)  # keeps an unattended mission going
         rig.clock.advance(0.300)
         rig.say(weeder.heartbeat(echo_nonce=ping.nonce, echo_held_ms=214.0))
         link = rig.store.robot(ID).link  # type: ignore[union-attr]

@@ -39,7 +39,7 @@ class HubRig:
         self.clock = FakeClock()
         self.store = FleetStore(self.clock.mono_s)
         self.store.set_registry([Entry(i) for i in registered])
-        self.hub = LiveHub(self.store, TickRing("boot1", self.clock.mono_s), self.clock)
+        self.hub = LiveHub(self.store, TickRing("boot1", self.clock.mono_s, self.clock.utc), self.clock)
 
     def lane(self, *topics: str, name: str = "martha") -> Outbox:
         """Return an attached lane."""

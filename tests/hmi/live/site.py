@@ -49,7 +49,7 @@ class Site:
         clock = SystemClock()
         self.store = FleetStore(clock.mono_s)
         self.store.set_registry([Entry(robot) for robot in robots])
-        self.ticks = TickRing("boot1", clock.mono_s)
+        self.ticks = TickRing("boot1", clock.mono_s, clock.utc)
         self.hub = LiveHub(self.store, self.ticks, clock)
         self.gate = Gate()
         self.heard: list[tuple[str, Here | Drive]] = []

@@ -10,7 +10,7 @@ import pytest
 
 from hmi.commands.mission_rest import MissionRests, RestOrder
 from hmi.commands.mission_send import MissionSender
-from hmi.commands.refusal import OrderRefused
+from hmi.commands.refusal import STALE_TICK, OrderRefused
 from hmi.commands.rest_sources import RestParts
 from hmi.commands.start_rules import MissionStartRules
 from hmi.domain.command import Acknowledgement, OrderFailed, Outcome
@@ -41,6 +41,7 @@ class Wire:
     rig: Rig
     holder: str = ""
     answer: str = "ok"
+    is_late: bool = False
     sent: list[dict[str, Any]] = field(default_factory=list)
 
     def right(self, session: Any, permission: Any, robot_id: str) -> Robot:
@@ -49,7 +50,9 @@ class Wire:
         assert robot is not None
         return robot
 
-    def decided_now(self, tick_id: str) -> None: ...
+    def decided_now(self, tick_id: str) -> None:
+        if self.is_late:
+            raise OrderRefused(STALE_TICK, "Look again, then repeat.")
 
     def challenge(self, robot: Robot) -> str:
         return "challenge"
@@ -182,6 +185,23 @@ async def test_only_a_robot_that_drives_gets_the_proof_of_who_has_control(desk: 
     planned = await desk.change(leave_out=(desk.row(3),))
     await desk.rests.send(desk.supervisor, "m-1", planned.sha256, "tick")
     assert "proof" not in desk.wire.sent[-1]
+
+
+async def test_a_robot_that_drives_is_not_redirected_late_because_the_disk_was_slow(
+    desk: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    planned = await desk.change(leave_out=(desk.row(4),))
+    propose = desk.revisions.propose
+
+    def slow(*arguments: Any) -> None:
+        propose(*arguments)
+        desk.wire.is_late = True
+
+    monkeypatch.setattr(desk.revisions, "propose", slow)
+    sent = await desk.rests.send(desk.supervisor, "m-1", planned.sha256, "tick")
+    assert (sent.outcome, sent.code) == (Outcome.REJECTED, STALE_TICK)
+    assert desk.wire.sent == []
+    assert desk.mission.pending_sha256 == ""
 
 
 async def test_who_may_plan_and_not_drive_does_not_redirect_a_robot_that_drives(desk: Desk) -> None:

@@ -142,7 +142,7 @@ class Stage:
     def __init__(self) -> None:
         self.clock = SystemClock()
         self.fleet = FleetStore(self.clock.mono_s)
-        self.ticks = TickRing("stage", self.clock.mono_s)
+        self.ticks = TickRing("stage", self.clock.mono_s, self.clock.utc)
         self.alarms = alarm_stage.AlarmStage(self.clock.mono_s, lambda event: self.hub.event(event))
         self.hub = LiveHub(
             self.fleet,

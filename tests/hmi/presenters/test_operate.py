@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from hmi.domain.family import Family
 from hmi.domain.robot import Battery, Fault, Gnss, OrderStatus, Robot, ToolState
 from hmi.presenters.fleet import entry, level
 from hmi.presenters.operate import PRESENTERS, Context, MissionTitle, present
@@ -154,6 +155,13 @@ def test_the_machine_is_described_with_whom_to_call() -> None:
     body = present(r.RUNNING, Context("Jonas Weber", "+49 170 000"), ["body"])["body"]
     assert body["contact"] == {"name": "Jonas Weber", "phone": "+49 170 000"}
     assert (body["decel_mps2"], body["deadman_s"], body["operator_lost_s"], body["horn_s"]) == (1.2, 0.5, 3.5, 3.0)
+
+
+def test_of_a_uav_nobody_says_that_it_pauses_without_the_link() -> None:
+    assert r.RUNNING.factsheet is not None
+    uav = replace(r.RUNNING, factsheet=replace(r.RUNNING.factsheet, family=Family.UAV))
+    bodies = [present(one, Context(), ["body"])["body"] for one in (r.RUNNING, uav)]
+    assert [body["link_lost_s"] for body in bodies] == [10.0, None]
 
 
 def test_presses_carry_who_where_and_when() -> None:

@@ -124,7 +124,7 @@ class QueueFarm:
         self.robots: dict[str, FieldRobot] = {}
         self.soc, self.fix = 0.9, "fixed"
         self.events: list[dict[str, Any]] = []
-        self.ticks = TickRing("console1", clock.mono_s)
+        self.ticks = TickRing("console1", clock.mono_s, clock.utc)
 
     @classmethod
     async def open(cls, folder: Path) -> QueueFarm:
@@ -200,7 +200,7 @@ class QueueFarm:
     async def again(self) -> None:
         """Restart the console: nothing in memory survives."""
         await self.close()
-        self.ticks = TickRing("console2", self.clock.mono_s)
+        self.ticks = TickRing("console2", self.clock.mono_s, self.clock.utc)
         self.build(epoch=2)
         await self.prepare()
 

@@ -141,6 +141,15 @@ async def test_a_restart_of_the_console_disarms_everything(farm: QueueFarm, end:
     assert farm.weeder.starts == []
 
 
+async def test_a_robot_that_beats_but_does_not_say_what_it_does_is_not_started(farm: QueueFarm) -> None:
+    entry = await farm.add("wheat-1", earliest=MORNING + timedelta(seconds=5))
+    await farm.arm()
+    farm.weeder.state_s = farm.clock.mono_s()
+    await farm.step(20)
+    assert farm.weeder.starts == []
+    assert farm.code(entry) == "state_unknown"
+
+
 @pytest.mark.parametrize("jump_s", [7200.0, -7200.0])
 async def test_a_clock_that_jumps_disarms(farm: QueueFarm, jump_s: float) -> None:
     await farm.add("wheat-1", earliest=MORNING + timedelta(hours=2))

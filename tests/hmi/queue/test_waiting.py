@@ -30,7 +30,7 @@ ENTRY = Entry(
 )
 ROBOT = RobotFacts(
     "Weeder 03", True, 0.4, 0.1, "", Mode.IDLE, OrderStatus.LOADED, "wheat-1", "a" * 64, "Wheat 1",
-    value_age_s=0.1, soc=0.9, fix="fixed",
+    state_age_s=0.4, value_age_s=0.1, soc=0.9, fix="fixed",
 )  # fmt: skip
 MISSION = MissionFacts("Wheat 1", MissionStatus.ACCEPTED, "a" * 64, is_supervised=False, battery_share=0.3)
 GOOD = Facts(
@@ -117,6 +117,12 @@ def test_the_sentence_says_what_is_missing_and_what_clears_it() -> None:
     assert says(blackouts=[night_off]) == "Waits for the end of Lunch: 13:00."
 
 
+def test_a_robot_that_is_heard_but_has_not_said_for_long_what_it_does_is_not_started() -> None:
+    assert why_waiting(ENTRY, replace(GOOD, robot=replace(ROBOT, state_age_s=2.0))).step is Step.START
+    assert says(state_age_s=2.1) == "What Weeder 03 is doing is not known right now."
+    assert says(state_age_s=None) == "What Weeder 03 is doing is not known right now."
+
+
 def test_what_needs_a_person_comes_before_what_passes_by_itself() -> None:
     weather = Weather(NOW, 9.0, 20.0)
     assert says(weather=weather, armed_until=None).startswith("Not armed")
@@ -128,6 +134,7 @@ BREAKS: list[dict[str, Any]] = [
     {"frozen": "Frozen."}, {"ahead": "Wheat 0"}, {"armed_until": None}, {"owner": "Jonas Weber"}, {"robot": None},
     {"mission": None}, {"weather": None}, {"is_unattended_allowed": False}, {"link_age_s": None}, {"link_age_s": 2.1},
     {"safety_age_s": None}, {"safety_age_s": 2.1}, {"stop": "STOP was pressed."}, {"mode": Mode.MANUAL},
+    {"state_age_s": None}, {"state_age_s": 2.1},
     {"mode": Mode.AUTO}, {"mode": Mode.FAULT}, {"mode": Mode.UNKNOWN}, {"mode": Mode.STOPPED},
     {"order": OrderStatus.RUNNING}, {"order": OrderStatus.PAUSED}, {"order": OrderStatus.NONE}, {"held_id": "other"},
     {"held_sha256": "b" * 64}, {"trouble": "Laser too hot."}, {"value_age_s": None}, {"value_age_s": 11.0},

@@ -207,6 +207,19 @@ async def test_stop_all_counts_only_robots_that_confirmed(
     ]
 
 
+async def test_stop_all_stops_a_machine_that_is_heard_but_not_registered_and_names_it_so(
+    gateway: RunningGateway, make_robot: MakeRobot, open_tablet: OpenTablet
+) -> None:
+    stranger = await make_robot("weeder-09", speed_mps=0.3)
+    gateway.register()  # a list without robots
+    gateway.start()
+    tablet = await open_tablet()
+    await _linked(tablet, stranger.id)
+    stop_id = await tablet.press("all")
+    step = await tablet.until_state(stop_id, stranger.id, "standstill")
+    assert (step["name"], stranger.speed_mps) == ("weeder-09 (not registered)", 0)
+
+
 async def test_a_reset_ends_the_press_and_no_late_copy_latches_again(
     gateway: RunningGateway, make_robot: MakeRobot, open_tablet: OpenTablet
 ) -> None:
