@@ -43,7 +43,7 @@ async def test_the_robot_is_told_whether_somebody_looks_on_and_not_asked(action:
     field = Field(rules=Rules(supervised=is_supervised))
     status = OrderStatus.PAUSED if action is Action.RESUME else OrderStatus.LOADED
     field.weeder.mission = replace(mission(status=status), is_supervised=not is_supervised)
-    assert (await field.desk.commands.submit(MARTHA, request(field, action))).is_accepted
+    assert (await field.desk.commands.submit(MARTHA, request(field, action, **SEEN))).is_accepted
     [order] = field.weeder.orders
     assert isinstance(order, CommandOrder)
     assert order.is_supervised is is_supervised
@@ -52,7 +52,7 @@ async def test_the_robot_is_told_whether_somebody_looks_on_and_not_asked(action:
 async def test_without_rules_of_its_own_a_console_says_that_somebody_looks_on() -> None:
     field = Field()
     field.weeder.mission = replace(mission(), is_supervised=False)
-    await field.desk.commands.submit(MARTHA, request(field, Action.START))
+    await field.desk.commands.submit(MARTHA, request(field, Action.START, **SEEN))
     [order] = field.weeder.orders
     assert isinstance(order, CommandOrder)
     assert order.is_supervised
