@@ -9,13 +9,14 @@ from backend_clients.http.trouble import Trouble
 from backend_clients.ngsi.client import NgsiClient
 from backend_clients.ngsi.connection import Call
 from backend_clients.ngsi.entity import Entity
-from backend_clients.ngsi.errors import NgsiError, Unreadable
+from backend_clients.ngsi.errors import BrokerRefused, NgsiError, Unreadable
 from backend_clients.ngsi.identifier import EntityRef
 from hmi.clock import Clock
 from hmi.cloud.broker_link import broker_link
 from hmi.cloud.marker import Marker
 from hmi.service_link import LinkState, ServiceLink
 
+_NEVER_TAKEN = frozenset({400, 413, 422})  # whatever else is said to a write may be otherwise next time
 LOOK_EVERY_S = 60.0  # a proxy may send us to another tenant at any time
 
 
@@ -114,4 +115,6 @@ class CloudLink:
 
 def is_about_one(error: NgsiError) -> bool:
     """Say whether an error is about the entity alone: the link is well, and no other try would help."""
-    return error.trouble in (None, Trouble.MISSET)
+    if isinstance(error, BrokerRefused):
+        return error.trouble is None and error.status in _NEVER_TAKEN
+    return error.trouble is Trouble.MISSET

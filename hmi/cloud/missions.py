@@ -15,6 +15,7 @@ from backend_clients.cloud_robot.mission_order import MissionOrder
 from backend_clients.cloud_robot.names import answer_ref, order_ref, presence_ref
 from backend_clients.cloud_robot.presence import read_presence
 from backend_clients.ngsi.client import NgsiClient
+from backend_clients.ngsi.entity import Entity
 from backend_clients.ngsi.errors import BadInput, NgsiError, NotFound, Unreadable
 from hmi.clock import Clock
 from hmi.cloud.delays import Delays
@@ -117,13 +118,11 @@ class CloudMissions:
             await self._sleep(POLL_S)
             try:
                 found = await self._client.find(ref)
-                if found is not None:
-                    return read_answer(found)
-            except Unreadable as error:
-                text = "What came back through the cloud cannot be read. Send it directly."
-                raise OrderFailed("bad_answer", text, is_outcome_known=False) from error
             except NgsiError as error:
                 log.info("mission by the cloud: %s", error)  # asked again until the order is too old
+                continue
+            if found is not None:
+                return _read(found)
         text = "The robot did not answer through the cloud. It takes nothing of it any more. Send it directly."
         raise OrderFailed("no_answer", text, is_outcome_known=False)
 
@@ -137,3 +136,11 @@ class CloudMissions:
                 continue
             except NgsiError as error:
                 log.info("mission by the cloud: %s is left behind: %s", ref.id, error)
+
+
+def _read(entity: Entity) -> MissionAnswer:
+    try:
+        return read_answer(entity)
+    except Unreadable as error:
+        text = "What came back through the cloud cannot be read. Send it directly."
+        raise OrderFailed("bad_answer", text, is_outcome_known=False) from error

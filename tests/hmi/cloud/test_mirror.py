@@ -249,6 +249,38 @@ def test_an_entity_the_broker_never_takes_does_not_hold_up_the_others(tmp_path: 
     played(tmp_path, story)
 
 
+@pytest.mark.parametrize(
+    ("answer", "state"),
+    [
+        (httpx.Response(404, text="default backend - 404"), LinkState.NOT_UNDERSTOOD),
+        (httpx.Response(400, html="<p>Bad request</p>"), LinkState.NOT_UNDERSTOOD),
+        (httpx.Response(408, text=""), LinkState.SILENT),
+        (httpx.Response(425, json={"error": "Early", "description": "later"}), LinkState.SILENT),
+        (httpx.Response(404, json={"error": "NotFound", "description": "no such route"}), LinkState.NOT_UNDERSTOOD),
+    ],
+)
+def test_what_a_proxy_says_of_all_requests_drops_nothing_that_waits(
+    tmp_path: Path, answer: httpx.Response, state: LinkState
+) -> None:
+    def break_updates(request: httpx.Request) -> httpx.Response:
+        return answer if request.url.path == "/v2/op/update" else httpx.Response(200, json={"orion": {}})
+
+    async def story(rig: Rig) -> None:
+        await rig.run(1)
+        for number in range(300):
+            event(rig, number)
+        rig.road.broken = break_updates
+        rig.road.requests.clear()
+        await rig.run(0.5)
+        assert rig.link.link.state is state
+        assert (rig.backlog.total, rig.mirror.counts.refused, rig.mirror.counts.pieces) == (300, 0, 0)
+        rig.road.broken = None
+        await rig.run(60)
+        assert len(await rig.in_cloud("DeviceMeasurement")) == 300
+
+    played(tmp_path, story)
+
+
 def test_nothing_goes_to_another_tenant_until_a_person_takes_it(tmp_path: Path) -> None:
     async def story(rig: Rig) -> None:
         robot_at(rig, "weeder-01", 50.0)
