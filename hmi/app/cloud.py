@@ -229,13 +229,21 @@ class CloudRoom:
 
         try:
             client = await asyncio.to_thread(make_client, self._settings)
+            parts = WorkParts(self._settings, self._clock, self._urns, self._fleet, self._backlog, self.book,
+                              self._heard, client, self._link, lambda: self._others)  # fmt: skip
+            while self._work is None:
+                try:
+                    self._work = CloudWork(parts, self._whole, self._published, self._proposals_changed)
+                except OSError as error:  # a disk that takes nothing now may do so later
+                    why = f"The folder of the cloud cannot be used: {error}"
+                    self._link.leave(LinkState.MISSET, why, "Check room and rights of the data folder.")
+                    await self._backlog.settle()
+                    await asyncio.sleep(SETTLE_S)
         except OutsideError as error:  # nothing can ever be sent with these settings
             self._link.failed(error)
             await self._only_keep()
             return
-        parts = WorkParts(self._settings, self._clock, self._urns, self._fleet, self._backlog, self.book, self._heard,
-                          client, self._link, lambda: self._others)  # fmt: skip
-        self._work = CloudWork(parts, self._whole, self._published, self._proposals_changed)
+        self._link.ask_now()
         said = ""
         while True:
             try:
