@@ -22,7 +22,7 @@ from backend_clients.ngsi.subscriptions import Subscriptions
 from backend_clients.ngsi.tenant import Tenant
 from hmi.cloud.hints import Hints
 from hmi.cloud.map_changes import STORM_S, SUBSCRIBE_S, MapChanges
-from hmi.cloud.proposals import ProposalBook
+from hmi.cloud.proposals import MOST, ProposalBook
 from hmi.fiware.farm_map import map_entities
 from hmi.fiware.map_change import KIND_OF, is_as_told, proposed, signed
 from hmi.fiware.normalized import key_values, normalized
@@ -298,3 +298,24 @@ def test_a_broker_may_write_numbers_its_own_way(number: float) -> None:
               "headland": {}}  # fmt: skip
     whole = json.loads(json.dumps(signed(entity)).replace(".0]", "]").replace(".0,", ","))
     assert is_as_told(whole)
+
+
+async def test_changes_that_find_no_room_in_the_list_are_not_written_over_either(tmp_path: Path) -> None:
+    many = [replace(NORTH, id=f"f{n}", name=f"Field {n}") for n in range(MOST + 3)]
+    farm = Farm(tmp_path, *many)
+    await farm.rig.run(2)
+    for one in many:
+        await farm.others.patch(EntityRef(f"urn:ngsi-ld:AgriParcel:hof:{one.id}", "AgriParcel"),
+                                {"name": make.text("Theirs")})  # fmt: skip
+    for _ in range(2):  # the same ones are not counted again
+        farm.tell()
+        await farm.rig.run(2)
+        assert (len(farm.book.all()), farm.book.left_out) == (MOST, 3)
+        assert {one["name"] for one in (await farm.in_cloud()).values()} == {"Theirs"}
+    first = farm.book.all()[0]
+    farm.book.drop(first.id)
+    farm.tell()
+    await farm.rig.run(2)
+    assert (len(farm.book.all()), farm.book.left_out) == (MOST, 2)
+    assert (await farm.in_cloud())[first.entity_id]["name"] != "Theirs", "refused: ours is written"
+    await farm.rig.close()
