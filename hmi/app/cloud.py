@@ -105,7 +105,11 @@ class CloudRoom:
         def changed(mission: Mission) -> None:  # in the thread that changed it
             loop.call_soon_threadsafe(self._mission, mission)
 
+        def deleted(mission: Mission) -> None:
+            loop.call_soon_threadsafe(self._deleted, mission)
+
         self._records.missions.on_changed(changed)
+        self._records.missions.on_deleted(deleted)
         self._task = asyncio.create_task(self._run(), name="cloud")
 
     async def stop(self) -> None:
@@ -282,6 +286,10 @@ class CloudRoom:
     def _mission(self, mission: Mission) -> None:
         if mission.farm_id == self._settings.farm_id:
             self.news.see_mission(mission)
+
+    def _deleted(self, mission: Mission) -> None:
+        if mission.farm_id == self._settings.farm_id:
+            self.news.see_deleted(mission)
 
     def _family_of(self, robot_id: str) -> Family | None:
         robot = self._fleet.robot(robot_id) if robot_id else None

@@ -18,6 +18,7 @@ from hmi.cloud.map_changes import MapChanges
 from hmi.cloud.newest import Newest
 from hmi.cloud.outbox import Piece
 from hmi.cloud.states import Report, RobotStates
+from hmi.fiware.leftover import gone_from
 from hmi.fiware.normalized import normalized
 from hmi.fiware.urn import KeyValues
 
@@ -173,7 +174,8 @@ class Mirror:
         wire: list[Entity] = [normalized(entity) for entity in entities]
         refs = {one.ref for one in wire}
         self.counts.resent += len(refs & self._doubtful)
-        found = await self.link.deliver(wire)
+        gone = {_ref(one): gone_from(one) for one in entities}
+        found = await self.link.deliver(wire, gone)
         self._doubtful -= refs
         if found.is_doubtful:
             self._doubtful |= refs - found.done - set(found.refused)

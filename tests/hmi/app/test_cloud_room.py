@@ -24,7 +24,7 @@ from tests.hmi.planning_service.rig import until
 
 def room(folder: Path, **settings: Any) -> CloudRoom:
     """Return the cloud of a console that has nothing else."""
-    records: Any = SimpleNamespace(missions=SimpleNamespace(on_changed=lambda _: None))
+    records: Any = SimpleNamespace(missions=SimpleNamespace(on_changed=lambda _: None, on_deleted=lambda _: None))
     fleet: Any = SimpleNamespace()
     made = Settings(demo=True, data=folder, **settings)
     return CloudRoom(made, FakeClock(), records, fleet, dict, lambda _: None)

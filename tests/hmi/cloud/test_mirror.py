@@ -18,6 +18,7 @@ from hmi.cloud.outbox import Rank
 from hmi.domain.event import RobotEvent
 from hmi.domain.mission import MissionStatus
 from hmi.fiware.farm_map import map_entities
+from hmi.fiware.urn import moment
 from hmi.mapping.feature import MapFeature
 from hmi.presenters.cloud import WORDS
 from hmi.service_link import ANSWERS, LinkState
@@ -153,6 +154,73 @@ def test_a_mission_that_changed_twice_meanwhile_ends_as_it_is_now(tmp_path: Path
         await rig.run(2)
         found = await rig.in_cloud("AgriParcelOperation")
         assert found["urn:ngsi-ld:AgriParcelOperation:hof:m1"]["result"] == "failed"
+
+    played(tmp_path, story)
+
+
+OPERATION = "urn:ngsi-ld:AgriParcelOperation:hof:m1"
+
+
+def test_a_mission_that_runs_again_has_no_result_of_its_last_life_and_says_since_when(tmp_path: Path) -> None:
+    async def story(rig: Rig) -> None:
+        for status in (MissionStatus.SENT, MissionStatus.RUNNING, MissionStatus.DONE):
+            rig.news.see_mission(mission(rig, status))
+            await rig.run(2)
+        found = (await rig.in_cloud("AgriParcelOperation"))[OPERATION]
+        assert (found["result"], found["startedAt"] < found["endedAt"]) == ("ok", True)
+        again = mission(rig, MissionStatus.RUNNING)
+        rig.news.see_mission(again)
+        await rig.run(2)
+        found = (await rig.in_cloud("AgriParcelOperation"))[OPERATION]
+        assert found["status"] == "ongoing"
+        assert not {"result", "endedAt"} & found.keys()
+        assert found["startedAt"] == moment(again.updated_at)
+
+    played(tmp_path, story)
+
+
+def test_what_goes_from_a_mission_is_not_lost_where_the_cloud_fails_between(tmp_path: Path) -> None:
+    async def story(rig: Rig) -> None:
+        rig.news.see_mission(mission(rig, MissionStatus.DONE))
+        await rig.run(2)
+        rig.news.see_mission(mission(rig, MissionStatus.RUNNING))
+        rig.switch.set(Faults(status=503, methods=("POST",)))
+        await rig.run(2)
+        assert rig.backlog.total == 1
+        rig.switch.set(Faults())
+        await rig.run(40)
+        found = (await rig.in_cloud("AgriParcelOperation"))[OPERATION]
+        assert (found["status"], "result" in found) == ("ongoing", False)
+
+    played(tmp_path, story)
+
+
+def test_a_mission_that_was_deleted_is_cancelled_in_the_cloud(tmp_path: Path) -> None:
+    async def story(rig: Rig) -> None:
+        rig.news.see_mission(mission(rig, MissionStatus.DRAFT))
+        await rig.run(1)
+        rig.news.see_deleted(mission(rig, MissionStatus.DRAFT))
+        await rig.run(1)
+        found = (await rig.in_cloud("AgriParcelOperation"))[OPERATION]
+        assert (found["status"], found["headland"]["status"]) == ("cancelled", "deleted")
+
+    played(tmp_path, story)
+
+
+def test_a_robot_that_was_taken_out_of_the_farm_is_not_online_in_the_cloud_for_ever(tmp_path: Path) -> None:
+    async def story(rig: Rig) -> None:
+        robot_at(rig, "weeder-01", 50.0)
+        robot_at(rig, "weeder-02", 50.0)
+        await rig.run(1)
+        rig.fleet.remove("weeder-01")
+        await rig.run(1)
+        found = {key.rpartition(":")[2]: one["headland"] for key, one in (await rig.in_cloud("StateMessage")).items()}
+        assert (found["weeder-01"]["online"], found["weeder-01"]["removed"]) == (False, True)
+        assert "removed" not in found["weeder-02"]
+        robot_at(rig, "weeder-01", 50.1)
+        await rig.run(1)
+        found = {key.rpartition(":")[2]: one["headland"] for key, one in (await rig.in_cloud("StateMessage")).items()}
+        assert "removed" not in found["weeder-01"]
 
     played(tmp_path, story)
 

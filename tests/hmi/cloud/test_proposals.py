@@ -319,3 +319,23 @@ async def test_changes_that_find_no_room_in_the_list_are_not_written_over_either
     assert (len(farm.book.all()), farm.book.left_out) == (MOST, 2)
     assert (await farm.in_cloud())[first.entity_id]["name"] != "Theirs", "refused: ours is written"
     await farm.rig.close()
+
+
+async def test_what_was_taken_off_a_field_here_goes_in_the_cloud_and_is_no_wish_of_it(tmp_path: Path) -> None:
+    sown = replace(
+        NORTH, properties={"crop": "Maize", "soil_type": "Clay", "status": "growing", "seeded": "2026-05-01"}
+    )
+    farm = Farm(tmp_path, sown)
+    await farm.rig.run(1)
+    assert {"hasAgriSoil", "cropStatus", "lastPlantedAt"} <= (await farm.in_cloud())[REF.id].keys()
+    farm.features["north"] = NORTH
+    farm.tell()
+    await farm.rig.run(1)
+    await farm.rig.run(301, step_s=50)
+    assert farm.book.all() == []
+    assert not {"hasAgriSoil", "cropStatus", "lastPlantedAt"} & (await farm.in_cloud())[REF.id].keys()
+    await farm.others.append(REF, {"ndvi": make.number(0.7)})
+    farm.tell()
+    await farm.rig.run(2)
+    assert (await farm.in_cloud())[REF.id]["ndvi"] == 0.7, "what others added stays"
+    await farm.rig.close()
