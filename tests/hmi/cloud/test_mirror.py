@@ -158,6 +158,31 @@ def test_a_mission_that_changed_twice_meanwhile_ends_as_it_is_now(tmp_path: Path
     played(tmp_path, story)
 
 
+def test_events_arrive_whatever_characters_a_robot_has_in_their_ids(tmp_path: Path) -> None:
+    names = [
+        "8f2c-0001",
+        "boot 7 (row=3)",
+        "boot 7 (row=4)",
+        "~20 boot",
+        "<&?/#\"'>;",
+        "Z\u00fcge \u2603 " * 6,
+        "\u2603" * 64,
+    ]
+
+    async def story(rig: Rig) -> None:
+        for name in names:
+            rig.news.see_event(RobotEvent("weeder-01", name, "mode", "auto", name, {}, at_utc=rig.clock.utc(),
+                                          mission_id="m1"))  # fmt: skip
+        await rig.run(2)
+        found = await rig.in_cloud("DeviceMeasurement")
+        assert sorted(one["textValue"] for one in found.values()) == sorted(names)
+        assert "urn:ngsi-ld:DeviceMeasurement:hof:weeder-01:8f2c-0001" in found
+        assert {one["headland"]["mission"] for one in found.values()} == {"m1"}
+        assert rig.mirror.counts.refused == 0
+
+    played(tmp_path, story)
+
+
 OPERATION = "urn:ngsi-ld:AgriParcelOperation:hof:m1"
 
 
