@@ -27,13 +27,14 @@ from hmi.cloud.delays import Delays
 from hmi.cloud.hints import Hints
 from hmi.cloud.link import CloudLink
 from hmi.cloud.map_changes import MapChanges
-from hmi.cloud.marker import Marker
+from hmi.cloud.marker import Marker, where_of
 from hmi.cloud.mirror import Mirror
 from hmi.cloud.missions import CloudMissions
 from hmi.cloud.newest import Newest
 from hmi.cloud.proposals import ProposalBook
 from hmi.cloud.secret import kept_secret
 from hmi.cloud.states import RobotStates
+from hmi.cloud.told_ids import ToldIds
 from hmi.fiware.map_change import KIND_OF
 from hmi.fiware.urn import KeyValues, Urns
 from hmi.mapping.feature import MapFeature
@@ -115,7 +116,8 @@ class CloudWork:
             subscriptions = Subscriptions(client.connection, f"console-{self._parts.urns.farm_name}"[:60])
             url = f"{settings.cloud_notify_url}{PREFIX}/cloud/notify/{secret.get_secret_value()}"
             wanted = Wanted(key="map", url=url, types=tuple(KIND_OF))
-        return MapChanges(client, self._parts.book, hints, clock, published, on_proposals, subscriptions, wanted)
+        told = ToldIds(settings.data / "cloud" / "told.json", where_of(client.connection.broker))
+        return MapChanges(client, self._parts.book, hints, clock, published, on_proposals, subscriptions, wanted, told)
 
 
 def make_client(settings: Settings) -> NgsiClient:

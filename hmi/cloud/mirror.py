@@ -94,6 +94,8 @@ class Mirror:
             self._placed = self.link.placed
             self._is_whole_told = False
             self._states.forget()
+            if self.changes is not None:
+                await self.changes.forget()
             for other in self._others():
                 other.forget()
         if (
@@ -153,6 +155,8 @@ class Mirror:
             return True
         entities = await self._whole()
         found = await self._deliver(entities) if entities else Delivery()
+        if self.changes is not None:
+            await self.changes.written(found.done)
         self._is_whole_told = not found.is_cut
         return not found.is_cut
 
