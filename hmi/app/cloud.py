@@ -251,7 +251,7 @@ class CloudRoom:
         said = ""
         while True:
             try:
-                await self._work.mirror.round()
+                await self._work.round()
                 said = ""
             except Exception as error:  # the next round must come whatever one value is
                 if said != repr(error):  # a database that is away is told once, not each second

@@ -25,7 +25,7 @@ from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
 from hmi.cloud.delays import Delays
 from hmi.cloud.hints import Hints
-from hmi.cloud.link import CloudLink
+from hmi.cloud.link import CloudLink, is_about_one
 from hmi.cloud.map_changes import MapChanges
 from hmi.cloud.marker import Marker, where_of
 from hmi.cloud.mirror import Mirror
@@ -94,6 +94,17 @@ class CloudWork:
     def hints(self) -> Hints | None:
         """Who takes notifications, ``None`` where the broker cannot reach this console."""
         return self.mirror.changes.hints if self.mirror.changes is not None else None
+
+    async def round(self) -> None:
+        """Do what is due now, in one task."""
+        await self.mirror.round()
+        link = self.mirror.link
+        if link.link.is_well:  # the tenant is ours, too
+            try:
+                await self.missions.tidy()
+            except NgsiError as error:
+                if not is_about_one(error):
+                    link.failed(error)
 
     async def take_tenant(self) -> None:
         """Keep the farm in this tenant from now on; raises ``CloudRefused``."""
