@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 from urllib.parse import urlsplit
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
-from pydantic import Field, SecretStr, field_validator, model_validator
+from pydantic import Field, SecretStr, ValidationInfo, field_validator, model_validator
 from pydantic_settings import (
     BaseSettings,
     PydanticBaseSettingsSource,
@@ -271,13 +271,13 @@ class Settings(BaseSettings):
         port_range(value)
         return value
 
-    @field_validator("camera_networks")
+    @field_validator("camera_networks", "cloud_notify_from")
     @classmethod
-    def _networks(cls, value: list[str]) -> list[str]:
+    def _networks(cls, value: list[str], info: ValidationInfo) -> list[str]:
         try:
             return [str(ip_network(one, strict=False)) for one in value]
         except ValueError as error:
-            raise ValueError(f"camera_networks must be networks such as 192.168.7.0/24: {error}") from error
+            raise ValueError(f"{info.field_name} must be networks such as 192.168.7.0/24: {error}") from error
 
     @field_validator("online_tiles_url")
     @classmethod

@@ -52,19 +52,22 @@ async def run(connection: Connection, action: Action, entities: Sequence[Entity]
 
     Once the broker cannot be reached or lets nobody in, the rest fails with that reason without being sent.
     ``appendStrict`` is never sent twice: a refused part of it fails as a whole.
+    With ``delete`` what is not there counts as done when it was sent among others: the broker does not say of which
+    entity it was the first time.
     """
     outcome = BatchOutcome()
     wire = _checked(entities, outcome)
     stop: NgsiError | None = None
-    waiting = list(_parts(wire))
+    waiting = [(part, False) for part in _parts(wire)]
     while waiting:
-        part = waiting.pop(0)
+        part, is_half = waiting.pop(0)
         refs = [ref for ref, _ in part]
         if stop is not None:
             outcome.failed.update(dict.fromkeys(refs, stop))
             continue
         error = await _send(connection, action, [body for _, body in part])
-        if error is None:
+        is_gone = isinstance(error, NotFound) and action == "delete" and len(part) == 1 and is_half
+        if error is None or is_gone:  # gone: the whole part was sent, and what was there of it is deleted by that
             outcome.done += refs
         elif _ends_all(error):
             outcome.failed.update(dict.fromkeys(refs, error))
@@ -73,7 +76,7 @@ async def run(connection: Connection, action: Action, entities: Sequence[Entity]
             outcome.failed.update(dict.fromkeys(refs, error))
         else:
             middle = len(part) // 2
-            waiting[:0] = [part[:middle], part[middle:]]
+            waiting[:0] = [(part[:middle], True), (part[middle:], True)]
     return outcome
 
 

@@ -21,6 +21,7 @@ from backend_clients.ngsi.token import TokenSource
 PAGE = 200
 MAX_PAGE = 1000  # the broker's own limit
 MOST = 100_000
+MOST_BACKS = 100  # an order that never rests, as that of what is near and moves, must come to an end
 
 
 class NgsiClient:
@@ -121,30 +122,31 @@ class NgsiClient:
     async def entities(self, query: Query, *, page: int = PAGE, most: int = MOST) -> AsyncIterator[Entity]:
         """Iterate over all entities of a query, each once, page by page.
 
-        What is deleted meanwhile moves the rest up: the next page then begins earlier, so nothing is left out.
-        What is made meanwhile may be missing.
+        What is deleted meanwhile moves the rest up: each page begins with the last entity of the one before, and
+        where it does not, reading goes back, so nothing is left out. What is made meanwhile may be missing.
 
         Raises:
             TooLong: there are more than ``most``.
         """
         if not 0 < page <= MAX_PAGE:
             raise BadInput(f"a page has 1 to {MAX_PAGE} entities")
-        steady, seen, offset, before = query.steady(), set[EntityRef](), 0, None
+        steady, seen, offset, backs = query.steady(), set[EntityRef](), 0, 0
+        limit = max(2, page)  # one of each page is the last of the page before
         while True:
-            found, total = await self._page(steady, {}, limit=page, offset=offset)
+            found, total = await self._page(steady, {}, limit=limit, offset=offset)
             if total > most:
                 raise TooLong(f"{total} entities, at most {most} were wanted")
-            if before is not None and total < before and offset:
-                offset, before = max(0, offset - (before - total)), total
+            if offset and (not found or found[0].ref not in seen) and backs < MOST_BACKS:
+                offset, backs = max(0, offset - limit), backs + 1
                 continue
-            before = total
             for entity in found:
                 if entity.ref not in seen:
                     seen.add(entity.ref)
                     yield entity
-            offset += len(found)
-            if not found or offset >= total:
+            end = offset + len(found)
+            if not found or end >= total:
                 return
+            offset = end - 1 if len(found) > 1 else end
 
     async def batch(self, action: Action, entities: Iterable[Entity]) -> BatchOutcome:
         """Do one action on many entities, in as few requests as their size allows; see ``BatchOutcome``."""

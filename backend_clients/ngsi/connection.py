@@ -16,13 +16,15 @@ import structlog
 from backend_clients.http.exchange import Answer, BadAddress, Exchange, ExchangeFailed, check_address, trust
 from backend_clients.http.retry import RetryBudget, RetryPolicy, asked_pause_s
 from backend_clients.http.trouble import is_passing
-from backend_clients.ngsi.errors import BadInput, NgsiError, NotAllowed, Unreadable, failure, refusal
+from backend_clients.ngsi.errors import BadInput, NgsiError, NoAnswer, NotAllowed, Unreadable, failure, refusal
 from backend_clients.ngsi.tenant import Tenant
 from backend_clients.ngsi.token import TokenSource
 
 MAX_REQUEST = 1_048_576  # Orion refuses longer ones
 MAX_RESPONSE = 16 * 1024 * 1024
 READ_S = 10.0
+_NEVER_ARRIVED = frozenset({408, 425})  # a broker answers neither; a proxy does for a while
+_OF_PROXIES = frozenset({401, 403, 413, 429})  # mean the same whoever says so, in whatever words
 
 log = structlog.get_logger(__name__)
 
@@ -208,11 +210,17 @@ def _content(body: Any) -> bytes | None:
 def _refused(reply: Answer, correlator: str) -> NgsiError:
     if reply.status < 400:
         return Unreadable(f"a redirect ({reply.status}) is not followed")
-    error, description = "", ""
+    if reply.status in _NEVER_ARRIVED:
+        late = NoAnswer(f"{reply.status}: the request did not get through in time")
+        late.retry_after_s = asked_pause_s(reply.headers)
+        return late
     try:
         body = json.loads(reply.content)
         error, description = str(body["error"])[:80], str(body.get("description", ""))[:2000]
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        if reply.status not in _OF_PROXIES and reply.status < 500:
+            # a proxy whose broker is away says 404 or 400 to everything: that is about no entity
+            return Unreadable(f"the answer is {reply.status}, and not that of a context broker")
         error, description = f"HTTP{reply.status}", "an answer that is not NGSI-v2"
     found = refusal(reply.status, error, description, correlator)
     found.retry_after_s = asked_pause_s(reply.headers)

@@ -93,13 +93,16 @@ def entity_from_wire(body: object) -> Entity:
 
 
 def _received(attribute: Attribute) -> Attribute:
-    if attribute.type == UNRESTRICTED:
-        return attribute
     metadata = {
-        name: Metadatum.model_construct(type=item.type, value=unescape_value(item.value))
+        name: Metadatum.model_construct(type=item.type, value=_read(item.type, item.value))
         for name, item in attribute.metadata.items()
     }
-    return Attribute.model_construct(type=attribute.type, value=unescape_value(attribute.value), metadata=metadata)
+    value = _read(attribute.type, attribute.value)
+    return Attribute.model_construct(type=attribute.type, value=value, metadata=metadata)
+
+
+def _read(kind: str | None, value: JsonValue) -> JsonValue:
+    return value if kind == UNRESTRICTED else unescape_value(value)
 
 
 def _metadatum(item: Metadatum) -> JsonValue:

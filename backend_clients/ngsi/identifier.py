@@ -47,8 +47,12 @@ def ref_for(kind: str, name: str) -> EntityRef:
     """Return the entity of a thing of ours, e.g. ``urn:ngsi-ld:AgriParcel:north``; any text may be a name."""
     if not name:
         raise BadInput("a name must not be empty")
-    plain = "".join(chr(byte) if _PLAIN.fullmatch(bytes([byte])) else f"~{byte:02X}" for byte in _encoded(name))
-    return check_ref(EntityRef(f"{PREFIX}{kind}:{plain}", kind))
+    return check_ref(EntityRef(f"{PREFIX}{kind}:{escaped_name(name)}", kind))
+
+
+def escaped_name(name: str) -> str:
+    """Return a name as part of an id: what an id may not have is ``~20`` and so on."""
+    return "".join(chr(byte) if _PLAIN.fullmatch(bytes([byte])) else f"~{byte:02X}" for byte in _encoded(name))
 
 
 def name_of(ref: EntityRef) -> str:

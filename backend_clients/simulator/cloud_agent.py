@@ -12,7 +12,7 @@ from typing import Protocol
 
 from backend_clients.cloud_robot.mission_answer import MissionAnswer
 from backend_clients.cloud_robot.mission_order import MissionOrder, read_order
-from backend_clients.cloud_robot.names import ORDER
+from backend_clients.cloud_robot.names import ORDER, prefix
 from backend_clients.cloud_robot.presence import CHALLENGE_LIFE_S, EVERY_S, Presence
 from backend_clients.edge import codec
 from backend_clients.edge import messages_down as down
@@ -24,6 +24,7 @@ from backend_clients.ngsi.client import NgsiClient
 from backend_clients.ngsi.connection import Broker
 from backend_clients.ngsi.entity import Entity
 from backend_clients.ngsi.errors import NgsiError, Unreadable
+from backend_clients.ngsi.identifier import EntityRef
 from backend_clients.ngsi.query import Query
 from backend_clients.ngsi.tenant import Tenant
 from backend_clients.simulator.config import CloudConfig
@@ -71,6 +72,7 @@ class CloudAgents:
     def __init__(self, client: NgsiClient, farm: str, robots: dict[str, Robot], clock: Clock, on_ack: OnAck) -> None:
         self._client, self._farm, self._robots, self._clock, self._on_ack = client, farm, robots, clock, on_ack
         self._agents = {robot_id: _Agent() for robot_id in robots}
+        self._told: OrderedDict[EntityRef, None] = OrderedDict()  # orders whose answer the broker has
         self._said_s = float("-inf")
         self._is_away = False
 
@@ -87,10 +89,17 @@ class CloudAgents:
         """Say that the agents are there, if it is time, and take what waits; raises ``NgsiError``."""
         if self._clock.mono_s() - self._said_s >= EVERY_S:
             await self._say()
-        orders = [one async for one in self._client.entities(Query(types=(ORDER,)))]
-        answers = [answer for one in orders if (answer := self._answer(one)) is not None]
-        if answers:
-            await self._client.batch("append", [answer.to_entity(self._farm) for answer in answers])
+        ours = Query(types=(ORDER,), id_pattern=f"^{prefix(ORDER, self._farm)}")
+        orders = [one async for one in self._client.entities(ours) if one.ref not in self._told]
+        answers = {one.ref: answer for one in orders if (answer := self._answer(one)) is not None}
+        if not answers:
+            return
+        entities = {ref: answer.to_entity(self._farm) for ref, answer in answers.items()}
+        outcome = await self._client.batch("append", list(entities.values()))
+        arrived = set(outcome.done)
+        self._told.update(dict.fromkeys(ref for ref, entity in entities.items() if entity.ref in arrived))
+        while len(self._told) > REMEMBERED:
+            self._told.popitem(last=False)
 
     async def _try(self) -> bool:
         try:

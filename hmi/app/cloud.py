@@ -105,7 +105,11 @@ class CloudRoom:
         def changed(mission: Mission) -> None:  # in the thread that changed it
             loop.call_soon_threadsafe(self._mission, mission)
 
+        def deleted(mission: Mission) -> None:
+            loop.call_soon_threadsafe(self._deleted, mission)
+
         self._records.missions.on_changed(changed)
+        self._records.missions.on_deleted(deleted)
         self._task = asyncio.create_task(self._run(), name="cloud")
 
     async def stop(self) -> None:
@@ -229,17 +233,25 @@ class CloudRoom:
 
         try:
             client = await asyncio.to_thread(make_client, self._settings)
+            parts = WorkParts(self._settings, self._clock, self._urns, self._fleet, self._backlog, self.book,
+                              self._heard, client, self._link, lambda: self._others)  # fmt: skip
+            while self._work is None:
+                try:
+                    self._work = CloudWork(parts, self._whole, self._published, self._proposals_changed)
+                except OSError as error:  # a disk that takes nothing now may do so later
+                    why = f"The folder of the cloud cannot be used: {error}"
+                    self._link.leave(LinkState.MISSET, why, "Check room and rights of the data folder.")
+                    await self._backlog.settle()
+                    await asyncio.sleep(SETTLE_S)
         except OutsideError as error:  # nothing can ever be sent with these settings
             self._link.failed(error)
             await self._only_keep()
             return
-        parts = WorkParts(self._settings, self._clock, self._urns, self._fleet, self._backlog, self.book, self._heard,
-                          client, self._link, lambda: self._others)  # fmt: skip
-        self._work = CloudWork(parts, self._whole, self._published, self._proposals_changed)
+        self._link.ask_now()
         said = ""
         while True:
             try:
-                await self._work.mirror.round()
+                await self._work.round()
                 said = ""
             except Exception as error:  # the next round must come whatever one value is
                 if said != repr(error):  # a database that is away is told once, not each second
@@ -274,6 +286,10 @@ class CloudRoom:
     def _mission(self, mission: Mission) -> None:
         if mission.farm_id == self._settings.farm_id:
             self.news.see_mission(mission)
+
+    def _deleted(self, mission: Mission) -> None:
+        if mission.farm_id == self._settings.farm_id:
+            self.news.see_deleted(mission)
 
     def _family_of(self, robot_id: str) -> Family | None:
         robot = self._fleet.robot(robot_id) if robot_id else None

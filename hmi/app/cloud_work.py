@@ -25,15 +25,16 @@ from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
 from hmi.cloud.delays import Delays
 from hmi.cloud.hints import Hints
-from hmi.cloud.link import CloudLink
+from hmi.cloud.link import CloudLink, is_about_one
 from hmi.cloud.map_changes import MapChanges
-from hmi.cloud.marker import Marker
+from hmi.cloud.marker import Marker, where_of
 from hmi.cloud.mirror import Mirror
 from hmi.cloud.missions import CloudMissions
 from hmi.cloud.newest import Newest
 from hmi.cloud.proposals import ProposalBook
 from hmi.cloud.secret import kept_secret
 from hmi.cloud.states import RobotStates
+from hmi.cloud.told_ids import ToldIds
 from hmi.fiware.map_change import KIND_OF
 from hmi.fiware.urn import KeyValues, Urns
 from hmi.mapping.feature import MapFeature
@@ -94,6 +95,17 @@ class CloudWork:
         """Who takes notifications, ``None`` where the broker cannot reach this console."""
         return self.mirror.changes.hints if self.mirror.changes is not None else None
 
+    async def round(self) -> None:
+        """Do what is due now, in one task."""
+        await self.mirror.round()
+        link = self.mirror.link
+        if link.link.is_well:  # the tenant is ours, too
+            try:
+                await self.missions.tidy()
+            except NgsiError as error:
+                if not is_about_one(error):
+                    link.failed(error)
+
     async def take_tenant(self) -> None:
         """Keep the farm in this tenant from now on; raises ``CloudRefused``."""
         try:
@@ -115,7 +127,8 @@ class CloudWork:
             subscriptions = Subscriptions(client.connection, f"console-{self._parts.urns.farm_name}"[:60])
             url = f"{settings.cloud_notify_url}{PREFIX}/cloud/notify/{secret.get_secret_value()}"
             wanted = Wanted(key="map", url=url, types=tuple(KIND_OF))
-        return MapChanges(client, self._parts.book, hints, clock, published, on_proposals, subscriptions, wanted)
+        told = ToldIds(settings.data / "cloud" / "told.json", where_of(client.connection.broker))
+        return MapChanges(client, self._parts.book, hints, clock, published, on_proposals, subscriptions, wanted, told)
 
 
 def make_client(settings: Settings) -> NgsiClient:

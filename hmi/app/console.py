@@ -280,7 +280,7 @@ class Console:
         hear.on_event += [self.records.recorder.see_event, self.alarms.see_event, self._robot_event]
         hear.on_trouble.append(self.alarms.trouble)
         if self.cloud.is_on:
-            hear.on_event.append(self.cloud.news.see_event)
+            self.records.recorder.on_event.append(self.cloud.news.see_event)  # with its mission, and changes of mode
             self.alarms.store.listeners.append(self.cloud.news.see_alarm)
         self.desk.ledger.when_settled(self.metrics.observe)
         self.desk.ledger.when_settled(self.missions.acts.settled)

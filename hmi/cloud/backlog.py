@@ -47,6 +47,9 @@ class Backlog:
         self._fresh: dict[int, Piece] = {}  # by a number below zero, in order
         self._numbers = itertools.count(1)
         self.waiting = Waiting()
+        self._is_counted = False
+        self._done: dict[int, int] = {}  # size by seq: delivered and still in the file, which could not be written
+        self._passed = 0  # everything in the file up to here is of those
         self._lost = 0
 
     def put(self, piece: Piece) -> None:
@@ -60,25 +63,27 @@ class Backlog:
 
     async def settle(self) -> None:
         """Bring new pieces to disk and make room there; a disk that takes none is asked again next time."""
-        fresh = list(self._fresh.values())
+        fresh, trouble = list(self._fresh.values()), ""
         try:
             lost = await asyncio.to_thread(self._store, fresh)
         except OutboxUnusable as error:
             if not self.waiting.trouble:
                 log.warning("cloud outbox: %s; keeping %d pieces in memory", error, len(fresh))
-            self._tell(trouble=str(error))
-            return
-        for piece in fresh:
-            self._fresh.pop(piece.seq, None)
-        if lost:
-            log.warning("cloud outbox: %d pieces dropped, too old or no room", lost)
-        self._lost += lost
+            trouble = str(error)
+        else:
+            for piece in fresh:
+                self._fresh.pop(piece.seq, None)
+            if lost:
+                log.warning("cloud outbox: %d pieces dropped, too old or no room", lost)
+            self._lost += lost
         try:
             count, size, oldest_s = await asyncio.to_thread(self._outbox.waiting)
         except OutboxUnusable as error:
             self._tell(trouble=str(error))
             return
-        self.waiting = Waiting(count, size, oldest_s, self._lost)
+        count, size = count - len(self._done), size - sum(self._done.values())
+        self.waiting = Waiting(count, size, oldest_s if count else None, self._lost, trouble)
+        self._is_counted = True
 
     @property
     def total(self) -> int:
@@ -86,11 +91,13 @@ class Backlog:
         return self.waiting.count + len(self._fresh)
 
     async def first(self, limit: int) -> list[Piece]:
-        """Return what to deliver next, in order; from memory if the disk cannot be read."""
+        """Return what to deliver next, in order: from memory only when nothing older can be in the file."""
         try:
-            found = await asyncio.to_thread(self._outbox.first, limit) if self.waiting.count else []
+            found = await asyncio.to_thread(self._from_file, limit) if self._may_hold else []
         except OutboxUnusable as error:
             self._tell(trouble=str(error))
+            if not error.is_for_good and self._outbox.may_hold:
+                return []
             found = []
         return found or list(itertools.islice(self._fresh.values(), limit))
 
@@ -99,20 +106,45 @@ class Backlog:
         for piece in pieces:
             self._fresh.pop(piece.seq, None)
         kept = [piece for piece in pieces if piece.seq > 0]
+        self._done.update((piece.seq, piece.size) for piece in kept)
+        trouble = self.waiting.trouble
         try:
-            if kept:
-                await asyncio.to_thread(self._outbox.delivered, kept)
-        except OutboxUnusable as error:  # they are sent again: the same entity twice is one
-            self._tell(trouble=str(error))
-            return
-        self._tell(trouble=self.waiting.trouble, gone=kept)
+            await asyncio.to_thread(self._forget)
+        except OutboxUnusable as error:  # a full disk lets nothing be deleted either: they are passed over
+            trouble = str(error)
+        self._tell(trouble=trouble, gone=kept)
 
     async def close(self) -> None:
         """Bring to disk what is in memory and close the file."""
         await self.settle()
         await asyncio.to_thread(self._outbox.close)
 
+    @property
+    def _may_hold(self) -> bool:
+        """Whether pieces may be in the file: as long as it was not read, nobody knows."""
+        return self.waiting.count > 0 or not self._is_counted
+
+    def _from_file(self, limit: int) -> list[Piece]:
+        """Return what waits in the file beyond what was delivered and could not be deleted."""
+        found: list[Piece] = []
+        after = self._passed
+        while len(found) < limit:
+            part = self._outbox.first(limit, after)
+            found += [one for one in part if one.seq not in self._done]
+            if len(part) < limit:
+                break
+            after = part[-1].seq
+        self._passed = found[0].seq - 1 if found else after
+        return found[:limit]
+
+    def _forget(self) -> None:
+        if self._done:
+            self._outbox.forget(self._done)
+            self._done.clear()
+            self._passed = 0
+
     def _store(self, fresh: list[Piece]) -> int:
+        self._forget()  # first: what was delivered is not lost when room is made
         lost = self._outbox.trim(self._clock.utc().timestamp())
         if fresh:
             self._outbox.add(fresh)
@@ -120,5 +152,6 @@ class Backlog:
 
     def _tell(self, *, trouble: str, gone: list[Piece] | None = None) -> None:
         before, away = self.waiting, gone or []
-        count, size = before.count - len(away), before.bytes - sum(one.size for one in away)
+        count = max(0, before.count - len(away))
+        size = max(0, before.bytes - sum(one.size for one in away))
         self.waiting = Waiting(count, size, before.oldest_s if count else None, self._lost, trouble)

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from backend_clients.http.trouble import Trouble
 from backend_clients.ngsi.client import NgsiClient
 from backend_clients.ngsi.connection import Call
 from backend_clients.ngsi.entity import Entity
-from backend_clients.ngsi.errors import NgsiError, Unreadable
+from backend_clients.ngsi.errors import BrokerRefused, NgsiError, NotFound, Unreadable
 from backend_clients.ngsi.identifier import EntityRef
+from backend_clients.ngsi.query import Query
 from hmi.clock import Clock
 from hmi.cloud.broker_link import broker_link
 from hmi.cloud.marker import Marker
 from hmi.service_link import LinkState, ServiceLink
 
+_NEVER_TAKEN = frozenset({400, 413, 422})  # whatever else is said to a write may be otherwise next time
+ASKED = 50  # ids in one question: they stand in its address
 LOOK_EVERY_S = 60.0  # a proxy may send us to another tenant at any time
 
 
@@ -59,9 +62,18 @@ class CloudLink:
             await self._look()
         return self.link.is_well
 
-    async def deliver(self, entities: Sequence[Entity]) -> Delivery:
-        """Write entities, each once; a failed link is known by ``is_cut`` and by ``link``."""
+    async def deliver(self, entities: Sequence[Entity], gone: Mapping[EntityRef, frozenset[str]]) -> Delivery:
+        """Write entities, each once; a failed link is known by ``is_cut`` and by ``link``.
+
+        Args:
+            gone: attributes that are deleted before, where an entity has them.
+        """
         begin_s = self._clock.mono_s()
+        try:
+            await self._delete(gone)
+        except NgsiError as lost:
+            self.failed(lost)
+            return Delivery(is_cut=True)
         outcome, found = await self.client.batch("append", entities), Delivery()
         found.done.update(outcome.done)
         for ref, error in outcome.failed.items():
@@ -75,6 +87,28 @@ class CloudLink:
         if not found.is_cut:
             self.link.well(self._clock.mono_s() - begin_s)
         return found
+
+    async def _delete(self, gone: Mapping[EntityRef, frozenset[str]]) -> None:
+        """Delete attributes that entities have in the cloud; nothing else of them is touched."""
+        by_type: dict[str, list[EntityRef]] = {}
+        for ref, names in gone.items():
+            if names:
+                by_type.setdefault(ref.type, []).append(ref)
+        left: list[Entity] = []
+        for model, refs in by_type.items():
+            wanted = tuple(sorted(set().union(*(gone[ref] for ref in refs))))
+            for begin in range(0, len(refs), ASKED):
+                ids = tuple(ref.id for ref in refs[begin : begin + ASKED])
+                query = Query(types=(model,), ids=ids, attrs=wanted)
+                left += [one async for one in self.client.entities(query)]
+        stale = [
+            (one.ref, {key: value for key, value in one.attributes.items() if key in gone[one.ref]}) for one in left
+        ]
+        # one without attributes would be deleted whole
+        outcome = await self.client.batch("delete", [Entity(ref=ref, attributes=some) for ref, some in stale if some])
+        for error in outcome.failed.values():
+            if not isinstance(error, NotFound) and not is_about_one(error):
+                raise error
 
     async def take_tenant(self) -> None:
         """Write here from now on, whoever did before; a person decided it. Raises ``NgsiError``."""
@@ -114,4 +148,6 @@ class CloudLink:
 
 def is_about_one(error: NgsiError) -> bool:
     """Say whether an error is about the entity alone: the link is well, and no other try would help."""
-    return error.trouble in (None, Trouble.MISSET)
+    if isinstance(error, BrokerRefused):
+        return error.trouble is None and error.status in _NEVER_TAKEN
+    return error.trouble is Trouble.MISSET

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
-from collections.abc import Awaitable, Callable, Mapping, Sequence
+from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
@@ -17,6 +18,7 @@ from backend_clients.ngsi.subscriptions import Subscriptions
 from hmi.clock import Clock
 from hmi.cloud.hints import Hints
 from hmi.cloud.proposals import ProposalBook
+from hmi.cloud.told_ids import ToldIds
 from hmi.fiware.map_change import KIND_OF, is_as_told
 from hmi.fiware.normalized import key_values
 from hmi.fiware.urn import KeyValues
@@ -53,6 +55,7 @@ class MapChanges:
         features: the published map by id.
         on_changed: called when proposals came, went or changed.
         wanted: the subscription, ``None`` where the broker cannot reach this console.
+        told: which entities were told; without it a deletion is seen only while it is notified.
     """
 
     def __init__(
@@ -65,10 +68,11 @@ class MapChanges:
         on_changed: Callable[[], None],
         subscriptions: Subscriptions | None = None,
         wanted: Wanted | None = None,
+        told: ToldIds | None = None,
     ) -> None:
         self._client, self.book, self.hints, self._clock = client, book, hints, clock
         self._features, self._on_changed = features, on_changed
-        self._subscriptions, self._wanted = subscriptions, wanted
+        self._subscriptions, self._wanted, self._told = subscriptions, wanted, told
         self._read_s = self._subscribe_s = float("-inf")
         self._read_at_s = float("-inf")
         self.subscription = SubscriptionNews()
@@ -76,6 +80,16 @@ class MapChanges:
     def read_soon(self) -> None:
         """Read everything in the next round."""
         self._read_s = float("-inf")
+
+    async def written(self, refs: Iterable[EntityRef]) -> None:
+        """Note that entities of the map were written."""
+        if self._told is not None:
+            await asyncio.to_thread(self._told.add, [ref for ref in refs if ref.type in KIND_OF])
+
+    async def forget(self) -> None:
+        """Expect nothing there: the broker knows nothing of us."""
+        if self._told is not None:
+            await asyncio.to_thread(self._told.forget)
 
     async def round(self) -> None:
         """Subscribe and read if it is time; raises ``NgsiError``."""
@@ -98,9 +112,24 @@ class MapChanges:
             self.hints.is_too_many = False
         found = [key_values(one) async for one in self._client.entities(Query(types=tuple(KIND_OF)))]
         await self._look(found)
+        await self._miss(found)
         await self._clear(found)
         self._read_at_s = self._clock.mono_s()
         self._read_s = self._read_at_s + READ_ALL_S
+
+    async def _miss(self, entities: Sequence[KeyValues]) -> None:
+        """Take what was told and is not among all entities of the cloud as deleted there."""
+        if self._told is None:
+            return
+        there = {EntityRef(one["id"], one["type"]) for one in entities}
+        features, now = await self._features(), self._clock.utc()
+        missing = sorted(self._told.all() - there)
+        before = self.book.all()
+        over = [ref for ref in missing if not self.book.gone(ref.id, ref.type, features, now)]
+        if over and features:  # nothing of our map: it went from there, too
+            await asyncio.to_thread(self._told.drop, over)
+        if self.book.all() != before:
+            self._on_changed()
 
     async def _subscribe(self, subscriptions: Subscriptions, wanted: Wanted) -> None:
         kept, news = await subscriptions.ensure(wanted, self._clock.utc()), self.subscription

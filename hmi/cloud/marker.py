@@ -47,7 +47,7 @@ class Marker:
         """
         found = await client.find(self._ref)
         if found is None:
-            if self._is_strict and _where(client.connection.broker) in self._note.placed:
+            if self._is_strict and where_of(client.connection.broker) in self._note.placed:
                 return LinkState.OTHER_TENANT, "The tenant does not know this console any more.", False
             await self.place(client)
             return LinkState.OK, "", True
@@ -59,14 +59,15 @@ class Marker:
         """Take the tenant for this console; raises ``NgsiError``."""
         attributes = {"console": make.text(self._note.console), "name": make.text(self._farm_name)}
         await client.upsert(Entity(ref=self._ref, attributes=attributes))
-        where = _where(client.connection.broker)
+        where = where_of(client.connection.broker)
         if where not in self._note.placed:
             self._note.placed.append(where)
             self._path.parent.mkdir(parents=True, exist_ok=True)
             self._path.write_bytes(msgspec.json.encode(self._note))
 
 
-def _where(broker: Broker) -> str:
+def where_of(broker: Broker) -> str:
+    """Return what names one tenant of one broker."""
     return json.dumps([broker.url, broker.tenant.service, broker.tenant.path])
 
 

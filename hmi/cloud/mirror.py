@@ -18,6 +18,7 @@ from hmi.cloud.map_changes import MapChanges
 from hmi.cloud.newest import Newest
 from hmi.cloud.outbox import Piece
 from hmi.cloud.states import Report, RobotStates
+from hmi.fiware.leftover import gone_from
 from hmi.fiware.normalized import normalized
 from hmi.fiware.urn import KeyValues
 
@@ -93,6 +94,8 @@ class Mirror:
             self._placed = self.link.placed
             self._is_whole_told = False
             self._states.forget()
+            if self.changes is not None:
+                await self.changes.forget()
             for other in self._others():
                 other.forget()
         if (
@@ -152,6 +155,8 @@ class Mirror:
             return True
         entities = await self._whole()
         found = await self._deliver(entities) if entities else Delivery()
+        if self.changes is not None:
+            await self.changes.written(found.done)
         self._is_whole_told = not found.is_cut
         return not found.is_cut
 
@@ -173,7 +178,8 @@ class Mirror:
         wire: list[Entity] = [normalized(entity) for entity in entities]
         refs = {one.ref for one in wire}
         self.counts.resent += len(refs & self._doubtful)
-        found = await self.link.deliver(wire)
+        gone = {_ref(one): gone_from(one) for one in entities}
+        found = await self.link.deliver(wire, gone)
         self._doubtful -= refs
         if found.is_doubtful:
             self._doubtful |= refs - found.done - set(found.refused)

@@ -12,10 +12,13 @@ import msgspec
 
 from backend_clients.cloud_robot.mission_answer import MissionAnswer, read_answer
 from backend_clients.cloud_robot.mission_order import MissionOrder
-from backend_clients.cloud_robot.names import answer_ref, order_ref, presence_ref
+from backend_clients.cloud_robot.names import ANSWER, ORDER, answer_ref, order_ref, prefix, presence_ref
 from backend_clients.cloud_robot.presence import read_presence
 from backend_clients.ngsi.client import NgsiClient
+from backend_clients.ngsi.entity import Entity
 from backend_clients.ngsi.errors import BadInput, NgsiError, NotFound, Unreadable
+from backend_clients.ngsi.identifier import EntityRef
+from backend_clients.ngsi.query import Query
 from hmi.clock import Clock
 from hmi.cloud.delays import Delays
 from hmi.domain.command import Acknowledgement, OrderFailed
@@ -24,6 +27,7 @@ from hmi.domain.mission_document import canonical, mission_sha256
 TTL_S = 20.0  # agents ask once a second, brokers answer in well under one; older than this it was decided long ago
 ANSWER_S = 25.0  # a little longer than the order lives: after it the robot takes nothing any more
 POLL_S = 0.5
+TIDY_S = 60.0  # until then an agent that was cut off may still answer
 Sleep = Callable[[float], Awaitable[None]]
 log = logging.getLogger(__name__)
 
@@ -42,6 +46,8 @@ class CloudMissions:
         self, client: NgsiClient, farm: str, clock: Clock, delays: Delays, sleep: Sleep = asyncio.sleep
     ) -> None:
         self._client, self._farm, self._clock, self._delays, self._sleep = client, farm, clock, delays, sleep
+        self._waited_for: set[EntityRef] = set()
+        self._tidy_s = float("-inf")  # an earlier run may have ended while it waited
 
     async def upload_mission(self, robot_id: str, document: dict[str, Any]) -> Acknowledgement:
         """Store a mission on the robot and return its answer with the hash it read back; see ``OrderSender``.
@@ -50,11 +56,13 @@ class CloudMissions:
             OrderFailed: nothing usable came back.
         """
         order = self._order(robot_id, document, await self._challenge(robot_id))
-        begin_s = self._clock.mono_s()
+        begin_s, refs = self._clock.mono_s(), self._refs(order)
+        self._waited_for.update(refs)
         try:
             await self._put(order)
             answer = await self._answer(order, begin_s)
         finally:
+            self._waited_for.difference_update(refs)
             await asyncio.shield(self._withdraw(order))
         delay_s = self._clock.mono_s() - begin_s
         if answer.is_accepted:
@@ -67,6 +75,22 @@ class CloudMissions:
             robot_id, "mission", order.mission_id, answer.is_accepted, answer.code, answer.text, None,
             answer.sha256 or None, None,
         )  # fmt: skip
+
+    async def tidy(self) -> None:
+        """Delete orders and answers nobody waits for, if some may have been left behind; raises ``NgsiError``."""
+        if self._clock.mono_s() < self._tidy_s:
+            return
+        self._tidy_s = self._clock.mono_s() + TIDY_S
+        left = []
+        for kind in (ORDER, ANSWER):
+            ours = Query(types=(kind,), id_pattern=f"^{prefix(kind, self._farm)}", attrs=("commandTime",))
+            left += [one.ref async for one in self._client.entities(ours)]
+        gone = [ref for ref in left if ref not in self._waited_for]
+        outcome = await self._client.batch("delete", [Entity(ref=ref) for ref in gone])
+        lost = [error for error in outcome.failed.values() if not isinstance(error, NotFound)]
+        if lost:
+            raise lost[0]
+        self._tidy_s = float("inf")
 
     async def _challenge(self, robot_id: str) -> str:
         try:
@@ -117,23 +141,37 @@ class CloudMissions:
             await self._sleep(POLL_S)
             try:
                 found = await self._client.find(ref)
-                if found is not None:
-                    return read_answer(found)
-            except Unreadable as error:
-                text = "What came back through the cloud cannot be read. Send it directly."
-                raise OrderFailed("bad_answer", text, is_outcome_known=False) from error
             except NgsiError as error:
                 log.info("mission by the cloud: %s", error)  # asked again until the order is too old
+                continue
+            if found is not None:
+                return _read(found)
         text = "The robot did not answer through the cloud. It takes nothing of it any more. Send it directly."
+        self._left_behind()  # an answer that comes later
         raise OrderFailed("no_answer", text, is_outcome_known=False)
 
     async def _withdraw(self, order: MissionOrder) -> None:
         """Take order and answer away; what cannot be deleted grows too old by itself."""
-        for ref in (order_ref(self._farm, order.robot, order.order_id),
-                    answer_ref(self._farm, order.robot, order.order_id)):  # fmt: skip
+        for ref in self._refs(order):
             try:
                 await self._client.delete(ref)
             except NotFound:
                 continue
             except NgsiError as error:
                 log.info("mission by the cloud: %s is left behind: %s", ref.id, error)
+                self._left_behind()
+
+    def _left_behind(self) -> None:
+        self._tidy_s = min(self._tidy_s, self._clock.mono_s() + TIDY_S)
+
+    def _refs(self, order: MissionOrder) -> tuple[EntityRef, EntityRef]:
+        names = self._farm, order.robot, order.order_id
+        return order_ref(*names), answer_ref(*names)
+
+
+def _read(entity: Entity) -> MissionAnswer:
+    try:
+        return read_answer(entity)
+    except Unreadable as error:
+        text = "What came back through the cloud cannot be read. Send it directly."
+        raise OrderFailed("bad_answer", text, is_outcome_known=False) from error

@@ -11,10 +11,10 @@ from hmi.cloud.outbox import Piece, Rank
 from hmi.domain.alarm.live_alarm import Step, What
 from hmi.domain.event import RobotEvent
 from hmi.domain.family import Family
-from hmi.domain.mission import ENDED, MissionStatus
+from hmi.domain.mission import ENDED, UNDER_WAY, MissionStatus
 from hmi.fiware.alert import alert_entity
 from hmi.fiware.device import event_entity
-from hmi.fiware.operation import Operation, operation_entity
+from hmi.fiware.operation import Operation, operation_deleted, operation_entity
 from hmi.fiware.urn import KeyValues, Urns
 from hmi.store.missions import Mission
 
@@ -37,6 +37,7 @@ class CloudNews:
     ) -> None:
         self._urns, self._clock, self._put, self._family_of = urns, clock, put, family_of
         self._missions: dict[str, tuple[MissionStatus, str, str, str | None]] = {}
+        self._began: dict[str, datetime] = {}  # of missions that were seen to begin
 
     def see_event(self, event: RobotEvent) -> None:
         """Take an event of a registered robot."""
@@ -47,9 +48,21 @@ class CloudNews:
     def see_mission(self, mission: Mission) -> None:
         """Take a mission that changed; only what the cloud is told of it counts, not each row done."""
         key = (mission.status, mission.sha256, mission.name, mission.robot_id)
-        if self._missions.get(mission.id) != key:
-            self._missions[mission.id] = key
-            self._piece(mission.robot_id or "farm", Rank.MISSION, mission.updated_at, self.operation(mission))
+        before = self._missions.get(mission.id)
+        if before == key:
+            return
+        self._missions[mission.id] = key
+        if mission.status is MissionStatus.RUNNING and before is not None and before[0] not in UNDER_WAY:
+            self._began[mission.id] = mission.updated_at
+        elif mission.status not in UNDER_WAY | ENDED:
+            self._began.pop(mission.id, None)
+        self._piece(mission.robot_id or "farm", Rank.MISSION, mission.updated_at, self.operation(mission))
+
+    def see_deleted(self, mission: Mission) -> None:
+        """Take a mission that was deleted."""
+        self._missions.pop(mission.id, None)
+        entity = operation_deleted(self.operation(mission))
+        self._piece(mission.robot_id or "farm", Rank.MISSION, self._clock.utc(), entity)
 
     def see_alarm(self, step: Step) -> None:
         """Take a step in the life of an alarm; what people answered stays here."""
@@ -89,6 +102,7 @@ class CloudNews:
                 robot_id=robot_id,
                 robot_model=self._model(robot_id),
                 operation="inspection" if self._family_of(robot_id) is Family.UAV else "other",
+                started_at=self._began.get(mission.id),
                 ended_at=mission.updated_at if is_over else None,
             ),
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
@@ -16,6 +16,7 @@ CREATE TABLE IF NOT EXISTS item (
     size INTEGER NOT NULL, body TEXT NOT NULL)
 """
 _OLDEST_FIRST = "CREATE INDEX IF NOT EXISTS by_rank ON item (rank, seq)"
+_TOTAL = "SELECT COUNT(*), COALESCE(SUM(size), 0) FROM item"
 _OVERHEAD = 64  # bytes of a row beside its body
 _PART = 256  # rows dropped at once when there is no room
 
@@ -54,6 +55,9 @@ class Piece:
 class OutboxUnusable(Exception):
     """The disk is full, or the file cannot be read or written; nothing of the call took effect."""
 
+    is_for_good = False
+    """No other try reads what is in the file."""
+
 
 class Outbox:
     """A file that outlives the process. Every call blocks; one at a time, from any thread.
@@ -78,19 +82,35 @@ class Outbox:
             self._count += len(rows)
             self._bytes += sum(row[3] for row in rows)
 
-    def first(self, limit: int) -> list[Piece]:
-        """Return what has waited longest, in order; raises ``OutboxUnusable``."""
+    def first(self, limit: int, after: int = 0) -> list[Piece]:
+        """Return what has waited longest and comes after a ``seq``, in order; raises ``OutboxUnusable``."""
         with self._lock:
-            query = "SELECT stream, rank, at_s, body, seq FROM item ORDER BY seq LIMIT ?"
-            found = self._read(query, (limit,))
+            query = "SELECT stream, rank, at_s, body, seq FROM item WHERE seq > ? ORDER BY seq LIMIT ?"
+            found = self._read(query, (after, limit))
         return [Piece(stream, Rank(rank), at_s, body, seq) for stream, rank, at_s, body, seq in found]
 
     def delivered(self, pieces: Sequence[Piece]) -> None:
         """Forget pieces; raises ``OutboxUnusable``."""
+        self.forget({one.seq: one.size for one in pieces})
+
+    def forget(self, sizes: Mapping[int, int]) -> None:
+        """Forget pieces by ``seq``, with the size of each; raises ``OutboxUnusable``."""
         with self._lock:
-            self._write("DELETE FROM item WHERE seq = ?", [(one.seq,) for one in pieces])
-            self._count -= len(pieces)
-            self._bytes -= sum(one.size for one in pieces)
+            gone = self._write("DELETE FROM item WHERE seq = ?", [(seq,) for seq in sizes])
+            self._count -= len(sizes)
+            self._bytes -= sum(sizes.values())
+            if gone != len(sizes):  # another file meanwhile
+                self._recount()
+
+    @property
+    def may_hold(self) -> bool:
+        """Whether pieces of an earlier run may be in the file, as far as that is seen from outside."""
+        try:
+            return self._path.stat().st_size > 0
+        except (FileNotFoundError, NotADirectoryError):
+            return False
+        except OSError:
+            return True
 
     def trim(self, now_s: float) -> int:
         """Drop what is too old and what there is no room for; return how many. Raises ``OutboxUnusable``."""
@@ -115,7 +135,7 @@ class Outbox:
                 self._file = None
 
     def _drop(self, which: str, values: tuple[float, ...]) -> int:
-        count, size = self._read(f"SELECT COUNT(*), COALESCE(SUM(size), 0) FROM item WHERE {which}", values)[0]  # noqa: S608
+        count, size = self._read(f"{_TOTAL} WHERE {which}", values)[0]
         if count:
             self._write(f"DELETE FROM item WHERE {which}", [values])  # noqa: S608 - of two fixed texts
             self._count -= count
@@ -128,10 +148,14 @@ class Outbox:
         except sqlite3.Error as error:
             raise self._unusable(error) from error
 
-    def _write(self, statement: str, rows: Sequence[tuple[object, ...]]) -> None:
+    def _recount(self) -> None:
+        self._count, self._bytes = self._read(_TOTAL, ())[0]
+
+    def _write(self, statement: str, rows: Sequence[tuple[object, ...]]) -> int:
+        """Do it for each row, all or none, and return how many rows of the file it was about."""
         try:
             with self._opened() as file:  # one transaction
-                file.executemany(statement, rows)
+                return file.executemany(statement, rows).rowcount
         except sqlite3.Error as error:
             raise self._unusable(error) from error
 
@@ -147,7 +171,7 @@ class Outbox:
                 file.execute("PRAGMA synchronous = NORMAL")  # a power cut loses the last second, never the file
                 file.execute(_TABLE)
                 file.execute(_OLDEST_FIRST)
-                self._count, self._bytes = file.execute("SELECT COUNT(*), COALESCE(SUM(size), 0) FROM item").fetchone()
+                self._count, self._bytes = file.execute(_TOTAL).fetchone()
             except sqlite3.Error:
                 file.close()
                 raise
@@ -158,4 +182,7 @@ class Outbox:
         if self._file is not None:  # opened anew next time: the disk may have room, or be another one
             self._file.close()
             self._file = None
-        return OutboxUnusable(f"{self._path.name}: {error}")
+        found = OutboxUnusable(f"{self._path.name}: {error}")
+        # sqlite's own words: what may pass is an OperationalError, a file that is damaged or none of ours is not
+        found.is_for_good = type(error) is sqlite3.DatabaseError
+        return found

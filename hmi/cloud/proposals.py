@@ -50,7 +50,12 @@ class ProposalBook:
         self._urns = urns
         self._open: dict[str, Proposal] = {}
         self._refused: dict[str, Wish] = {}
-        self.left_out = 0
+        self._left_out: dict[str, str] = {}  # id of the entity by that of the feature
+
+    @property
+    def left_out(self) -> int:
+        """How many changes of the cloud found no room in the list; they are written over no more than the others."""
+        return len(self._left_out)
 
     def all(self) -> list[Proposal]:
         """Return the proposals, the oldest first."""
@@ -114,18 +119,19 @@ class ProposalBook:
 
     def held_back(self, entities: Collection[KeyValues]) -> list[KeyValues]:
         """Return the entities that may be written: the cloud's change is not written over while it is open."""
-        held = {one.entity_id for one in self._open.values()}
+        held = {one.entity_id for one in self._open.values()} | set(self._left_out.values())
         return [entity for entity in entities if entity["id"] not in held]
 
     def _put(self, feature_id: str, found: Proposal | None) -> None:
         known = self._open.get(feature_id)
+        self._left_out.pop(feature_id, None)
         if found is None:
             self._refused.pop(feature_id, None)
             self._open.pop(feature_id, None)
         elif self._refused.get(feature_id) == (found.after, found.problem):
             return
         elif known is None and len(self._open) >= MOST:
-            self.left_out += 1
+            self._left_out[feature_id] = found.entity_id
         elif known is None or (known.after, known.problem) != (found.after, found.problem):
             self._open[feature_id] = found
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from hmi.clock import Clock
 from hmi.domain.family import Family
 from hmi.domain.robot import Robot
-from hmi.fiware.robot import state_message
+from hmi.fiware.robot import robot_removed, state_message
 from hmi.fiware.uav import uav_entity
 from hmi.fiware.urn import KeyValues, Urns
 from hmi.store.fleet import FleetStore
@@ -25,7 +25,7 @@ class Report(NamedTuple):
 
     Args:
         entity: what changed since it was told last, with id, type and time; whole at first.
-        whole: everything, to compare with next time.
+        whole: everything, to compare with next time; empty if the robot was removed.
         source_s, received_s: of its newest values, on the console's clock; ``None`` if it has told no position.
     """
 
@@ -54,11 +54,8 @@ class RobotStates:
         """Return what to tell now, robots that waited longest first; until told, they come again."""
         changes = self._fleet.since(self._revision)
         self._revision = changes.revision
-        for robot_id in changes.robots:
+        for robot_id in (*changes.robots, *changes.removed):
             self._waiting.setdefault(robot_id)
-        for robot_id in changes.removed:
-            self._waiting.pop(robot_id, None)
-            self._told.pop(robot_id, None)
         found = []
         for robot_id in list(self._waiting):
             report = self._report(robot_id)
@@ -75,7 +72,10 @@ class RobotStates:
         now_s = self._clock.mono_s()
         for report in reports:
             self._waiting.pop(report.robot_id, None)
-            self._told[report.robot_id] = report.whole, now_s
+            if report.whole:
+                self._told[report.robot_id] = report.whole, now_s
+            else:
+                self._told.pop(report.robot_id, None)
 
     def forget(self) -> None:
         """Tell everything again: the broker may have lost it, or be another one."""
@@ -84,10 +84,12 @@ class RobotStates:
 
     def _report(self, robot_id: str) -> Report | None:
         robot = self._fleet.robot(robot_id)
-        if robot is None or not robot.is_registered or (robot.telemetry is None and robot.state is None):
+        before, at_s = self._told.get(robot_id, (None, 0.0))
+        if robot is None or not robot.is_registered:
+            return None if before is None else Report(robot_id, robot_removed(before), {}, None, None)
+        if robot.telemetry is None and robot.state is None:
             return None
         whole = self._entity(robot)
-        before, at_s = self._told.get(robot_id, (None, 0.0))
         stamp = robot.telemetry.pose.stamp if robot.telemetry is not None else None
         entity = whole
         if before is not None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
+
+from backend_clients.ngsi.identifier import escaped_name
 from hmi.domain.event import RobotEvent
 from hmi.domain.sensors.observation import Measurement, SensorKind, Station
 from hmi.fiware.urn import OWN, KeyValues, Urns, moment, point, told
@@ -12,6 +15,7 @@ _MEASURES = {
     SensorKind.RESPIRATION: ["airPollution", "humidity"],
     SensorKind.CAMERA: ["light"],
 }
+_LONGEST = 96  # of an event's name: the whole id has room for 256
 IN_USE, REMOVED = "in use", "removed"
 
 
@@ -55,7 +59,7 @@ def measurement_entity(urns: Urns, station: Station, value: Measurement) -> KeyV
 def event_entity(urns: Urns, event: RobotEvent, robot_model: str) -> KeyValues:
     """Return an event of a robot, an entity of its own: sent twice it is the same one, and none replaces another."""
     return {
-        "id": urns.of("DeviceMeasurement", f"{event.robot_id}:{event.event_id}"),
+        "id": urns.of("DeviceMeasurement", f"{event.robot_id}:{_event_name(event.event_id)}"),
         "type": "DeviceMeasurement",
         "refDevice": urns.of(robot_model, event.robot_id),
         "measurementType": "event",
@@ -64,3 +68,9 @@ def event_entity(urns: Urns, event: RobotEvent, robot_model: str) -> KeyValues:
         "dateObserved": moment(event.at_utc),
         OWN: told({"name": event.name, "data": event.data, "mission": event.mission_id}),
     }
+
+
+def _event_name(event_id: str) -> str:
+    """Return an event's id as an entity's id may have it; a robot may choose any characters for its own."""
+    name = escaped_name(event_id)
+    return name if len(name) <= _LONGEST else hashlib.sha256(event_id.encode()).hexdigest()

@@ -69,6 +69,11 @@ def operation_entity(urns: Urns, work: Operation) -> KeyValues:
     )
 
 
+def operation_deleted(entity: KeyValues) -> KeyValues:
+    """Return the entity of a mission that was deleted here before it ran."""
+    return {**entity, "status": "cancelled", OWN: {**entity[OWN], "status": "deleted"}}
+
+
 def read_operation(urns: Urns, entity: KeyValues) -> tuple[str, MissionStatus] | None:
     """Return which mission of ours an entity is and its status there, ``None`` if it is none of ours."""
     mission_id = urns.name_of("AgriParcelOperation", str(entity.get("id", "")))

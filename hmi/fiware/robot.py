@@ -45,6 +45,11 @@ def state_message(urns: Urns, robot: Robot, at: datetime) -> KeyValues:
     )  # fmt: skip
 
 
+def robot_removed(entity: KeyValues) -> KeyValues:
+    """Return what is told of a robot that is none of the farm's any more: nothing more will come."""
+    return {"id": entity["id"], "type": entity["type"], OWN: {**entity[OWN], "online": False, "removed": True}}
+
+
 def errors_of(robot: Robot) -> list[str]:
     """Return the robot's faults in its own words."""
     faults = robot.state.faults if robot.state is not None else ()

@@ -96,6 +96,7 @@ class Missions:
         self._kept_s: dict[str, float] = {}
         self._changing = threading.Lock()
         self._listeners: list[Callable[[Mission], None]] = []
+        self._deletion_listeners: list[Callable[[Mission], None]] = []
 
     @property
     def version(self) -> int:
@@ -117,6 +118,10 @@ class Missions:
     def on_changed(self, callback: Callable[[Mission], None]) -> None:
         """Call ``callback`` with each mission that was added or changed."""
         self._listeners.append(callback)
+
+    def on_deleted(self, callback: Callable[[Mission], None]) -> None:
+        """Call ``callback`` with each mission that was deleted, as it was."""
+        self._deletion_listeners.append(callback)
 
     def load(self) -> None:
         """Read all missions into memory; at start."""
@@ -299,9 +304,12 @@ class Missions:
                 raise MissionRefused("has_record", f"{row.name} was sent to a robot; its record is kept.")
             session.execute(delete(MissionLogRow).filter_by(mission_id=mission_id))
             session.execute(delete(MissionRevisionRow).filter_by(mission_id=mission_id))
+            deleted = _mission(row)
             session.delete(row)
             self._known = {key: one for key, one in self._known.items() if key != mission_id}
             self._version += 1
+        for listener in tuple(self._deletion_listeners):
+            listener(deleted)
 
     def _change(
         self,

@@ -7,6 +7,7 @@ waits in a bounded queue, then is dropped and counted.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 from sqlalchemy import Connection, insert
@@ -46,6 +47,8 @@ class Recorder:
         self._farm_id = farm_id
         self._is_registered = is_registered
         self._sampler = Sampler(clock)
+        self.on_event: list[Callable[[RobotEvent], None]] = []
+        """Told of each event that is kept, on the event loop: with its mission, and changes of mode among them."""
         self._writer: BatchWriter[_Item] = BatchWriter(
             "recorder", self._write, capacity=capacity, batch_size=5000, linger_s=linger_s
         )
@@ -82,6 +85,9 @@ class Recorder:
         if self._is_registered(event.robot_id):
             mission_id = event.mission_id or self._sampler.mission_of(event.robot_id)
             self._writer.put(event_columns(event, self._farm_id, mission_id))
+            told = replace(event, mission_id=mission_id)
+            for listener in self.on_event:
+                listener(told)
 
     def forget(self, robot_id: str) -> None:
         """Drop what is remembered of a robot that was removed; its history stays."""

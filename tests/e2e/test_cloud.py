@@ -46,7 +46,7 @@ def test_a_day_with_a_cloud(farm: Installation) -> None:
     caller = Caller(farm.url, "admin")
     wait_for(lambda: is_well(farm, caller), within_s=60, what="the cloud is connected")
     assert {one["id"].rpartition(":")[2] for one in in_cloud(farm, "StateMessage")} >= {"weeder-01", "weeder-02"}
-    assert in_cloud(farm, "AgriParcel")
+    wait_for(lambda: in_cloud(farm, "AgriParcel"), within_s=20, what="the map, which goes up after the robots")
 
     (mission,) = [one for one in caller.get("/missions")["missions"] if one["id"] == "trial-strip"]
     order = {"mission_id": mission["id"], "way": "cloud"}

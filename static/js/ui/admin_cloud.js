@@ -127,7 +127,7 @@
       return table(["What", "Value"], [
         ["Reports of robots", counts.states], ["Of field stations and cameras", counts.others], ["Events, alarms and missions", counts.records],
         ["Sent twice, since an answer was lost", counts.sent_twice],
-        ["Heard twice from robots", counts.heard_twice], ["Lost on the way from robots", counts.lost_from_robots],
+        ["Heard twice from robots", counts.heard_twice], ["Robot messages dropped here", counts.lost_from_robots],
         ["Refused by the cloud", counts.refused ? `${counts.refused}, the last: ${counts.last_refusal}` : 0],
       ].map((cells) => ({ cells })));
     }

@@ -293,3 +293,24 @@ def test_a_file_of_authorities_that_is_none_is_refused(tmp_path: Path) -> None:
     for file in (tmp_path / "empty.pem", tmp_path / "missing.pem"):
         with pytest.raises(errors.BadInput):
             NgsiClient(Broker("https://broker", ca=str(file)))
+
+
+@pytest.mark.parametrize("status", [400, 404, 405, 409, 411, 415, 422])
+async def test_what_no_broker_writes_is_about_the_way_and_not_about_the_entity(status: int) -> None:
+    page = httpx.Response(status, text="default backend - 404")
+    with pytest.raises(errors.Unreadable):
+        await Wire(page).client().upsert(ROBOT)
+    with pytest.raises(errors.Unreadable):
+        await Wire(page).client().find(REF)
+
+
+@pytest.mark.parametrize("status", [408, 425])
+async def test_a_proxy_that_passes_nothing_on_for_a_while_is_asked_again(status: int) -> None:
+    wire = Wire(status, 204)
+    await wire.client().upsert(ROBOT)
+    assert len(wire.requests) == 2
+
+
+async def test_a_proxy_may_say_in_its_own_words_that_a_request_is_too_large() -> None:
+    with pytest.raises(errors.TooLarge):
+        await Wire(httpx.Response(413, html="<h1>413</h1>")).client().upsert(ROBOT)

@@ -52,6 +52,17 @@ def test_any_entity_comes_back_as_it_went(name: str, attributes: dict[str, Attri
     assert plain(found) == plain(entity)
 
 
+def test_each_metadatum_comes_back_as_its_own_type_wants() -> None:
+    plain_text, raw = Metadatum(type="Text", value="don't"), Metadatum(type="TextUnrestricted", value="50 %27")
+    sent = {
+        "a": Attribute(type="TextUnrestricted", value="a %28 (b)", metadata={"m": plain_text, "r": raw}),
+        "b": Attribute(type="Text", value="(b)", metadata={"m": plain_text, "r": raw}),
+    }
+    rig, entity = Rig(), Entity(ref=ref_for("Robot", "r"), attributes=sent)
+    assert rig.ask("POST", "/v2/entities", entity.to_wire())[0] == 201
+    assert plain(entity_from_wire(rig.ask("GET", "/v2/entities")[1][0])) == plain(entity)
+
+
 @given(TEXTS.filter(bool), TEXTS.filter(bool), st.lists(TEXTS, max_size=2).map(tuple))
 @settings(max_examples=60)
 def test_a_text_is_found_by_itself_and_by_any_part_of_it(text: str, other: str, members: tuple[str, ...]) -> None:

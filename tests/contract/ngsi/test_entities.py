@@ -122,6 +122,38 @@ async def test_what_is_deleted_while_pages_are_read_makes_nothing_be_left_out(cl
     assert found == [f"r{n:02d}" for n in range(20)]
 
 
+async def test_what_is_made_for_what_is_deleted_between_pages_makes_nothing_be_left_out(client: NgsiClient) -> None:
+    await client.batch("append", [robot(name) for name in "abcd"])
+    found = []
+    async for entity in client.entities(Query(), page=2):
+        found.append(entity.ref.id.rpartition(":")[2])
+        if found == ["a", "b"]:
+            await client.delete(ref_for("AgriRobot", "a"))
+            await client.create(robot("e"))
+    assert found[:4] == ["a", "b", "c", "d"]
+
+
+@pytest.mark.parametrize("page", [1, 2, 3])
+async def test_pages_of_any_size_hold_every_entity_once(client: NgsiClient, page: int) -> None:
+    await client.batch("append", [robot(f"r{n}") for n in range(7)])
+    found = []
+    async for entity in client.entities(Query(), page=page):
+        found.append(entity.ref.id.rpartition(":")[2])
+        if len(found) == 3:
+            await client.batch("delete", [robot(f"r{n}") for n in range(3)])
+    assert found == [f"r{n}" for n in range(7)]
+
+
+async def test_what_a_batch_deleted_is_done_although_something_beside_it_was_gone_before(client: NgsiClient) -> None:
+    await client.create(robot("there"))
+    there, gone = ref_for("AgriRobot", "there"), ref_for("AgriRobot", "gone")
+    outcome = await client.batch("delete", [Entity(ref=there), Entity(ref=gone)])
+    assert await client.find(there) is None
+    assert there in outcome.done
+    alone = await client.batch("delete", [Entity(ref=gone)])
+    assert isinstance(alone.failed[gone], errors.NotFound)
+
+
 async def test_conditions_mean_what_they_say(client: NgsiClient) -> None:
     at = datetime(2026, 5, 1, tzinfo=UTC)
     plan = make.structured({"crop": {"name": "maize (late)"}})

@@ -24,7 +24,7 @@ from tests.hmi.planning_service.rig import until
 
 def room(folder: Path, **settings: Any) -> CloudRoom:
     """Return the cloud of a console that has nothing else."""
-    records: Any = SimpleNamespace(missions=SimpleNamespace(on_changed=lambda _: None))
+    records: Any = SimpleNamespace(missions=SimpleNamespace(on_changed=lambda _: None, on_deleted=lambda _: None))
     fleet: Any = SimpleNamespace()
     made = Settings(demo=True, data=folder, **settings)
     return CloudRoom(made, FakeClock(), records, fleet, dict, lambda _: None)
@@ -48,6 +48,42 @@ async def test_settings_nothing_can_be_sent_with_are_shown_as_such_and_everythin
     cloud._backlog.put(Piece("weeder-01", Rank.EVENT, 0.0, "{}"))
     await until(lambda: cloud._backlog.waiting.count == 1)
     await cloud.stop()
+
+
+async def test_an_address_that_no_broker_posts_from_is_shown_and_everything_is_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cloud_module, "LATER_S", 0.0)
+    monkeypatch.setattr(cloud_module, "SETTLE_S", 0.01)
+    cloud = room(tmp_path, cloud_url="https://broker.example", cloud_notify_url="https://farm.example")
+    cloud._settings.cloud_notify_from[:] = ["the broker"]  # as settings do not let it be
+    cloud.start()
+    await until(lambda: cloud.report()["state"] != "connecting")
+    assert (cloud.report()["state"], [one.code for one in cloud.findings()]) == ("misset", ["cloud-refused"])
+    cloud._backlog.put(Piece("weeder-01", Rank.EVENT, 0.0, "{}"))
+    await until(lambda: cloud._backlog.waiting.count == 1)
+    await cloud.stop()
+
+
+async def test_a_folder_that_takes_no_secret_is_tried_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cloud_module, "LATER_S", 0.0)
+    monkeypatch.setattr(cloud_module, "SETTLE_S", 0.01)
+    cloud = room(tmp_path, cloud_url="http://127.0.0.1:9", cloud_notify_url="https://farm.example")
+    (tmp_path / "cloud").write_text("in the way")
+    cloud.start()
+    await until(lambda: cloud.report()["state"] == "misset")
+    assert "folder of the cloud" in cloud.report()["why"]
+    (tmp_path / "cloud").unlink()
+    await until(lambda: cloud._work is not None)
+    await until(lambda: cloud.report()["state"] == "unreachable")
+    await cloud.stop()
+
+
+def test_addresses_the_broker_posts_from_are_checked_with_the_settings(tmp_path: Path) -> None:
+    made = Settings(demo=True, data=tmp_path, cloud_notify_from=["192.168.1.5/24", "10.0.0.7"])
+    assert made.cloud_notify_from == ["192.168.1.0/24", "10.0.0.7/32"]
+    with pytest.raises(ValueError, match="cloud_notify_from"):
+        Settings(demo=True, data=tmp_path, cloud_notify_from=["the broker"])
 
 
 async def test_a_farm_without_a_cloud_says_so_and_does_nothing(tmp_path: Path) -> None:

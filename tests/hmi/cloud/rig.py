@@ -61,6 +61,7 @@ class Fleet:
     def __init__(self) -> None:
         self.known: dict[str, Robot] = {}
         self._changed: dict[str, int] = {}
+        self._removed: dict[str, int] = {}
         self.revision = 0
 
     def put(self, *robots: Robot) -> None:
@@ -69,6 +70,12 @@ class Fleet:
             self.revision += 1
             self.known[robot.id], self._changed[robot.id] = robot, self.revision
 
+    def remove(self, robot_id: str) -> None:
+        """Take a robot out of the farm."""
+        self.revision += 1
+        self._removed[robot_id] = self.revision
+        del self.known[robot_id], self._changed[robot_id]
+
     def robot(self, robot_id: str) -> Robot | None:
         """See ``FleetStore``."""
         return self.known.get(robot_id)
@@ -76,7 +83,8 @@ class Fleet:
     def since(self, revision: int) -> Changes:
         """See ``FleetStore``."""
         changed = {key: frozenset({Part.TELEMETRY}) for key, at in self._changed.items() if at > revision}
-        return Changes(self.revision, changed, frozenset())
+        removed = frozenset(key for key, at in self._removed.items() if at > revision)
+        return Changes(self.revision, changed, removed)
 
 
 class Rig:

@@ -18,6 +18,7 @@ from hmi.cloud.outbox import Rank
 from hmi.domain.event import RobotEvent
 from hmi.domain.mission import MissionStatus
 from hmi.fiware.farm_map import map_entities
+from hmi.fiware.urn import moment
 from hmi.mapping.feature import MapFeature
 from hmi.presenters.cloud import WORDS
 from hmi.service_link import ANSWERS, LinkState
@@ -157,6 +158,98 @@ def test_a_mission_that_changed_twice_meanwhile_ends_as_it_is_now(tmp_path: Path
     played(tmp_path, story)
 
 
+def test_events_arrive_whatever_characters_a_robot_has_in_their_ids(tmp_path: Path) -> None:
+    names = [
+        "8f2c-0001",
+        "boot 7 (row=3)",
+        "boot 7 (row=4)",
+        "~20 boot",
+        "<&?/#\"'>;",
+        "Z\u00fcge \u2603 " * 6,
+        "\u2603" * 64,
+    ]
+
+    async def story(rig: Rig) -> None:
+        for name in names:
+            rig.news.see_event(RobotEvent("weeder-01", name, "mode", "auto", name, {}, at_utc=rig.clock.utc(),
+                                          mission_id="m1"))  # fmt: skip
+        await rig.run(2)
+        found = await rig.in_cloud("DeviceMeasurement")
+        assert sorted(one["textValue"] for one in found.values()) == sorted(names)
+        assert "urn:ngsi-ld:DeviceMeasurement:hof:weeder-01:8f2c-0001" in found
+        assert {one["headland"]["mission"] for one in found.values()} == {"m1"}
+        assert rig.mirror.counts.refused == 0
+
+    played(tmp_path, story)
+
+
+OPERATION = "urn:ngsi-ld:AgriParcelOperation:hof:m1"
+
+
+def test_a_mission_that_runs_again_has_no_result_of_its_last_life_and_says_since_when(tmp_path: Path) -> None:
+    async def story(rig: Rig) -> None:
+        for status in (MissionStatus.SENT, MissionStatus.RUNNING, MissionStatus.DONE):
+            rig.news.see_mission(mission(rig, status))
+            await rig.run(2)
+        found = (await rig.in_cloud("AgriParcelOperation"))[OPERATION]
+        assert (found["result"], found["startedAt"] < found["endedAt"]) == ("ok", True)
+        again = mission(rig, MissionStatus.RUNNING)
+        rig.news.see_mission(again)
+        await rig.run(2)
+        found = (await rig.in_cloud("AgriParcelOperation"))[OPERATION]
+        assert found["status"] == "ongoing"
+        assert not {"result", "endedAt"} & found.keys()
+        assert found["startedAt"] == moment(again.updated_at)
+
+    played(tmp_path, story)
+
+
+def test_what_goes_from_a_mission_is_not_lost_where_the_cloud_fails_between(tmp_path: Path) -> None:
+    async def story(rig: Rig) -> None:
+        rig.news.see_mission(mission(rig, MissionStatus.DONE))
+        await rig.run(2)
+        rig.news.see_mission(mission(rig, MissionStatus.RUNNING))
+        rig.switch.set(Faults(status=503, methods=("POST",)))
+        await rig.run(2)
+        assert rig.backlog.total == 1
+        rig.switch.set(Faults())
+        await rig.run(40)
+        found = (await rig.in_cloud("AgriParcelOperation"))[OPERATION]
+        assert (found["status"], "result" in found) == ("ongoing", False)
+
+    played(tmp_path, story)
+
+
+def test_a_mission_that_was_deleted_is_cancelled_in_the_cloud(tmp_path: Path) -> None:
+    async def story(rig: Rig) -> None:
+        rig.news.see_mission(mission(rig, MissionStatus.DRAFT))
+        await rig.run(1)
+        rig.news.see_deleted(mission(rig, MissionStatus.DRAFT))
+        await rig.run(1)
+        found = (await rig.in_cloud("AgriParcelOperation"))[OPERATION]
+        assert (found["status"], found["headland"]["status"]) == ("cancelled", "deleted")
+
+    played(tmp_path, story)
+
+
+def test_a_robot_that_was_taken_out_of_the_farm_is_not_online_in_the_cloud_for_ever(tmp_path: Path) -> None:
+    async def story(rig: Rig) -> None:
+        robot_at(rig, "weeder-01", 50.0)
+        robot_at(rig, "weeder-02", 50.0)
+        await rig.run(1)
+        rig.fleet.remove("weeder-01")
+        await rig.run(1)
+        found = {key.rpartition(":")[2]: one["headland"] for key, one in (await rig.in_cloud("StateMessage")).items()}
+        assert (found["weeder-01"]["online"], found["weeder-01"]["removed"]) == (False, True)
+        assert "removed" not in found["weeder-02"]
+        robot_at(rig, "weeder-01", 50.1)
+        await rig.run(1)
+        found = {key.rpartition(":")[2]: one["headland"] for key, one in (await rig.in_cloud("StateMessage")).items()}
+        assert "removed" not in found["weeder-01"]
+
+    played(tmp_path, story)
+
+
 def untrusted(request: httpx.Request) -> Exception:
     """Return what httpx raises for a certificate that is not to be trusted."""
     error = httpx.ConnectError("certificate verify failed", request=request)
@@ -245,6 +338,38 @@ def test_an_entity_the_broker_never_takes_does_not_hold_up_the_others(tmp_path: 
         assert (rig.backlog.total, rig.mirror.counts.refused) == (0, 1)
         assert "413" in rig.mirror.counts.last_refusal
         assert rig.link.link.state is LinkState.OK
+
+    played(tmp_path, story)
+
+
+@pytest.mark.parametrize(
+    ("answer", "state"),
+    [
+        (httpx.Response(404, text="default backend - 404"), LinkState.NOT_UNDERSTOOD),
+        (httpx.Response(400, html="<p>Bad request</p>"), LinkState.NOT_UNDERSTOOD),
+        (httpx.Response(408, text=""), LinkState.SILENT),
+        (httpx.Response(425, json={"error": "Early", "description": "later"}), LinkState.SILENT),
+        (httpx.Response(404, json={"error": "NotFound", "description": "no such route"}), LinkState.NOT_UNDERSTOOD),
+    ],
+)
+def test_what_a_proxy_says_of_all_requests_drops_nothing_that_waits(
+    tmp_path: Path, answer: httpx.Response, state: LinkState
+) -> None:
+    def break_updates(request: httpx.Request) -> httpx.Response:
+        return answer if request.url.path == "/v2/op/update" else httpx.Response(200, json={"orion": {}})
+
+    async def story(rig: Rig) -> None:
+        await rig.run(1)
+        for number in range(300):
+            event(rig, number)
+        rig.road.broken = break_updates
+        rig.road.requests.clear()
+        await rig.run(0.5)
+        assert rig.link.link.state is state
+        assert (rig.backlog.total, rig.mirror.counts.refused, rig.mirror.counts.pieces) == (300, 0, 0)
+        rig.road.broken = None
+        await rig.run(60)
+        assert len(await rig.in_cloud("DeviceMeasurement")) == 300
 
     played(tmp_path, story)
 

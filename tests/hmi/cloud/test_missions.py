@@ -14,14 +14,14 @@ from hypothesis import strategies as st
 
 from backend_clients.cloud_robot.mission_answer import MissionAnswer, read_answer
 from backend_clients.cloud_robot.mission_order import MissionOrder, read_order
-from backend_clients.cloud_robot.names import ANSWER, ORDER, PRESENCE, presence_ref
+from backend_clients.cloud_robot.names import ANSWER, ORDER, PRESENCE, answer_ref, order_ref, presence_ref
 from backend_clients.cloud_robot.packing import packed, unpacked
 from backend_clients.cloud_robot.presence import Presence
 from backend_clients.edge import messages_up as up
 from backend_clients.http.retry import RetryPolicy
 from backend_clients.ngsi.client import NgsiClient
 from backend_clients.ngsi.connection import Broker
-from backend_clients.ngsi.entity import entity_from_wire
+from backend_clients.ngsi.entity import Entity, entity_from_wire
 from backend_clients.ngsi.errors import BadInput, Unreadable
 from backend_clients.ngsi.query import Query
 from backend_clients.ngsi.tenant import Tenant
@@ -34,7 +34,7 @@ from backend_clients.simulator.faults import Silence
 from backend_clients.simulator.world import World
 from hmi.clock import FakeClock
 from hmi.cloud.delays import Delays
-from hmi.cloud.missions import ANSWER_S, CloudMissions
+from hmi.cloud.missions import ANSWER_S, TIDY_S, CloudMissions
 from hmi.domain.command import OrderFailed
 from hmi.domain.mission_document import mission_sha256
 from hmi.fiware.normalized import key_values
@@ -290,3 +290,78 @@ def test_presence_and_answer_come_back_as_they_went() -> None:
     back = read_answer(entity_from_wire(answer.to_entity("hof").to_wire()))
     assert (back.code, back.text, back.is_accepted) == ("mission_active", "Another (one).", False)
     assert Presence("weeder-01", "challenge", AT).to_entity("hof").value("value") == "challenge"
+
+
+async def test_what_was_left_at_the_broker_is_deleted_and_what_somebody_waits_for_is_not() -> None:
+    farm = Farm("weeder-01")
+    await farm.agents.round()
+    farm.are_agents_on = False
+
+    async def dies(_seconds: float) -> None:
+        farm.switch.set(Faults(status=503))
+        raise RuntimeError("the console is killed")
+
+    killed = CloudMissions(farm.client(), "hof", farm.clock, farm.delays, dies)
+    with pytest.raises(RuntimeError):
+        await killed.upload_mission("weeder-01", document())
+    farm.switch.set(Faults())
+    other = Entity(ref=order_ref("other", "weeder-01", "theirs"), attributes={})
+    await farm.client().create(other)
+    await farm.agents.round()  # refused or not: the answer nobody reads
+    assert (len(await farm.entities(ORDER)), len(await farm.entities(ANSWER))) == (2, 1)
+
+    async def tidies(seconds: float) -> None:
+        await farm.console.tidy()
+        farm.are_agents_on = True
+        await farm.passes(seconds)
+
+    farm.console._sleep = tidies
+    assert (await farm.console.upload_mission("weeder-01", document())).is_accepted
+    assert [one.ref for one in await farm.entities(ORDER)] == [other.ref]
+    assert await farm.entities(ANSWER) == []
+
+
+async def test_an_answer_that_comes_too_late_is_deleted_later() -> None:
+    farm = Farm("weeder-01")
+    await farm.agents.round()
+    await farm.console.tidy()
+    farm.are_agents_on = False
+    with pytest.raises(OrderFailed):
+        await farm.console.upload_mission("weeder-01", document())
+    await farm.client().create(Entity(ref=answer_ref("hof", "weeder-01", "late"), attributes={}))
+    await farm.console.tidy()
+    assert len(await farm.entities(ANSWER)) == 1
+    farm.clock.advance(TIDY_S)
+    await farm.console.tidy()
+    assert await farm.entities(ANSWER) == []
+
+
+async def test_an_agent_answers_an_order_once_and_looks_at_those_of_its_farm() -> None:
+    farm = Farm("weeder-01")
+    await farm.agents.round()
+    farm.switch.set(Faults(status=503, methods=("DELETE",)))
+    assert (await farm.console.upload_mission("weeder-01", document())).is_accepted
+    assert len(await farm.entities(ORDER)) == 1  # it could not be taken back
+    (answer,) = await farm.entities(ANSWER)
+    farm.switch.set(Faults())
+    await farm.client().delete(answer.ref)
+    for _ in range(3):
+        await farm.passes(1.0)
+    assert await farm.entities(ANSWER) == []
+
+
+async def test_a_page_of_a_proxy_while_the_robot_is_waited_for_is_asked_again() -> None:
+    farm = Farm("weeder-01")
+    await farm.agents.round()
+    pages = [httpx.Response(404, text="default backend"), httpx.Response(408, text="")]
+    inner = farm.transport
+
+    class Way(httpx.AsyncBaseTransport):
+        async def handle_async_request(self, request: httpx.Request) -> httpx.Response:
+            is_answer = request.method == "GET" and ANSWER in request.url.path
+            return pages.pop() if is_answer and pages else await inner.handle_async_request(request)
+
+    broker = Broker("http://broker.test", Tenant("farm"), retry=RetryPolicy(attempts=1))
+    console = CloudMissions(NgsiClient(broker, transport=Way()), "hof", farm.clock, farm.delays, farm.passes)
+    assert (await console.upload_mission("weeder-01", document())).is_accepted
+    assert pages == []

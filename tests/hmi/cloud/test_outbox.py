@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import sqlite3
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -84,14 +85,20 @@ def test_a_file_that_is_no_outbox_is_said_so_and_does_not_end_the_console(tmp_pa
 
 
 class FullDisk(Outbox):
-    """Takes nothing while it is full."""
+    """Takes nothing while it is full, and lets nothing be deleted: that needs room, too."""
 
     is_full = False
+    is_unreadable = False
 
-    def _write(self, statement: str, rows: object) -> None:
-        if self.is_full and statement.startswith("INSERT"):
+    def _write(self, statement: str, rows: Sequence[tuple[object, ...]]) -> int:
+        if self.is_full:
             raise self._unusable(sqlite3.OperationalError("database or disk is full"))
-        super()._write(statement, rows)  # type: ignore[arg-type]
+        return super()._write(statement, rows)
+
+    def _opened(self) -> sqlite3.Connection:
+        if self.is_unreadable:
+            raise sqlite3.OperationalError("disk I/O error")
+        return super()._opened()
 
 
 def test_a_full_disk_keeps_new_pieces_in_memory_and_they_are_delivered_from_there(tmp_path: Path) -> None:
@@ -116,3 +123,75 @@ def test_a_full_disk_keeps_new_pieces_in_memory_and_they_are_delivered_from_ther
         await backlog.close()
 
     asyncio.run(story())
+
+
+async def test_what_was_delivered_while_the_disk_is_full_does_not_come_again(tmp_path: Path) -> None:
+    box, clock = FullDisk(tmp_path / "o.db", 10**6, DAY_S), FakeClock()
+    backlog, now_s = Backlog(box, clock), clock.utc().timestamp()
+    for n in range(300):
+        backlog.put(piece(f"p{n}", at_s=now_s))
+    await backlog.settle()
+    box.is_full = True
+    backlog.put(piece("new", at_s=now_s))
+    sent: list[str] = []
+    for _ in range(5):
+        await backlog.settle()
+        found = await backlog.first(100)
+        sent += names(found)
+        await backlog.delivered(found[1:] + found[:1] if len(sent) < 200 else found)
+    assert sent == [*(f"p{n}" for n in range(300)), "new"]
+    assert (backlog.total, backlog.waiting.bytes) == (0, 0)
+    assert "full" in backlog.waiting.trouble
+    box.is_full = False
+    await backlog.settle()
+    assert (box.waiting(), box.first(10), backlog.waiting.lost) == ((0, 0, None), [], 0)
+    backlog.put(piece("later", at_s=now_s))
+    await backlog.settle()
+    assert names(await backlog.first(10)) == ["later"]
+    await backlog.close()
+
+
+async def test_pieces_that_did_not_arrive_are_returned_again_between_those_that_did(tmp_path: Path) -> None:
+    box, clock = FullDisk(tmp_path / "o.db", 10**6, DAY_S), FakeClock()
+    backlog = Backlog(box, clock)
+    for n in range(5):
+        backlog.put(piece(f"p{n}", at_s=clock.utc().timestamp()))
+    await backlog.settle()
+    box.is_full = True
+    found = await backlog.first(3)
+    await backlog.delivered([found[0], found[2]])
+    assert names(await backlog.first(10)) == ["p1", "p3", "p4"]
+    await backlog.close()
+
+
+@pytest.mark.parametrize("is_unreadable", [False, True])
+async def test_nothing_overtakes_what_an_earlier_run_left_on_a_disk_that_is_full_now(
+    tmp_path: Path, is_unreadable: bool
+) -> None:
+    clock = FakeClock()
+    first = Backlog(Outbox(tmp_path / "o.db", 10**6, DAY_S), clock)
+    first.put(piece("running", Rank.MISSION, clock.utc().timestamp()))
+    await first.close()
+    box = FullDisk(tmp_path / "o.db", 10**6, DAY_S)
+    box.is_full, box.is_unreadable = True, is_unreadable
+    backlog = Backlog(box, clock)
+    backlog.put(piece("done", Rank.MISSION, clock.utc().timestamp()))
+    await backlog.settle()
+    found = await backlog.first(10)
+    assert names(found) == ([] if is_unreadable else ["running"])
+    box.is_unreadable = False
+    await backlog.delivered(await backlog.first(1))
+    assert names(await backlog.first(10)) == ["done"]
+    await backlog.close()
+
+
+@pytest.mark.parametrize("left", [b"", b"not a database" * 1000])
+async def test_where_nothing_older_can_be_read_ever_new_pieces_go_from_memory(tmp_path: Path, left: bytes) -> None:
+    (tmp_path / "o.db").write_bytes(left)
+    box = FullDisk(tmp_path / "o.db", 10**6, DAY_S)
+    box.is_full, box.is_unreadable = True, not left
+    backlog = Backlog(box, FakeClock())
+    backlog.put(piece("new", at_s=FakeClock().utc().timestamp()))
+    await backlog.settle()
+    assert names(await backlog.first(10)) == ["new"]
+    assert backlog.waiting.trouble

@@ -22,7 +22,8 @@ from backend_clients.ngsi.subscriptions import Subscriptions
 from backend_clients.ngsi.tenant import Tenant
 from hmi.cloud.hints import Hints
 from hmi.cloud.map_changes import STORM_S, SUBSCRIBE_S, MapChanges
-from hmi.cloud.proposals import ProposalBook
+from hmi.cloud.proposals import MOST, ProposalBook
+from hmi.cloud.told_ids import ToldIds
 from hmi.fiware.farm_map import map_entities
 from hmi.fiware.map_change import KIND_OF, is_as_told, proposed, signed
 from hmi.fiware.normalized import key_values, normalized
@@ -57,15 +58,17 @@ def test_what_we_wrote_is_never_taken_for_somebody_elses_wish(written: list[MapF
 class Farm:
     """A console with a published map, and somebody else in the cloud."""
 
-    def __init__(self, folder: Path, *features: MapFeature) -> None:
-        self.rig = Rig(folder)
+    def __init__(self, folder: Path, *features: MapFeature, **how: Any) -> None:
+        self.rig = Rig(folder, **how)
         self.features = {one.id: one for one in features}
         self.told = 0
         self.book = ProposalBook(self.rig.urns)
         self.hints = Hints(Gate(SecretStr(SECRET)), Tenant("farm"), self.rig.clock)
         client = self.rig.link.client
         self.rig.mirror._whole = self._whole
-        self.rig.mirror.changes = MapChanges(client, self.book, self.hints, self.rig.clock, self._map, self._changed)
+        told = ToldIds(folder / "told.json", "broker.test farm")
+        self.rig.mirror.changes = MapChanges(client, self.book, self.hints, self.rig.clock, self._map, self._changed,
+                                             told=told)  # fmt: skip
         self.others: NgsiClient = client
         self.tell()
 
@@ -298,3 +301,100 @@ def test_a_broker_may_write_numbers_its_own_way(number: float) -> None:
               "headland": {}}  # fmt: skip
     whole = json.loads(json.dumps(signed(entity)).replace(".0]", "]").replace(".0,", ","))
     assert is_as_told(whole)
+
+
+async def test_changes_that_find_no_room_in_the_list_are_not_written_over_either(tmp_path: Path) -> None:
+    many = [replace(NORTH, id=f"f{n}", name=f"Field {n}") for n in range(MOST + 3)]
+    farm = Farm(tmp_path, *many)
+    await farm.rig.run(2)
+    for one in many:
+        await farm.others.patch(EntityRef(f"urn:ngsi-ld:AgriParcel:hof:{one.id}", "AgriParcel"),
+                                {"name": make.text("Theirs")})  # fmt: skip
+    for _ in range(2):  # the same ones are not counted again
+        farm.tell()
+        await farm.rig.run(2)
+        assert (len(farm.book.all()), farm.book.left_out) == (MOST, 3)
+        assert {one["name"] for one in (await farm.in_cloud()).values()} == {"Theirs"}
+    first = farm.book.all()[0]
+    farm.book.drop(first.id)
+    farm.tell()
+    await farm.rig.run(2)
+    assert (len(farm.book.all()), farm.book.left_out) == (MOST, 2)
+    assert (await farm.in_cloud())[first.entity_id]["name"] != "Theirs", "refused: ours is written"
+    await farm.rig.close()
+
+
+async def test_what_was_taken_off_a_field_here_goes_in_the_cloud_and_is_no_wish_of_it(tmp_path: Path) -> None:
+    sown = replace(
+        NORTH, properties={"crop": "Maize", "soil_type": "Clay", "status": "growing", "seeded": "2026-05-01"}
+    )
+    farm = Farm(tmp_path, sown)
+    await farm.rig.run(1)
+    assert {"hasAgriSoil", "cropStatus", "lastPlantedAt"} <= (await farm.in_cloud())[REF.id].keys()
+    farm.features["north"] = NORTH
+    farm.tell()
+    await farm.rig.run(1)
+    await farm.rig.run(301, step_s=50)
+    assert farm.book.all() == []
+    assert not {"hasAgriSoil", "cropStatus", "lastPlantedAt"} & (await farm.in_cloud())[REF.id].keys()
+    await farm.others.append(REF, {"ndvi": make.number(0.7)})
+    farm.tell()
+    await farm.rig.run(2)
+    assert (await farm.in_cloud())[REF.id]["ndvi"] == 0.7, "what others added stays"
+    await farm.rig.close()
+
+
+async def test_a_field_deleted_in_the_cloud_while_the_console_was_off_is_proposed_and_not_written_again(
+    tmp_path: Path,
+) -> None:
+    farm = Farm(tmp_path, NORTH, BARN)
+    await farm.rig.run(1)
+    await farm.others.delete(REF)
+    again = Farm(tmp_path, NORTH, BARN, clock=farm.rig.clock, broker=farm.rig.broker)
+    await again.rig.run(2)
+    (one,) = again.book.all()
+    assert (one.id, one.what, one.after) == ("north", "removed", None)
+    assert await again.in_cloud() == {}, "while it is open it is not written again"
+    again.book.drop("north")
+    again.tell()
+    await again.rig.run(301, step_s=50)
+    assert REF.id in await again.in_cloud(), "refused: it is written again"
+    assert again.book.all() == []
+    await farm.rig.close()
+    await again.rig.close()
+
+
+async def test_a_field_that_is_gone_here_and_in_the_cloud_is_no_proposal(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH, BARN)
+    await farm.rig.run(1)
+    await farm.others.delete(REF)
+    await farm.rig.run(301, step_s=50)
+    assert [one.what for one in farm.book.all()] == ["removed"]
+    del farm.features["north"]  # taken and published
+    farm.book.published(farm.features)
+    farm.tell()
+    await farm.rig.run(301, step_s=50)
+    assert (farm.book.all(), await farm.in_cloud()) == ([], {})
+    farm.features["north"] = NORTH  # drawn anew
+    farm.tell()
+    await farm.rig.run(301, step_s=50)
+    assert (farm.book.all(), list(await farm.in_cloud())) == ([], [REF.id])
+    await farm.rig.close()
+
+
+async def test_a_broker_that_forgot_everything_wants_no_field_removed(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH, is_strict=False)
+    await farm.rig.run(1)
+    again = Farm(tmp_path, NORTH, is_strict=False, clock=farm.rig.clock)  # the broker was started anew
+    await again.rig.run(2)
+    assert (again.book.all(), list(await again.in_cloud())) == ([], [REF.id])
+    await farm.rig.close()
+    await again.rig.close()
+
+
+def test_what_another_tenant_was_told_does_not_count(tmp_path: Path) -> None:
+    ToldIds(tmp_path / "told.json", "one").add([REF])
+    assert ToldIds(tmp_path / "told.json", "one").all() == {REF}
+    assert ToldIds(tmp_path / "told.json", "two").all() == set()
+    (tmp_path / "told.json").write_bytes(b"{")
+    assert ToldIds(tmp_path / "told.json", "one").all() == set()

@@ -92,7 +92,10 @@ def test_a_mission_on_a_robot_is_not_renamed_underneath_it(rig: Rig) -> None:
 
 def test_a_mission_that_never_ran_is_deleted_with_its_log(rig: Rig) -> None:
     put(rig)
+    deleted: list[Mission] = []
+    rig.missions.on_deleted(deleted.append)
     rig.missions.delete(FARM, "m-1")
+    assert [one.id for one in deleted] == ["m-1"]
     assert rig.missions.known("m-1") is None
     with pytest.raises(NotFound):
         rig.missions.document(FARM, "m-1")

@@ -126,6 +126,17 @@ def test_an_event_is_kept_once_and_with_the_mission_under_way(
     assert kept == replace(event, mission_id="mission-1")
 
 
+def test_who_listens_hears_events_with_their_mission_and_changes_of_mode(recorder: Recorder, clock: FakeClock) -> None:
+    heard: list[RobotEvent] = []
+    recorder.on_event.append(heard.append)
+    recorder.see(robot(clock.mono_s()))
+    recorder.see_event(RobotEvent("weeder-01", "event-0001", "treatment", "laser", "62 weeds", at_utc=clock.utc()))
+    recorder.see_event(RobotEvent("nobody", "event-0001", "treatment", "laser", "62 weeds", at_utc=clock.utc()))
+    recorder.see(robot(clock.mono_s(), mode=Mode.PAUSED, path=("Paused",)))
+    assert [(one.kind, one.mission_id) for one in heard if one.kind == "treatment"] == [("treatment", "mission-1")]
+    assert [one.name for one in heard if one.kind == "mode"] == ["auto", "paused"]
+
+
 def test_a_robot_cannot_hide_anothers_event_behind_the_same_id(
     recorder: Recorder, history: History, clock: FakeClock
 ) -> None:
