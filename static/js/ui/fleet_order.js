@@ -20,6 +20,16 @@
     return worst;
   }
 
+  // Alarms of priority 1 and 2 that are of no robot, of the console or a station, stand in the list like robots.
+  function notices(alarms, robots) {
+    const all = Object.entries(alarms || {}).filter(([, one]) => one && one.state in ACTIVE && one.priority <= 2 && !(one.source in robots));
+    return all.map(([id, one]) => noticeOf({ ...one, id })).filter((one) => one.verdict.group === "needs-you");
+  }
+  function noticeOf(alarm) {
+    const robot = { name: alarm.name, why: "" };
+    return { id: alarm.id, isNotice: true, robot, ageMs: 0, verdict: judge(robot, { ageMs: 0, alarm }) };
+  }
+
   const compareAlarms = (a, b) => a.priority - b.priority || ACTIVE[a.state] - ACTIVE[b.state] || a.raised - b.raised;
 
   // "about 1 min", for how long clearing takes
@@ -136,10 +146,12 @@
   }
 
   // -> [{key, title, items, kind: "rows" | "cells", folded}] in the order they are read
-  function sections(items, { sort = "attention", groups = [], open = new Set() } = {}) {
-    if (sort === "name") return [{ key: "all", title: "All robots", kind: "rows", items: [...items].sort(byName) }];
-    if (sort === "group") return gather([...items].sort(byAttention), groups, "rows", () => false);
-    const of = (group) => items.filter((one) => one.verdict.group === group).sort(byAttention);
+  function sections(items, { sort = "attention", groups = [], open = new Set(), notices = [] } = {}) {
+    if (sort === "name" || sort === "group") {
+      const rows = sort === "name" ? [{ key: "all", title: "All robots", kind: "rows", items: [...items].sort(byName) }] : gather([...items].sort(byAttention), groups, "rows", () => false);
+      return notices.length ? [{ key: "needs-you", title: "Needs you", kind: "rows", items: [...notices].sort(byAttention) }, ...rows] : rows;
+    }
+    const of = (group) => [...(group === "needs-you" ? notices : []), ...items.filter((one) => one.verdict.group === group)].sort(byAttention);
     const normal = of("normal").sort(byName);
     const isFolded = items.length > FOLD_ABOVE;
     const rest = isFolded ? gather(normal, groups, "cells", (key) => !open.has(key)) : [];
@@ -209,5 +221,5 @@
     return found;
   }
 
-  HL.fleetOrder = { judge, rank, worstAlarms, sections, passes, matches, hold, isMoved, worst, figures, advice, homeOf, isWorking, FAMILIES, FOLD_ABOVE };
+  HL.fleetOrder = { judge, rank, worstAlarms, notices, sections, passes, matches, hold, isMoved, worst, figures, advice, homeOf, isWorking, FAMILIES, FOLD_ABOVE };
 })();
