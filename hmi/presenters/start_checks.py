@@ -127,7 +127,8 @@ def _site(robot: Robot, facts: MissionFacts | None) -> Check:
         return _check("site", False, f"It is {number(away_m)} m from the start.", "Drive it to the field first.")
     if facts.fence and not _inside(here, facts.fence):
         return _check("site", False, "It stands outside the farm.", "Look whether that is right.", blocks=False)
-    return _check("site", True, f"It is at the site, {number(away_m)} m from the first point.")
+    no_edge = "" if facts.fence or facts.map_text is None else " The map has no farm edge: nobody notices if it leaves."
+    return _check("site", True, f"It is at the site, {number(away_m)} m from the first point.{no_edge}")
 
 
 def _position(robot: Robot) -> Check:

@@ -108,6 +108,13 @@ def test_a_changed_map_and_a_place_outside_the_farm_warn() -> None:
     assert blocking(ready(), known) == set()
 
 
+def test_a_map_without_a_farm_edge_is_said_and_holds_nobody_up() -> None:
+    site = found(ready(), facts(map_text="", fence=()))["site"]
+    assert site["ok"]
+    assert site["text"].endswith("The map has no farm edge: nobody notices if it leaves.")
+    assert "edge" not in found(ready(), facts(map_text=None, fence=()))["site"]["text"]
+
+
 def test_what_is_not_known_is_said_and_never_good() -> None:
     checks = found(replace(LOADED, telemetry=None), None)
     unknown = {key for key, one in checks.items() if one["ok"] is None}
