@@ -158,3 +158,12 @@ test('alarms of the console and of stations need somebody too, and no alarm of a
   for (const sort of ['name', 'group']) assert.deepEqual(plain(ids(sections([of('ok')], { sort, notices: found })[0])), ['gateway-down.console', 'disk-full.console']);
   assert.deepEqual(plain(notices(null, {})), []);
 });
+
+test('what nobody answered stands first of its priority and names who is responsible', () => {
+  const told = { ...alarm('told', 2), id: 'x', escalated: 7 };
+  const [needs] = sections([of('sooner', { help_s: 60 }, { alarm: alarm('sooner', 2) }), of('told', {}, { alarm: told, responsible: 'Martha Keller' }), of('top', {}, { alarm: alarm('top', 1) })]);
+  assert.deepEqual(plain(ids(needs)), ['top', 'told', 'sooner']);
+  assert.equal(needs.items[1].verdict.line, 'Nobody answered, responsible: Martha Keller. so now');
+  assert.equal(of('a', {}, { alarm: { ...told, state: 'acknowledged' } }).verdict.isUnanswered, false);
+  assert.equal(worstAlarms({ x: alarm('a', 2, 'unacknowledged', 1), y: { ...alarm('a', 2, 'unacknowledged', 9), escalated: 9 } }).a.id, 'y');
+});

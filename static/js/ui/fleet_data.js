@@ -96,13 +96,15 @@
   function seen(one, robot, now, stop, alarm) {
     const ageMs = typeof robot.t === "number" && now !== null ? Math.max(0, now - robot.t) : Infinity;
     const duty = data.duty[one.id];
-    if (duty !== one.duty) Object.assign(one, { duty, responsible: duty?.name ?? "" });
+    const responsible = duty?.name ?? "";
+    const isHandedOver = responsible !== one.responsible;
+    if (duty !== one.duty) Object.assign(one, { duty, responsible });
     one.ageMs = ageMs;
     const before = one.verdict;
     const isLost = ageMs > HL.LOST_MS;
-    if (before && !isLost && !before.isLost && !stop && one.robot === robot && one.alarm === alarm && !one.stop) return one;
+    if (before && !isHandedOver && !isLost && !before.isLost && !stop && one.robot === robot && one.alarm === alarm && !one.stop) return one;
     if (one.robot.field !== robot.field || one.robot.family !== robot.family || one.robot.name !== robot.name) data.order += 1;
-    Object.assign(one, { robot, alarm, stop, verdict: HL.fleetOrder.judge(robot, { ageMs, stop, alarm, words: HL.words }) });
+    Object.assign(one, { robot, alarm, stop, verdict: HL.fleetOrder.judge(robot, { ageMs, stop, alarm, words: HL.words, responsible }) });
     const verdict = one.verdict;
     if (!before || HL.fleetOrder.isMoved(before, verdict)) data.order += 1;
     if (!before || ((before.level || verdict.level) && (before.level !== verdict.level || before.head !== verdict.head || before.look !== verdict.look))) data.marks += 1;
