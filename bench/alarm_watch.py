@@ -40,7 +40,7 @@ class _Farm:
         self.store.set_broker(is_up=True)
         self.alarms = AlarmStore(self.clock, catalogue())
         ring = [(5 + 0.01 * math.cos(a / 100 * math.pi), 52 + 0.01 * math.sin(a / 100 * math.pi)) for a in range(201)]
-        ground = Ground.of([*ring[:-1], ring[0]])
+        ground = Ground.of([[[*ring[:-1], ring[0]]]])
         facts = MissionFacts("a" * 64, "Field", 1, 0.3, 7200.0)
         types = catalogue()
         self.watch = Watch(

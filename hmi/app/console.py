@@ -277,7 +277,8 @@ class Console:
         hear = self.edge.coordinator.listeners
         hear.on_ack += [self._acknowledged, self.stops.service.on_ack]
         hear.on_safety += [self._safety, self.stops.service.on_safety]
-        hear.on_event += [self.records.recorder.see_event, self.alarms.see_event, self._robot_event]
+        hear.on_event += [self.records.recorder.see_event, self.alarms.see_event, self.fleet.see_event]
+        hear.on_event.append(self._robot_event)
         hear.on_trouble.append(self.alarms.trouble)
         if self.cloud.is_on:
             self.records.recorder.on_event.append(self.cloud.news.see_event)  # with its mission, and changes of mode

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from datetime import date
+from datetime import date, datetime
 from pathlib import Path
 
 from fastapi import APIRouter
@@ -21,6 +21,7 @@ from hmi.commands.fleet_groups import FleetGroupBook
 from hmi.commands.ledger import CommandResult, Ticket
 from hmi.commands.ports import LaneEvent
 from hmi.domain.command import Action
+from hmi.domain.event import RobotEvent
 from hmi.domain.fleet_day import FleetDay
 from hmi.security.authorization import Authorize
 from hmi.settings import Settings
@@ -97,8 +98,17 @@ class FleetDesk:
             self._task = None
             await self._keep()
 
+    def see_event(self, event: RobotEvent) -> None:
+        """Count a tree, unless a robot tells late of another day."""
+        today = self._today()
+        if self._fleet.registration(event.robot_id) is not None and self._day_of(event.at_utc) == today:
+            self.day.see_event(event, today)
+
     def _today(self) -> date:
-        return self._clock.utc().astimezone(self._zone).date()
+        return self._day_of(self._clock.utc())
+
+    def _day_of(self, at: datetime) -> date:
+        return at.astimezone(self._zone).date()
 
     def _name_of(self, robot_id: str) -> str:
         entry = self._fleet.registration(robot_id)

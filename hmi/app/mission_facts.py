@@ -22,7 +22,7 @@ class _Around(NamedTuple):
 
     key: tuple[str, int]
     start: Place
-    fence: tuple[Place, ...]
+    fences: tuple[tuple[Place, ...], ...]
     map_number: int | None
     map_text: str | None
 
@@ -55,7 +55,7 @@ class MissionFactsBook:
             None if around is None else around.map_number,
             None if around is None else around.map_text,
             None if around is None else around.start,
-            () if around is None else around.fence,
+            () if around is None else around.fences,
             bool(mission.pending_sha256),
         )
 
@@ -74,11 +74,11 @@ class MissionFactsBook:
         try:
             document = await self._database.run(self._missions.document, mission.farm_id, mission.id)
             farms = await self._database.run(self._features.all, mission.farm_id, ("farm",))
-            fence = _ring(farms[0].geometry) if farms else ()
+            fences = tuple(_ring(one.geometry) for one in farms)
             start = await asyncio.to_thread(_start, document)  # the first one loads the geometry
             number = mission.planned_on(document)
             text = await self._map_text(mission.farm_id, number, document)
-            self._around[mission.id] = _Around(key, start, fence, number, text)
+            self._around[mission.id] = _Around(key, start, fences, number, text)
         except (NotFound, StoreError) as error:
             log.info("nothing is known around mission %s: %s", mission.id, error)
         finally:

@@ -1,6 +1,7 @@
 """What the fleet did today: area, plants, utilisation, interventions. Pure; fed with what robots report.
 
 A figure that a robot reports anew after a restart, or for another mission, counts from there: only growth counts.
+What a robot did of the same mission while it was not heard counts when it is heard again, on the same day.
 """
 
 from __future__ import annotations
@@ -11,11 +12,12 @@ from dataclasses import dataclass, field
 from datetime import date
 from typing import Any
 
-from hmi.domain.robot import Family, Mode, OrderStatus, Robot
+from hmi.domain.event import RobotEvent
+from hmi.domain.robot import Mode, OrderStatus, Robot
 
 MOST_GAP_S = 10.0  # time that nobody saw does not count as worked, nor as idle
 _SUMS = ("area_m2", "plants", "working_s", "heard_s", "interventions")
-MAX_STEP_M2 = 2_000.0  # 10 s of the widest machine at full speed; a larger step is another mission
+MAX_STEP_M2 = 2_000.0  # in 10 s, of the widest machine at full speed; a larger step is another mission
 
 
 @dataclass(slots=True)
@@ -23,7 +25,8 @@ class _Seen:
     at_s: float
     mission: str
     area_m2: float
-    row: int
+    day: date
+    is_heard: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,22 +65,31 @@ class FleetDay:
     def see(self, robot: Robot, now_s: float, day: date) -> None:
         """Take what a robot says now; robots that are not heard add nothing."""
         self.turn(day)
-        if not robot.is_registered or not robot.link.is_online or robot.state is None:
+        before = self._seen.get(robot.id)
+        if not robot.is_registered:
             self._seen.pop(robot.id, None)
             return
+        if not robot.link.is_online or robot.state is None:
+            if before is not None:
+                before.is_heard = False
+            return
         order = robot.state.order
-        now = _Seen(now_s, order.mission_id if order else "", order.area_done_m2 if order else 0.0, _row(robot))
-        before = self._seen.get(robot.id)
+        now = _Seen(now_s, order.mission_id if order else "", order.area_done_m2 if order else 0.0, day)
         self._seen[robot.id] = now
         if before is None:
             return
-        gap_s = min(MOST_GAP_S, max(0.0, now_s - before.at_s))
-        self.heard_s += gap_s
-        if is_working(robot):
-            self.working_s += gap_s
-        if before.mission == now.mission:
-            self.area_m2 += _growth(before.area_m2, now.area_m2)
-            self.plants += max(0, now.row - before.row)
+        gap_s = max(0.0, now_s - before.at_s)
+        if before.is_heard:
+            self.heard_s += min(MOST_GAP_S, gap_s)
+            self.working_s += min(MOST_GAP_S, gap_s) if is_working(robot) else 0.0
+        if before.mission == now.mission and (before.day == day or gap_s <= MOST_GAP_S):
+            self.area_m2 += _growth(before.area_m2, now.area_m2, gap_s)
+
+    def see_event(self, event: RobotEvent, day: date) -> None:
+        """Count a tree that was planted; ``day`` is today, and that of the event."""
+        self.turn(day)
+        if event.kind == "treatment" and event.data.get("target") and event.data.get("outcome") == "done":
+            self.plants += 1
 
     def intervened(self, day: date) -> None:
         """Count one act of a person in the work of a robot."""
@@ -121,12 +133,6 @@ def is_working(robot: Robot) -> bool:
     )
 
 
-def _row(robot: Robot) -> int:
-    is_planter = robot.factsheet is not None and robot.factsheet.family is Family.PLANTER
-    order = robot.state.order if robot.state is not None else None
-    return order.row if is_planter and order is not None else 0
-
-
-def _growth(before_m2: float, now_m2: float) -> float:
+def _growth(before_m2: float, now_m2: float, gap_s: float) -> float:
     step = now_m2 - before_m2
-    return step if 0 < step <= MAX_STEP_M2 else 0.0
+    return step if 0 < step <= MAX_STEP_M2 * max(1.0, gap_s / MOST_GAP_S) else 0.0

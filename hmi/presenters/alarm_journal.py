@@ -60,7 +60,7 @@ def figures(
     shelves = [one.alarm.shelf for one in live if one.alarm.shelf is not None]
     standing = [one for one in shown if _age_s(one, now) > DAY_S]
     recent = sum(count for _, count in found.bins)
-    hours = len(found.bins) / 6
+    hours = min(len(found.bins) / 6, found.span_s / 3600)
     return {
         "per_10min": [{"at": epoch_ms(at), "count": count} for at, count in found.bins],
         "last_10min": found.last_10min,

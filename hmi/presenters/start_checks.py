@@ -30,7 +30,7 @@ class MissionFacts(NamedTuple):
         battery_share, duration_s: what all of it needs.
         map_text: empty if the map around it is as it was planned, ``None`` if that is not known, else what changed.
         start: longitude and latitude of its first point.
-        fence: corners of the farm, longitude and latitude; empty without one.
+        fences: corners of each farm, longitude and latitude; empty without one.
         is_pending: another document of it was sent and not read back yet.
     """
 
@@ -42,7 +42,7 @@ class MissionFacts(NamedTuple):
     map_number: int | None = None
     map_text: str | None = None
     start: Place | None = None
-    fence: Sequence[Place] = ()
+    fences: Sequence[Sequence[Place]] = ()
     is_pending: bool = False
 
 
@@ -125,9 +125,12 @@ def _site(robot: Robot, facts: MissionFacts | None) -> Check:
     away_m = _metres(here, facts.start)
     if away_m > TOO_FAR_M and not has_mission(robot, OrderStatus.PAUSED):
         return _check("site", False, f"It is {number(away_m)} m from the start.", "Drive it to the field first.")
-    if facts.fence and not _inside(here, facts.fence):
+    if facts.fences and not any(_inside(here, one) for one in facts.fences):
         return _check("site", False, "It stands outside the farm.", "Look whether that is right.", blocks=False)
-    return _check("site", True, f"It is at the site, {number(away_m)} m from the first point.")
+    no_edge = (
+        "" if facts.fences or facts.map_text is None else " The map has no farm edge: nobody notices if it leaves."
+    )
+    return _check("site", True, f"It is at the site, {number(away_m)} m from the first point.{no_edge}")
 
 
 def _position(robot: Robot) -> Check:

@@ -81,10 +81,11 @@ class AlarmJournal:
             return session.execute(query.with_only_columns(AlarmJournalRow.at)).scalar()
 
     def figures(self, now: datetime, *, bins: int = 48, span: timedelta = timedelta(days=7)) -> Figures:
-        """Return the figures of the last bins of ten minutes, and of a longer span."""
+        """Return the figures of the last bins of ten minutes, and of a span no longer than the journal is old."""
         since, first = now - span, now - bins * TEN_MIN
         row = AlarmJournalRow
         with self._database.read() as session:
+            began = session.execute(select(func.min(row.at)).where(row.farm_id == self._farm_id)).scalar()
             times = list(session.scalars(self._raised(since).with_only_columns(row.at).order_by(row.at)))
             mix = session.execute(
                 self._raised(since).with_only_columns(row.priority, func.count()).group_by(row.priority)
@@ -112,7 +113,7 @@ class AlarmJournal:
             [(str(code), int(count)) for code, count in top],
             len(times),
             _flood_s([at.timestamp() for at in times], now.timestamp()),
-            span.total_seconds(),
+            max(TEN_MIN, span if began is None else min(span, now - began)).total_seconds(),
         )
 
     def _raised(self, since: datetime | None) -> Select[AlarmJournalRow]:

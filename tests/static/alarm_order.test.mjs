@@ -71,3 +71,8 @@ test('the worst is the one a person has to see first', () => {
   assert.equal(worst(Object.entries({ a: one({ priority: 3 }), b: one() }))[0], 'b');
   assert.equal(worst([]), null);
 });
+
+test('what nobody answered stands first of its priority until somebody does', () => {
+  const found = rows({ young: one({ raised: 9 }), told: one({ raised: 1, escalated: 5 }), seen: one({ raised: 2, escalated: 5, state: 'acknowledged' }), high: one({ priority: 1, state: 'acknowledged' }) });
+  assert.deepEqual(ids(found), ['high', 'told', 'young', 'seen']);
+});

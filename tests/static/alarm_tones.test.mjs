@@ -167,3 +167,34 @@ test('the lost link of STOP is not doubled, and a critical alarm does not sound 
   assert.ok(heard.length > 8);
   heard.forEach((at) => assert.ok(10000 - (at % 10000) >= 700, `${at}`));
 });
+
+test('what nobody answered sounds once more, for 1 and 2 also where the sound was silenced', () => {
+  for (const [priority, isHeard] of [[1, true], [2, true], [3, false]]) {
+    const bell = new Bell();
+    bell.tones.follow({}, -100);
+    bell.raise('a', priority, { escalated: null });
+    bell.run(3000);
+    assert.equal(bell.take().length > 0, true);
+    bell.tones.silence(bell.now, 120000);
+    bell.run(5000);
+    assert.deepEqual(bell.take(), []);
+    bell.set('a', { escalated: 1234 });
+    bell.run(1000);
+    assert.equal(bell.take().length > 0, isHeard, `priority ${priority}`);
+  }
+  const note = new Bell();
+  note.tones.follow({}, -100);
+  note.raise('a', 3, { escalated: null });
+  note.run(5000);
+  note.set('a', { escalated: 1234 });
+  note.run(5000);
+  assert.equal(note.take().length, 2);
+});
+
+test('a page that opens on what was told on long ago does not take it for new', () => {
+  const bell = new Bell();
+  bell.tones.silence(0, 120000);
+  bell.raise('a', 2, { escalated: 1234 });
+  bell.run(5000);
+  assert.deepEqual(bell.take(), []);
+});

@@ -6,7 +6,7 @@ import vm from 'node:vm';
 
 const HL = {};
 vm.runInContext(readFileSync(new URL('../../static/js/ui/fleet_order.js', import.meta.url), 'utf8'), vm.createContext({ HL, Intl, Map, Set }));
-const { judge, isMoved, worstAlarms, sections, passes, hold, figures, advice } = HL.fleetOrder;
+const { judge, isMoved, worstAlarms, notices, sections, passes, hold, figures, advice } = HL.fleetOrder;
 const words = { since: (ms) => `${Math.floor(ms / 1000)} s` };
 
 const usual = { name: 'Weeder 01', family: 'weeder', mode: 'auto', text: 'Running', task: 'Row 12/60', is_online: true, is_registered: true, level: null, why: '', waits: false, help_s: null, since: null, mission: { status: 'running', name: 'M-1' }, field: 'Nordfeld' };
@@ -143,4 +143,27 @@ test('advice about another cause than the alarm comes with its reason', () => {
   const line = (title, text) => of('a', robot, { alarm: { ...alarm('a', 2), title, text } }).verdict.line;
   assert.equal(line('Battery low', '18 % left.'), '18 % left. A person is 4 m ahead. It goes on when the person has left');
   assert.equal(line('Person ahead', 'A person is 4 m ahead.'), 'A person is 4 m ahead. It goes on when the person has left');
+});
+
+test('alarms of the console and of stations need somebody too, and no alarm of a robot stands twice', () => {
+  const found = notices({
+    'gateway-down.console': { ...alarm('console', 1), name: 'Headland', title: 'STOP service down' }, 'disk-full.console': { ...alarm('console', 2, 'acknowledged'), name: 'Headland' },
+    'station.s1': { ...alarm('s1', 3), name: 'Mast' }, 'over.console': { ...alarm('console', 2, 'returned'), name: 'Headland' }, 'aside.console': { ...alarm('console', 1, 'shelved') }, 'link.w': alarm('w', 1),
+  }, { w: {} });
+  assert.deepEqual(plain(found.map((one) => one.id)), ['gateway-down.console', 'disk-full.console']);
+  assert.equal(found[0].verdict.head, 'STOP service down');
+  const [needs, , normal] = sections([of('ok'), of('p2', { level: 2 })], { notices: found });
+  assert.deepEqual(plain(ids(needs)), ['gateway-down.console', 'disk-full.console', 'p2']);
+  assert.equal(normal.count, 1);
+  for (const sort of ['name', 'group']) assert.deepEqual(plain(ids(sections([of('ok')], { sort, notices: found })[0])), ['gateway-down.console', 'disk-full.console']);
+  assert.deepEqual(plain(notices(null, {})), []);
+});
+
+test('what nobody answered stands first of its priority and names who is responsible', () => {
+  const told = { ...alarm('told', 2), id: 'x', escalated: 7 };
+  const [needs] = sections([of('sooner', { help_s: 60 }, { alarm: alarm('sooner', 2) }), of('told', {}, { alarm: told, responsible: 'Martha Keller' }), of('top', {}, { alarm: alarm('top', 1) })]);
+  assert.deepEqual(plain(ids(needs)), ['top', 'told', 'sooner']);
+  assert.equal(needs.items[1].verdict.line, 'Nobody answered, responsible: Martha Keller. so now');
+  assert.equal(of('a', {}, { alarm: { ...told, state: 'acknowledged' } }).verdict.isUnanswered, false);
+  assert.equal(worstAlarms({ x: alarm('a', 2, 'unacknowledged', 1), y: { ...alarm('a', 2, 'unacknowledged', 9), escalated: 9 } }).a.id, 'y');
 });

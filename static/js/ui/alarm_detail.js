@@ -114,7 +114,7 @@
       if (one) this.one = one;
       const now = this.one;
       const state = isGone ? "normal" : now.state;
-      const key = `${this.id}/${now.priority}/${state}/${now.occurrences}/${now.group}`;
+      const key = `${this.id}/${now.priority}/${state}/${now.occurrences}/${now.group}/${now.escalated}`;
       if (key !== this.key) {
         this.sign.replaceChildren(alarm(now.priority, 52, isGone ? "acknowledged" : now.state));
         if (this.key && this.loaded) this.load();
@@ -126,7 +126,7 @@
       text(this.where, `${now.name}, raised ${W.raised(now.raised)}`);
       text(this.lasting, isGone ? "" : W.lasting(now));
       text(this.now, W.now(now));
-      text(this.story, isGone ? "Normal again. It left the list." : [W.state(now), W.story(now), now.chattering ? "It comes and goes: it is held until it was quiet for a minute." : "", now.escalated ? `Nobody answered: told on at ${W.raised(now.escalated)}.` : "", this.loaded?.responsible ? `Responsible: ${this.loaded.responsible}.` : ""].filter(Boolean).join(". ").replaceAll("..", "."));
+      text(this.story, isGone ? "Normal again. It left the list." : [W.state(now), W.story(now), now.chattering ? "It comes and goes: it is held until it was quiet for a minute." : "", now.escalated ? `${HL.alarmOrder.isUnanswered(now) ? "Told" : "Nobody answered: told"} on at ${W.raised(now.escalated)}.` : "", this.loaded?.responsible ? `Responsible: ${this.loaded.responsible}.` : ""].filter(Boolean).join(". ").replaceAll("..", "."));
       this.paintActs(now, isGone);
     }
 

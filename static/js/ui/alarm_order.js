@@ -9,9 +9,12 @@
   const isAside = (one) => ASIDE.includes(one.state);
   const isUnseen = (one) => one.state === "unacknowledged" || one.state === "returned";
 
-  // the most urgent first; of those nobody has seen before the others; then the newest
+  // it was told on because nobody answered, and still nobody does
+  const isUnanswered = (one) => Boolean(one.escalated) && isUnseen(one);
+
+  // the most urgent first, of those what was told on; then those nobody has seen before the others; then the newest
   function compare([a, one], [b, other]) {
-    return one.priority - other.priority || (RANK[one.state] ?? 4) - (RANK[other.state] ?? 4) || other.raised - one.raised || (a < b ? -1 : 1);
+    return one.priority - other.priority || isUnanswered(other) - isUnanswered(one) || (RANK[one.state] ?? 4) - (RANK[other.state] ?? 4) || other.raised - one.raised || (a < b ? -1 : 1);
   }
 
   // filter: {robot, priority, q}
@@ -55,5 +58,5 @@
     return { isFirst: false, text: `${nth(one.place)}${firstTitle ? `, after ${lower(firstTitle)}` : ` of ${one.group}`}` };
   }
 
-  HL.alarmOrder = { isActive, isAside, isUnseen, compare, matches, worst, rows, sequence };
+  HL.alarmOrder = { isActive, isAside, isUnseen, isUnanswered, compare, matches, worst, rows, sequence };
 })();

@@ -57,6 +57,7 @@
       text(this.under, isCompact ? [one.name, words, said.text].filter(Boolean).join(" · ") : W.now(one));
       text(this.stateSign, failed && !failed.isOk ? "block" : W.sign(state));
       text(this.stateWord, words);
+      toggle(this.stateWord, "told", !isGone && HL.alarmOrder.isUnanswered(one) && words === W.state(one));
       this.paintSequence(said, follows, folds, isOpen);
       text(this.lasting, isGone ? "–" : W.lasting(one));
       this.paintButton(isGone ? null : W.answer(one), pending, may);

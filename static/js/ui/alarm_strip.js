@@ -2,26 +2,28 @@
 (() => {
   "use strict";
   const { el, icon, alarm, text, attr, LiveElement, define } = HL;
-  const { compare, isUnseen } = HL.alarmOrder;
-  const steps = new Map(); // alarm and occurrence -> first thing to do
+  const { compare, isUnseen, isUnanswered } = HL.alarmOrder;
+  const asked = new Map(); // alarm, occurrence and step of its life -> {step: first thing to do, who: responsible}
 
-  function firstStep(id, one) {
-    const key = `${id} ${one.raised}`;
-    if (!steps.has(key)) {
-      steps.set(key, "");
+  function advice(id, one) {
+    const key = `${id} ${one.raised} ${one.escalated}`;
+    if (!asked.has(key)) {
+      asked.set(key, { step: "", who: "" });
       HL.port.api("GET", HL.alarmActs.of(id)).then((answer) => {
-        steps.set(key, answer.type?.steps?.[0] ?? "");
+        asked.set(key, { step: answer.type?.steps?.[0] ?? "", who: answer.responsible ?? "" });
         HL.repaint();
       });
     }
-    return steps.get(key);
+    return asked.get(key);
   }
 
   class Strip extends LiveElement {
     build() {
       this.sign = el("span", { class: "sign" });
       this.head = el("b", { class: "h-t16" });
-      this.line = el("span", { class: "h-t14 line" });
+      this.told = el("b");
+      this.say = el("span");
+      this.line = el("span", { class: "h-t14 line" }, this.told, this.say);
       this.more = el("a", { class: "h-btn q", href: "/alarms" });
       this.button = el("button", { type: "button", class: "h-btn", onclick: () => this.id && HL.alarmActs.send(this.id, "acknowledge") }, icon("done", "m"), "Ack");
       this.append(this.sign, el("span", { class: "words" }, this.head, this.line), this.more, this.button);
@@ -42,7 +44,9 @@
       attr(this, "data-value", id);
       text(this.head, one.title);
       const failed = HL.alarmActs.outcome(id);
-      text(this.line, failed && !failed.isOk ? failed.text : one.state === "returned" ? "It is gone again. Nobody has acknowledged it." : firstStep(id, one) || one.text);
+      const { step, who } = advice(id, one);
+      text(this.told, isUnanswered(one) ? `Nobody answered${who ? `, responsible: ${who}` : ""}. ` : "");
+      text(this.say, failed && !failed.isOk ? failed.text : one.state === "returned" ? "It is gone again. Nobody has acknowledged it." : step || one.text);
       text(this.more, mine.length > 1 ? `${mine.length - 1} more` : "All alarms");
       const isWaiting = Boolean(HL.alarmActs.pending(id));
       attr(this.button, "data-testid", `strip-ack-${id}`);

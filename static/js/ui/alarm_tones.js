@@ -39,15 +39,16 @@
       const loud = Object.entries(alarms).filter(([, one]) => isLoud(one) && PATTERNS[one.priority] && !(isFlood && one.priority > 2));
       const fresh = this.takeIn(loud);
       const level = loud.length ? Math.min(...loud.map(([, one]) => one.priority)) : null;
-      if (fresh.some((one) => one.priority === 1)) this.silentUntil = -Infinity; // a new critical one sounds again
+      // a new critical one sounds again, and what nobody answered
+      if (fresh.some((one) => one.priority === 1 || (one.priority === 2 && one.escalated))) this.silentUntil = -Infinity;
       const isNewHere = fresh.some((one) => one.priority === level);
       if (level !== this.level || isNewHere) this.start(level, now, isNewHere);
       this.level = level;
     }
 
-    // what was not heard of before; a page that opens finds everything old
+    // what was not heard of before, or was told on since; a page that opens finds everything old
     takeIn(loud) {
-      const key = ([id, one]) => `${id} ${one.raised} ${one.occurrences}`;
+      const key = ([id, one]) => `${id} ${one.raised} ${one.occurrences} ${one.escalated}`;
       const fresh = this.known === null ? [] : loud.filter((entry) => !this.known.has(key(entry))).map(([, one]) => one);
       this.known = new Set(loud.map(key));
       return fresh;

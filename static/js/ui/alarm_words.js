@@ -38,7 +38,7 @@
     normal: ["check", () => "Normal again"],
   };
   const sign = (state) => (STATES[state] ?? STATES.normal)[0];
-  const state = (one) => (STATES[one.state] ?? STATES.normal)[1](one);
+  const state = (one) => (HL.alarmOrder.isUnanswered(one) ? (one.state === "returned" ? "Returned, nobody answered" : "Nobody answered") : (STATES[one.state] ?? STATES.normal)[1](one));
 
   // who did it and why, in full
   function story(one) {

@@ -12,7 +12,7 @@
   const data = {
     groups: [], views: [], duty: {}, people: [], book: [], day: null, freeze: null,
     filter: { ...NO_FILTER, ...HL.keep.read(FILTER_KEY, {}), q: "" },
-    stop: window.headlandStop?.state() ?? null, chosen: new Set(), open: new Set(), current: null, items: [], listeners: new Set(),
+    stop: window.headlandStop?.state() ?? null, chosen: new Set(), open: new Set(), current: null, items: [], notices: [], listeners: new Set(),
     looks: 0, order: 0, marks: 0, // counted up at each look, when the order of the list may differ, when the map's marks do
   };
 
@@ -44,6 +44,17 @@
     return worst.found;
   }
 
+  // what concerns no robot: looked at anew when an alarm or the number of robots changed
+  const told = { of: null, count: -1, found: [] };
+  function noticed(robots) {
+    const alarms = window.headland.state("fleet") ? window.headland.state("alarms")?.alarms : null;
+    if (told.of === alarms && told.count === HL.port.ids.length) return told.found;
+    const before = JSON.stringify(told.found);
+    Object.assign(told, { of: alarms, count: HL.port.ids.length, found: HL.fleetOrder.notices(alarms, robots) });
+    if (JSON.stringify(told.found) !== before) data.order += 1;
+    return told.found;
+  }
+
   // Looked at when the lane has brought something, in the same frame in which the map draws it: a frame more costs as much again.
   let lookedAt = -Infinity;
   let due = null;
@@ -56,6 +67,7 @@
   function look() {
     const robots = HL.port.fleet();
     const alarms = worstAlarms();
+    data.notices = noticed(robots);
     const stops = stopStates();
     const now = window.headland.now();
     lookedAt = performance.now();
@@ -84,13 +96,15 @@
   function seen(one, robot, now, stop, alarm) {
     const ageMs = typeof robot.t === "number" && now !== null ? Math.max(0, now - robot.t) : Infinity;
     const duty = data.duty[one.id];
-    if (duty !== one.duty) Object.assign(one, { duty, responsible: duty?.name ?? "" });
+    const responsible = duty?.name ?? "";
+    const isHandedOver = responsible !== one.responsible;
+    if (duty !== one.duty) Object.assign(one, { duty, responsible });
     one.ageMs = ageMs;
     const before = one.verdict;
     const isLost = ageMs > HL.LOST_MS;
-    if (before && !isLost && !before.isLost && !stop && one.robot === robot && one.alarm === alarm && !one.stop) return one;
+    if (before && !isHandedOver && !isLost && !before.isLost && !stop && one.robot === robot && one.alarm === alarm && !one.stop) return one;
     if (one.robot.field !== robot.field || one.robot.family !== robot.family || one.robot.name !== robot.name) data.order += 1;
-    Object.assign(one, { robot, alarm, stop, verdict: HL.fleetOrder.judge(robot, { ageMs, stop, alarm, words: HL.words }) });
+    Object.assign(one, { robot, alarm, stop, verdict: HL.fleetOrder.judge(robot, { ageMs, stop, alarm, words: HL.words, responsible }) });
     const verdict = one.verdict;
     if (!before || HL.fleetOrder.isMoved(before, verdict)) data.order += 1;
     if (!before || ((before.level || verdict.level) && (before.level !== verdict.level || before.head !== verdict.head || before.look !== verdict.look))) data.marks += 1;

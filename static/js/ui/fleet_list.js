@@ -2,10 +2,9 @@
 (() => {
   "use strict";
   const { el, icon, text, attr, toggle, LiveElement, words } = HL;
-  const { Row, Cell } = HL.fleetRows;
+  const { Row, Cell, Notice } = HL.fleetRows;
   const HELD_MS = 3000; // after a touch rows hold still this long: there is no hover to tell
   const LATE_MS = 5000;
-  const ALARMS_OLD_MS = 10000; // the supervision looks every second or so
   const WIDE_PX = 600;
   const HEIGHTS = { head: 40, fold: 56, "needs-you": [100, 66], row: [76, 56], cells: 56 };
   const LARGER = 1.125; // type in the sun
@@ -71,7 +70,7 @@
 
   class RowLine {
     constructor(line) {
-      this.row = new Row(line.item.id);
+      this.row = line.item.isNotice ? new Notice(line.item.id) : new Row(line.item.id);
       this.node = this.row.node;
     }
     paint(line) {
@@ -122,7 +121,7 @@
       [this.made, this.groups, this.wasHeld] = [made, groups, isHeld];
       const items = HL.fleet.visible();
       this.isNarrow = !items.length && HL.fleet.isNarrowed(HL.fleet.filter);
-      const now = HL.fleetOrder.sections(items, { sort: filter.sort, groups, open });
+      const now = HL.fleetOrder.sections(items, { sort: filter.sort, groups, open, notices: HL.fleet.notices });
       const { sections, moved } = isHeld ? HL.fleetOrder.hold(this.held, now) : { sections: now, moved: 0 };
       this.key = key;
       this.held = sections;
@@ -151,7 +150,7 @@
         if (section.kind === "cells") this.addCells(lines, section, columns);
         else for (const item of section.items) lines.push(rowLine(section, item, isWide));
       }
-      this.ids = sections.flatMap((section) => section.items.map((one) => one.id));
+      this.ids = sections.flatMap((section) => section.items.filter((one) => !one.isNotice).map((one) => one.id));
       return lines;
     }
     addCells(lines, section, columns) {
@@ -161,7 +160,7 @@
       }
     }
     noteOf(section) {
-      if (section.key === "needs-you") return this.moved ? "order waits while you point at it" : section.items.length > 1 ? "by priority, then time until help is needed" : section.items.length ? "" : "Nobody";
+      if (section.key === "needs-you") return this.moved ? "order waits while you point at it" : section.items.length > 1 ? "by priority, then time until help is needed" : section.items.length ? "" : this.isUnsure ? "not known" : "Nobody";
       if (section.key !== "normal") return "";
       const { newestMs, oldestMs } = HL.fleetOrder.figures(HL.fleet.items);
       return newestMs === null ? "" : `newest data ${words.age(newestMs)}, oldest ${words.age(oldestMs)}`;
@@ -172,9 +171,9 @@
       const isOld = isKnown && silentMs > HL.LOST_MS;
       const total = HL.fleet.items.length;
       const shown = this.shownCount ?? total;
-      const checked = window.headland.state("alarms")?.summary?.checked;
-      const alarmsMs = typeof checked === "number" ? HL.port.age(checked) : 0;
-      const isBlind = !isOld && alarmsMs > ALARMS_OLD_MS;
+      const alarmsMs = HL.alarms.ageMs() ?? 0;
+      const isBlind = !isOld && HL.alarms.isOld();
+      this.isUnsure = isOld || isBlind;
       const isPart = !isOld && !isBlind && HL.fleet.isNarrowed(HL.fleet.filter) && shown < total;
       const isNew = !isOld && !isBlind && !isPart && performance.now() - this.from < LATE_MS;
       const loaded = isNew ? HL.fleet.items.filter((one) => Number.isFinite(one.ageMs)).length : total;
@@ -194,7 +193,7 @@
       this.shownCount = count;
       const total = HL.fleet.items.length;
       attr(this.blank, "hidden", total > 0);
-      attr(this.place, "hidden", !total);
+      attr(this.place, "hidden", !total && !HL.fleet.notices.length);
       if (total) return;
       const isKnown = HL.port.server().isKnown && Boolean(window.headland.state("fleet"));
       const key = isKnown ? "none" : performance.now() - this.from > LATE_MS ? "lost" : "loading";

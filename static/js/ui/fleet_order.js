@@ -20,7 +20,19 @@
     return worst;
   }
 
-  const compareAlarms = (a, b) => a.priority - b.priority || ACTIVE[a.state] - ACTIVE[b.state] || a.raised - b.raised;
+  // Alarms of priority 1 and 2 that are of no robot, of the console or a station, stand in the list like robots.
+  function notices(alarms, robots) {
+    const all = Object.entries(alarms || {}).filter(([, one]) => one && one.state in ACTIVE && one.priority <= 2 && !(one.source in robots));
+    return all.map(([id, one]) => noticeOf({ ...one, id })).filter((one) => one.verdict.group === "needs-you");
+  }
+  function noticeOf(alarm) {
+    const robot = { name: alarm.name, why: "" };
+    return { id: alarm.id, isNotice: true, robot, ageMs: 0, verdict: judge(robot, { ageMs: 0, alarm }) };
+  }
+
+  // it was told on because nobody answered, and still nobody does
+  const isUnanswered = (alarm) => Boolean(alarm?.escalated) && (alarm.state === "unacknowledged" || alarm.state === "returned");
+  const compareAlarms = (a, b) => a.priority - b.priority || isUnanswered(b) - isUnanswered(a) || ACTIVE[a.state] - ACTIVE[b.state] || a.raised - b.raised;
 
   // "about 1 min", for how long clearing takes
   const about = (s) => (s === null || s === undefined ? "" : s < 45 ? `about ${s} s` : `about ${Math.max(1, Math.round(s / 60))} min`);
@@ -33,8 +45,10 @@
   }
 
   // {level, head, line, since (console ms), look, waits, helpS, group}; `ageMs` of the newest heartbeat, Infinity if never
-  function judge(robot, { ageMs, stop = null, alarm = null, words }) {
+  function judge(robot, { ageMs, stop = null, alarm = null, words, responsible = "" }) {
     const found = verdict(robot, ageMs, stop, alarm, words);
+    found.isUnanswered = Boolean(found.alarm) && isUnanswered(alarm);
+    if (found.isUnanswered) found.line = `Nobody answered${responsible ? `, responsible: ${responsible}` : ""}. ${found.line}`;
     const isSoon = !found.level && typeof robot.help_s === "number" && robot.help_s <= SOON_S && robot.mode === "auto";
     if (isSoon) Object.assign(found, { level: 4, head: `Needs somebody ${inTime(robot.help_s)}`, line: "Battery at its reserve, or the mission ends" });
     found.helpS = found.level === 1 || found.waits ? 0 : orInfinity(robot.help_s);
@@ -87,7 +101,7 @@
 
   // priority, then how soon help is needed, then who waits longest, then by name
   function byAttention(a, b) {
-    return (a.verdict.level ?? 9) - (b.verdict.level ?? 9) || cmp(a.verdict.helpS, b.verdict.helpS) || cmp(orInfinity(a.verdict.since), orInfinity(b.verdict.since)) || byName(a, b);
+    return (a.verdict.level ?? 9) - (b.verdict.level ?? 9) || Boolean(b.verdict.isUnanswered) - Boolean(a.verdict.isUnanswered) || cmp(a.verdict.helpS, b.verdict.helpS) || cmp(orInfinity(a.verdict.since), orInfinity(b.verdict.since)) || byName(a, b);
   }
   const cmp = (a, b) => (a === b ? 0 : a < b ? -1 : 1);
   const byName = (a, b) => (a.rank !== undefined && b.rank !== undefined ? a.rank - b.rank : names.compare(a.robot.name, b.robot.name) || cmp(a.id, b.id));
@@ -104,7 +118,7 @@
 
   // whether a robot's place in the list differs by it: of those that need nobody only by what says so
   function isMoved(before, now) {
-    return before.level !== now.level || before.group !== now.group || (now.group !== "normal" && (before.helpS !== now.helpS || before.since !== now.since));
+    return before.level !== now.level || before.group !== now.group || before.isUnanswered !== now.isUnanswered || (now.group !== "normal" && (before.helpS !== now.helpS || before.since !== now.since));
   }
 
   function matches(item, query) {
@@ -136,10 +150,12 @@
   }
 
   // -> [{key, title, items, kind: "rows" | "cells", folded}] in the order they are read
-  function sections(items, { sort = "attention", groups = [], open = new Set() } = {}) {
-    if (sort === "name") return [{ key: "all", title: "All robots", kind: "rows", items: [...items].sort(byName) }];
-    if (sort === "group") return gather([...items].sort(byAttention), groups, "rows", () => false);
-    const of = (group) => items.filter((one) => one.verdict.group === group).sort(byAttention);
+  function sections(items, { sort = "attention", groups = [], open = new Set(), notices = [] } = {}) {
+    if (sort === "name" || sort === "group") {
+      const rows = sort === "name" ? [{ key: "all", title: "All robots", kind: "rows", items: [...items].sort(byName) }] : gather([...items].sort(byAttention), groups, "rows", () => false);
+      return notices.length ? [{ key: "needs-you", title: "Needs you", kind: "rows", items: [...notices].sort(byAttention) }, ...rows] : rows;
+    }
+    const of = (group) => [...(group === "needs-you" ? notices : []), ...items.filter((one) => one.verdict.group === group)].sort(byAttention);
     const normal = of("normal").sort(byName);
     const isFolded = items.length > FOLD_ABOVE;
     const rest = isFolded ? gather(normal, groups, "cells", (key) => !open.has(key)) : [];
@@ -209,5 +225,5 @@
     return found;
   }
 
-  HL.fleetOrder = { judge, rank, worstAlarms, sections, passes, matches, hold, isMoved, worst, figures, advice, homeOf, isWorking, FAMILIES, FOLD_ABOVE };
+  HL.fleetOrder = { judge, rank, worstAlarms, notices, sections, passes, matches, hold, isMoved, worst, figures, advice, homeOf, isWorking, FAMILIES, FOLD_ABOVE };
 })();

@@ -93,5 +93,30 @@
     }
   }
 
-  HL.fleetRows = { Row, Cell };
+  // an alarm of the console or a station: nothing to choose, it opens the list of alarms
+  class Notice {
+    constructor(id) {
+      this.sign = el("span", { class: "sign" });
+      this.name = el("span", { class: "name h-ell" });
+      this.head = el("span", { class: "head" });
+      this.line = el("span", { class: "line" });
+      this.wait = el("b");
+      this.waiting = el("span", { class: "wait" }, this.wait, el("small", {}, "waiting"));
+      this.node = el("div", { class: "f-row", "data-testid": `fleet-notice-${id}`, role: "listitem", onclick: (event) => event.target.closest("a") || HL.go("/alarms") }, this.sign, this.name,
+        el("span", { class: "state" }, this.head, this.line), this.waiting, el("a", { class: "h-btn go", href: "/alarms" }, "Open"));
+    }
+    paint({ robot, verdict }) {
+      const key = `${verdict.level}/${verdict.look}`;
+      if (key !== this.drawn) this.sign.replaceChildren(alarm(verdict.level, 26, verdict.look));
+      this.drawn = key;
+      attr(this.node, "data-level", verdict.level);
+      attr(this.node, "title", [verdict.head, verdict.line].filter(Boolean).join(". "));
+      text(this.name, robot.name);
+      text(this.head, verdict.head);
+      text(this.line, verdict.line);
+      text(this.wait, waited(verdict.since));
+    }
+  }
+
+  HL.fleetRows = { Row, Cell, Notice };
 })();

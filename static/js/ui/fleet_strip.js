@@ -56,7 +56,7 @@
       const share = isOld ? null : day.utilisation;
       f.utilisation.show(share === null ? "–" : Math.round(share * 100), share === null ? "" : "%", share);
       const rate = isOld ? null : day.interventions_per_hour;
-      f.interventions.show(isOld ? "–" : rate === null ? day.interventions : rate.toFixed(1), isOld ? "" : rate === null ? "today" : "per h", isOld ? null : day.interventions);
+      f.interventions.show(isOld ? "–" : rate === null ? day.interventions : rate.toFixed(1), isOld ? "" : rate === null ? "today" : "per robot hour", isOld ? null : day.interventions);
     }
   }
 

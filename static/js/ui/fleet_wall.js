@@ -56,21 +56,26 @@
     }
     paint() {
       const silentMs = HL.port.server().silentMs;
-      attr(this.old, "hidden", silentMs < HL.STALE_MS);
-      text(this.old, `No data for ${HL.words.since(silentMs)}. What is below is old.`);
-      attr(this, "data-old", silentMs < HL.STALE_MS ? null : "");
+      const isSilent = silentMs >= HL.STALE_MS;
+      const isOld = isSilent || HL.alarms.isOld();
+      attr(this.old, "hidden", !isOld);
+      text(this.old, isSilent ? `No data for ${HL.words.since(silentMs)}. What is below is old.` : `Alarms are ${HL.words.since(HL.alarms.ageMs() ?? 0)} old. Do not rely on them.`);
+      attr(this, "data-old", isOld ? "" : null);
+      if (this.isUnsure !== (isOld || !HL.alarms.summary())) this.looked = null;
+      this.isUnsure = isOld || !HL.alarms.summary();
       if (this.looked === HL.fleet.looks) return;
       this.looked = this.rows.length ? HL.fleet.looks : null; // before the first row nothing could be measured
-      const sections = HL.fleetOrder.sections(HL.fleet.items, { groups: HL.fleet.groups });
-      const [needs, watch] = sections;
+      const sections = HL.fleetOrder.sections(HL.fleet.items, { groups: HL.fleet.groups, notices: HL.fleet.notices });
+      const [needs, watch, normal] = sections;
       const shown = [...needs.items, ...watch.items].slice(0, this.room());
       while (this.rows.length < shown.length) this.rows.push(new WallRow());
       const nodes = shown.map((one, i) => (this.rows[i].paint(one), this.rows[i].node));
       if (nodes.length !== this.list.children.length) this.list.replaceChildren(...nodes);
-      const normal = HL.fleet.items.length - needs.items.length - watch.items.length;
-      text(this.sum, needs.items.length ? `${needs.items.length} ${needs.items.length === 1 ? "needs" : "need"} somebody` : HL.fleet.items.length ? "Nobody is needed" : "No robots yet");
+      const count = needs.items.length;
+      const none = this.isUnsure ? "Who is needed is not known" : HL.fleet.items.length ? "Nobody is needed" : "No robots yet";
+      text(this.sum, count ? `${count} ${count === 1 ? "needs" : "need"} somebody` : none);
       const more = needs.items.length + watch.items.length - shown.length;
-      text(this.rest, [more > 0 ? `${more} more to watch` : "", HL.fleet.items.length ? `${normal} normal` : ""].filter(Boolean).join(" · "));
+      text(this.rest, [more > 0 ? `${more} more to watch` : "", HL.fleet.items.length ? `${normal.count} normal` : ""].filter(Boolean).join(" · "));
     }
   }
 

@@ -152,6 +152,7 @@ async def test_the_figures_of_two_alarms(console: RecordConsole) -> None:
     assert len(figures["per_10min"]) == 48
     assert figures["mix_7d"] == {"1": 0.5, "2": 0.5, "3": 0.0, "4": 0.0}
     assert figures["answer_median_s"] is None
+    assert figures["per_operator_hour"] == 12.0  # two in the ten minutes that the journal is at least taken for
 
 
 async def test_only_admins_see_and_change_who_is_notified(console: RecordConsole) -> None:

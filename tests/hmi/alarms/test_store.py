@@ -240,11 +240,14 @@ def test_figures_count_what_was_raised_and_how_long_it_waited(book: Book) -> Non
     assert (found.last_10min, found.raised, found.mix) == (13, 13, {1: 1, 2: 12})
     assert found.answers_s == [120]
     assert found.top == [("link-lost", 12), ("stop-not-confirmed", 1)]
-    assert found.flood_s == 30.0  # the tenth came 30 s ago
+    assert (found.flood_s, found.span_s) == (30.0, 600.0)  # the tenth came 30 s ago; the journal began just now
     book.clock.advance(3600)
     later = book.journal.figures(book.clock.utc())
     assert later.last_10min == 0
     assert 500 < later.flood_s < 700
+    assert later.span_s == 3720.0  # since its first line
+    book.clock.advance(30 * 86_400)
+    assert book.journal.figures(book.clock.utc()).span_s == 7 * 86_400
 
 
 def test_a_database_that_fails_does_not_hold_up_an_alarm_and_is_mended_afterwards(

@@ -49,7 +49,7 @@ def work(rig: AlarmRig, seconds: int, *, mode: str = "auto", moves: bool = True,
 async def test_a_day_at_work_without_trouble_raises_nothing() -> None:
     async with AlarmRig(ROBOT) as rig:
         rig.missions["m-1"] = Stored()
-        rig.ground = Ground.of(SQUARE)
+        rig.ground = Ground.of([[SQUARE]])
         rig.say(rig.wire().safety())
         work(rig, 400, lat_deg=52.0005, lon_deg=5.001)
         assert rig.states() == {}
@@ -113,7 +113,7 @@ async def test_half_as_fast_as_planned_over_a_quarter_of_an_hour_is_told_with_bo
 
 async def test_a_machine_outside_the_farm_is_an_alarm_only_while_it_moves_by_itself() -> None:
     async with AlarmRig(ROBOT) as rig:
-        rig.ground = Ground.of(SQUARE)
+        rig.ground = Ground.of([[SQUARE]])
         outside = {"lat_deg": 52.0005, "lon_deg": 5.00205}
         rig.say(rig.wire().state(mode="idle"))
         rig.run(5, ROBOT, **outside)
@@ -126,10 +126,57 @@ async def test_a_machine_outside_the_farm_is_an_alarm_only_while_it_moves_by_its
 
 async def test_the_fence_is_found_out_also_when_the_machine_jumps_far() -> None:
     async with AlarmRig(ROBOT) as rig:
-        rig.ground = Ground.of(SQUARE)
+        rig.ground = Ground.of([[SQUARE]])
         work(rig, 3, lat_deg=52.0005, lon_deg=5.001)
         work(rig, 3, lat_deg=52.0005, lon_deg=5.01)
         assert "outside-fence" in codes(rig)
+
+
+POND = [(5.0009, 52.0004), (5.0011, 52.0004), (5.0011, 52.0006), (5.0009, 52.0006), (5.0009, 52.0004)]
+EAST = [(lon + 0.01, lat) for lon, lat in SQUARE]
+IN_POND = {"lat_deg": 52.0005, "lon_deg": 5.001}
+
+
+@pytest.mark.parametrize("farms", [[[SQUARE]], []])
+async def test_a_keep_out_zone_is_no_ground_to_be_on_with_or_without_a_farm_edge(farms: list[Any]) -> None:
+    async with AlarmRig(ROBOT) as rig:
+        rig.ground = Ground.of(farms, [("keep-out zone Pond", [POND])])
+        work(rig, 3, lat_deg=52.0005, lon_deg=5.0005)
+        assert codes(rig) == set()
+        work(rig, 3, **IN_POND)
+        assert rig.one("outside-fence.weeder-01").alarm.text == "6.9 m inside keep-out zone Pond."
+        work(rig, 4, lat_deg=52.0005, lon_deg=5.0005)
+        assert rig.states()["outside-fence.weeder-01"] == "returned"
+
+
+async def test_a_machine_at_the_rim_of_a_keep_out_zone_may_be_there_by_the_accuracy_of_its_position() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        rig.ground = Ground.of([[SQUARE]], [("a keep-out zone", [POND])])
+        work(rig, 3, lat_deg=52.0005, lon_deg=5.000905)  # 0.34 m
+        assert codes(rig) == set()
+
+
+async def test_a_hole_in_the_farm_is_not_its_ground_and_a_second_farm_is() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        rig.ground = Ground.of([[SQUARE, POND], [EAST]])
+        work(rig, 3, lat_deg=52.0005, lon_deg=5.011)
+        assert codes(rig) == set()
+        work(rig, 3, **IN_POND)
+        assert rig.one("outside-fence.weeder-01").alarm.text == "6.9 m outside the farm's edge."
+
+
+async def test_deep_in_two_zones_that_touch_is_not_at_their_rim() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        other = [(lon + 0.0002, lat) for lon, lat in POND]
+        rig.ground = Ground.of([[SQUARE]], [("keep-out zone Pond", [POND]), ("keep-out zone Bank", [other])])
+        work(rig, 3, lat_deg=52.0005, lon_deg=5.001099)
+        assert "outside-fence" in codes(rig)
+
+
+def test_a_map_without_farm_and_zones_has_no_ground() -> None:
+    assert Ground.of([]) is None
+    assert Ground.of([[[(5.0, 52.0)] * 4]]) is None
+    assert Ground.of([[SQUARE[:2]]]) is None
 
 
 async def test_what_says_it_is_stopped_may_brake_and_then_must_not_move() -> None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from datetime import date
+from datetime import UTC, date, datetime
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from hmi.domain.event import RobotEvent
 from hmi.domain.fleet_day import FleetDay
 from hmi.domain.robot import Family, Mode, OrderStatus, Robot
 from hmi.store.fleet_day import read_day, write_day
@@ -38,12 +40,39 @@ def test_another_mission_or_a_fresh_start_takes_nothing_away_and_adds_nothing() 
     assert day.figures().area_m2 == pytest.approx(3.0)
 
 
-def test_plants_are_counted_for_planters_only() -> None:
+def attempt(outcome: str = "done", **data: Any) -> RobotEvent:
+    """Return what a planter tells of one tree."""
+    told = {"target": "tree-4", "outcome": outcome, **data}
+    return RobotEvent("planter-01", "e-1", "treatment", "Tree 4", "", told, at_utc=datetime(2026, 5, 20, tzinfo=UTC))
+
+
+def test_trees_are_those_that_were_planted_not_the_rows() -> None:
     day = FleetDay()
-    for step in range(5):
-        day.see(working(0.0, row=10 + step, family=Family.PLANTER), step * 2.0, TODAY)
-        day.see(replace(working(0.0, row=10 + step), id="weeder-02"), step * 2.0, TODAY)
-    assert day.figures().plants == 4
+    for row in range(5):
+        day.see(working(0.0, row=10 + row, family=Family.PLANTER), row * 2.0, TODAY)
+    assert day.figures().plants == 0
+    for outcome in ("done", "failed_ground", "done", "failed_tool"):
+        day.see_event(attempt(outcome), TODAY)
+    day.see_event(replace(attempt(), data={"row": 3, "trees": 2, "length_m": 20.0}), TODAY)  # told tree by tree before
+    assert day.figures().plants == 2
+    day.see_event(attempt(), TOMORROW)
+    assert day.figures().plants == 1
+
+
+def test_what_was_done_without_link_counts_when_the_robot_is_heard_again() -> None:
+    day = FleetDay()
+    day.see(working(500.0), 0.0, TODAY)
+    day.see(r.SILENT, 2.0, TODAY)
+    day.see(working(4_500.0), 602.0, TODAY)
+    assert (day.figures().area_m2, day.figures().heard_s) == (pytest.approx(4_000.0), 0)
+    day.see(r.SILENT, 604.0, TODAY)
+    day.see(working(90_000.0), 614.0, TODAY)  # more than any machine does in that time
+    day.see(r.SILENT, 616.0, TODAY)
+    day.see(working(9_000.0, mission="m-2"), 1216.0, TODAY)
+    assert day.figures().area_m2 == pytest.approx(4_000.0)
+    day.see(r.SILENT, 1218.0, TODAY)
+    day.see(working(9_900.0, mission="m-2"), 1800.0, TOMORROW)  # nobody knows on which day it was done
+    assert day.figures().area_m2 == 0
 
 
 def test_utilisation_is_the_share_of_heard_time_in_which_a_mission_ran() -> None:
@@ -54,13 +83,12 @@ def test_utilisation_is_the_share_of_heard_time_in_which_a_mission_ran() -> None
     assert day.figures().utilisation == pytest.approx(0.5)
 
 
-def test_time_that_nobody_saw_counts_for_nothing() -> None:
+def test_time_that_nobody_saw_counts_neither_as_heard_nor_as_worked() -> None:
     day = FleetDay()
     day.see(working(0.0), 0.0, TODAY)
     day.see(r.SILENT, 2.0, TODAY)
     day.see(working(100.0), 3600.0, TODAY)
     assert day.figures().heard_s == 0
-    assert day.figures().area_m2 == 0
     assert day.figures().utilisation is None
 
 

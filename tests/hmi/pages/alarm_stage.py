@@ -205,7 +205,8 @@ def router(stage: AlarmStage, note: Callable[[dict[str, Any]], None]) -> APIRout
             {"at": found["raised"], "kind": "alarm", "text": found["title"], "is_alarm": True, "is_first": True},
         ]  # fmt: skip
         contact = {"name": "Jonas Weber", "phone": "+49 151 0000"}
-        return JSONResponse({"alarm": found, "type": TYPE, "sequence": sequence, "seen_before": 3, "contact": contact})
+        known = {"seen_before": 3, "contact": contact, "responsible": "Martha Keller"}
+        return JSONResponse({"alarm": found, "type": TYPE, "sequence": sequence, **known})
 
     @routes.post("/api/v1/alarms/acknowledge")
     async def several(request: Request) -> dict[str, Any]:

@@ -278,6 +278,17 @@ def test_operate_shows_this_robots_worst_alarm_and_takes_the_answer(look: Look, 
     expect(strip).to_be_hidden()
 
 
+def test_what_nobody_answered_says_so_in_the_strip_and_in_the_list(look: Look, farm: Theatre) -> None:
+    page = look("/operate/weeder-07")
+    strip = page.get_by_test_id("alarm-strip")
+    expect(strip).not_to_contain_text("Nobody answered")
+    farm.alarms(put={STOP: {**ALARMS[STOP], "escalated": round(time.time() * 1000)}})
+    expect(strip).to_contain_text("Nobody answered, responsible: Martha Keller.")
+    page.goto("/alarms")
+    expect(page.get_by_test_id(f"alarm-row-{STOP}")).to_contain_text("Nobody answered")
+    expect(page.get_by_test_id(f"alarm-row-{LINK}")).not_to_contain_text("Nobody answered")
+
+
 SMALL = """[...document.querySelectorAll('.al-screen button, .al-screen a, .al-screen select, .al-screen input')]
     .filter((node) => node.offsetParent).map((node) => [node, node.getBoundingClientRect()])
     .filter(([node, box]) => box.height < 46 || box.width < 46).map(([node]) => node.outerHTML.slice(0, 90))"""

@@ -207,6 +207,23 @@ def test_the_wall_shows_who_is_needed_in_big_type_and_nothing_to_press_but_stop(
     assert page.locator(".w-screen button:visible").count() == 0
 
 
+@pytest.mark.parametrize("address", ["/fleet", "/wall"])
+def test_what_is_wrong_with_the_console_needs_somebody_and_old_alarms_are_no_comfort(
+    look: Look, fleet: Callable[..., dict[str, Any]], theatre: Theatre, address: str
+) -> None:
+    gateway = {"title": "STOP service down", "text": "", "priority": 1, "name": "Headland"}
+    theatre.alarms(put={"gateway-down.console": gateway})
+    page = look(address, size="desk")
+    row = "wall-row-gateway-down.console" if address == "/wall" else "fleet-notice-gateway-down.console"
+    expect(page.get_by_test_id(row)).to_contain_text("STOP service down")
+    band = page.locator(".w-old, .f-note")
+    expect(band).to_be_hidden()
+    theatre.alarms(old_s=30, drop=["gateway-down.console"])
+    expect(band).to_contain_text("Do not rely on them")
+    expect(page.get_by_test_id(row)).to_have_count(0)
+    theatre.alarms(anew=True)
+
+
 @pytest.mark.long
 def test_on_a_tablet_every_figure_is_a_tap_away_and_no_disc_lies_on_a_button(
     look: Look, fleet: Callable[..., dict[str, Any]]

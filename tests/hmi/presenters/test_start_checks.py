@@ -12,6 +12,7 @@ from hmi.presenters.start_checks import MissionFacts, start_checks
 from tests.hmi.presenters import robots as r
 
 LOADED = r.EVERY["loaded"]
+AWAY = ((6.0, 50.0), (6.1, 50.0), (6.1, 50.1))
 FENCE = ((4.9, 51.9), (5.1, 51.9), (5.1, 52.1), (4.9, 52.1))
 
 
@@ -33,7 +34,7 @@ def facts(**changes: Any) -> MissionFacts:
         map_number=13,
         map_text="",
         start=(5.0001, 52.0),
-        fence=FENCE,
+        fences=(FENCE,),
     )
     return usual._replace(**changes)
 
@@ -102,10 +103,18 @@ def test_only_what_is_left_counts_against_the_battery() -> None:
 
 
 def test_a_changed_map_and_a_place_outside_the_farm_warn() -> None:
-    known = facts(map_text="Map is v15 now, plan uses v13.", fence=((6.0, 50.0), (6.1, 50.0), (6.1, 50.1)))
+    known = facts(map_text="Map is v15 now, plan uses v13.", fences=(AWAY,))
     checks = found(ready(), known)
     assert [checks[key]["ok"] for key in ("map", "site")] == [False, False]
     assert blocking(ready(), known) == set()
+    assert found(ready(), facts(fences=(AWAY, FENCE)))["site"]["ok"]  # the second farm
+
+
+def test_a_map_without_a_farm_edge_is_said_and_holds_nobody_up() -> None:
+    site = found(ready(), facts(map_text="", fences=()))["site"]
+    assert site["ok"]
+    assert site["text"].endswith("The map has no farm edge: nobody notices if it leaves.")
+    assert "edge" not in found(ready(), facts(map_text=None, fences=()))["site"]["text"]
 
 
 def test_what_is_not_known_is_said_and_never_good() -> None:
