@@ -162,10 +162,10 @@ class AlarmStore:
         back = life.unshelve(live.alarm)
         return live if back is live.alarm else self._step(What.UNSHELVED, live, back, by)
 
-    def take_out(self, alarm_id: str, by: Person, reason: str) -> LiveAlarm:
+    def take_out(self, alarm_id: str, by: Person, reason: str, *, holds_critical: bool = False) -> LiveAlarm:
         """Take one out of service; raises ``NotFound``, ``AlarmRefused``."""
         live = self.get(alarm_id)
-        out = life.take_out(live.alarm, by.name, reason, self._clock.utc())
+        out = life.take_out(live.alarm, by.name, reason, self._clock.utc(), holds_critical=holds_critical)
         return self._step(What.OUT_OF_SERVICE, live, out, by, reason)
 
     def put_back(self, alarm_id: str, by: Person) -> LiveAlarm:
@@ -214,9 +214,12 @@ class AlarmStore:
         raised = life.condition_comes(before, now - timedelta(seconds=now_s - since_s), finding.text)
         raised = replace(raised, priority=finding.priority, advice=finding.advice)
         new = LiveAlarm(raised, kind, since_s, is_chattering=change.is_chattering)
+        text = ""
+        if live is not None and new.priority < live.priority:
+            raised, text = life.priority_rises(raised, new.priority), _was(live, raised.text)
         if raised.is_annunciated:
             self._flood.raised(now_s)
-        self._step(What.RAISED, new, raised)
+        self._step(What.RAISED, new, raised, text=text)
 
     def _goes(self, change: Change) -> None:
         live = self._live.get(change.key.id)
@@ -230,10 +233,26 @@ class AlarmStore:
             return
         said = replace(live.alarm, text=change.finding.text or live.alarm.text, priority=change.finding.priority)
         new = replace(live, alarm=said, is_chattering=change.is_chattering)
-        if new != live:
+        if new.priority < live.priority:
+            self._rises(live, new)
+        elif new != live:
             self._keep(new)
 
-    def _step(self, what: What, live: LiveAlarm, after: Alarm, by: Person | None = None, text: str = "") -> LiveAlarm:
+    def _rises(self, before: LiveAlarm, new: LiveAlarm) -> None:
+        risen = life.priority_rises(new.alarm, new.priority)
+        if risen.is_annunciated:
+            self._flood.raised(self._clock.mono_s())
+        self._step(What.RAISED, new, risen, text=_was(before, risen.text), rose_from=before.priority)
+
+    def _step(
+        self,
+        what: What,
+        live: LiveAlarm,
+        after: Alarm,
+        by: Person | None = None,
+        text: str = "",
+        rose_from: Priority | None = None,
+    ) -> LiveAlarm:
         now = self._clock.utc()
         new = replace(live, alarm=after, escalated_at=None if what is What.RAISED else live.escalated_at)
         if after.phase is Phase.NORMAL or not after.needs_seeing:
@@ -242,7 +261,7 @@ class AlarmStore:
         self._regroup(after.key.source)
         new = self._live.get(new.id, new)
         person = by or Person("")
-        step = Step(what, new, now, person.name, person.device, text)
+        step = Step(what, new, now, person.name, person.device, text, rose_from)
         for listener in self.listeners:
             listener(step)
         return new
@@ -285,3 +304,8 @@ class AlarmStore:
 
     def _follows_from(self, code: str) -> frozenset[str]:
         return self._types[code].follows_from
+
+
+def _was(before: LiveAlarm, text: str) -> str:
+    """Return the words of the journal for an alarm that is more urgent than it was."""
+    return f"Was priority {int(before.priority)}, {before.alarm.state.value.replace('_', ' ')}. {text}".strip()

@@ -67,11 +67,16 @@ class Shelf:
 
 @dataclass(frozen=True, slots=True)
 class OutOfService:
-    """Taken out until somebody puts it back, for instance while a sensor is repaired."""
+    """Taken out until somebody puts it back, for instance while a sensor is repaired.
+
+    Args:
+        holds_critical: whoever took it out may do so with priority 1 too, so it stays out if it becomes that.
+    """
 
     by: str
     reason: str
     at: datetime
+    holds_critical: bool = False
 
 
 @dataclass(frozen=True, slots=True)

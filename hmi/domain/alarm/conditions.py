@@ -6,15 +6,17 @@ Knows nothing of people. All times are seconds of one monotonic clock, handed in
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 
 from hmi.domain.alarm.alarm import CONSOLE, AlarmKey
 from hmi.domain.alarm.catalogue import AlarmType
 from hmi.domain.alarm.finding import Finding
+from hmi.domain.alarm.priority import Priority
 from hmi.domain.alarm.steady import Chatter, Steady
 
 REWORD_S = 5.0  # values move all the time; a person reads a new one every few seconds
+CALM_S = 60.0  # less urgent counts when it was so for a minute; more urgent counts at once
 MAX_AT_SOURCE = 64  # a robot can invent fault codes; so many at once are not read by anybody
 
 
@@ -46,6 +48,20 @@ class _Track:
     is_raised: bool = False
     reworded_s: float = 0.0
     suppressed_by: frozenset[str] = frozenset()
+    told: Priority = Priority.LOW
+    told_s: float = 0.0
+
+    def rises(self, urgency: Priority, now_s: float) -> bool:
+        """Take in how urgent it is now; return whether that is more than was told."""
+        is_more = urgency < self.told
+        if urgency <= self.told or now_s - self.told_s >= CALM_S:
+            self.told, self.told_s = urgency, now_s
+        return is_more
+
+    def words(self) -> Finding:
+        """Return what is found, as urgent as was told."""
+        finding = self.finding
+        return finding if finding.priority in (None, self.told) else replace(finding, priority=self.told)
 
 
 class Conditions:
@@ -86,6 +102,7 @@ class Conditions:
         track = self._add(self._sources.setdefault(key.source, {}), key.source, finding)
         if track is not None:
             track.steady.is_on = track.is_raised = track.is_so = True
+            track.told = self._urgency(finding)
 
     def retune(self) -> None:
         """Go by the delays that the types have now, also where a condition is under way."""
@@ -132,14 +149,19 @@ class Conditions:
             if not (is_on and track.is_so) or self._is_held(track):
                 return None
             track.is_raised, track.reworded_s = True, now_s
+            track.told, track.told_s = self._urgency(track.finding), now_s
             return Change(Turn.COMES, track.key, track.finding, is_chattering)
         if not is_on and not is_chattering:
             track.is_raised = False
             return Change(Turn.GOES, track.key, track.finding)
-        if is_chattering != was_chattering or (track.is_so and now_s - track.reworded_s >= REWORD_S):
+        rises = track.is_so and track.rises(self._urgency(track.finding), now_s)
+        if rises or is_chattering != was_chattering or (track.is_so and now_s - track.reworded_s >= REWORD_S):
             track.reworded_s = now_s
-            return Change(Turn.REWORDED, track.key, track.finding, is_chattering)
+            return Change(Turn.REWORDED, track.key, track.words(), is_chattering)
         return None
+
+    def _urgency(self, finding: Finding) -> Priority:
+        return finding.priority or self._type_of(finding.code).priority
 
     def _is_held(self, track: _Track) -> bool:
         if not track.suppressed_by:

@@ -59,7 +59,11 @@ class LiveAlarm:
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One step in the life of one alarm, for the journal; ``by`` is a person, or empty for the console."""
+    """One step in the life of one alarm, for the journal; ``by`` is a person, or empty for the console.
+
+    Args:
+        rose_from: the priority before, where one that was active already is raised anew because it is more urgent.
+    """
 
     what: What
     live: LiveAlarm
@@ -67,3 +71,4 @@ class Step:
     by: str = ""
     device: str = ""
     text: str = ""
+    rose_from: Priority | None = None

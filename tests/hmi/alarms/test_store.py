@@ -256,3 +256,35 @@ def test_a_database_that_fails_does_not_hold_up_an_alarm_and_is_mended_afterward
         assert len(book.store.all()) == len(CODES)
     assert book.records.flush(10)
     assert len(book.records.load()) == len(CODES)
+
+
+def test_an_alarm_that_becomes_critical_is_so_in_the_journal_and_after_a_restart(
+    book: Book, database: Database
+) -> None:
+    book.turn(Turn.COMES, "robot-fault", priority=Priority.LOW)
+    book.store.acknowledge("robot-fault.weeder-07", ANNA)
+    book.clock.advance(600)
+    book.turn(Turn.REWORDED, "robot-fault", priority=Priority.CRITICAL)
+    again = book.restarted(database)
+    try:
+        live = again.store.get("robot-fault.weeder-07")
+        assert (live.priority, live.alarm.state.value) == (Priority.CRITICAL, "unacknowledged")
+        newest = again.journal.page(Search(), 1)[0]
+        assert (newest.what, newest.priority, newest.at) == ("raised", 1, book.clock.utc())
+        assert newest.text == "Was priority 4, acknowledged. so"
+    finally:
+        again.records.close()
+
+
+def test_who_took_an_alarm_out_of_service_is_known_after_a_restart(book: Book, database: Database) -> None:
+    for source, is_admin in (("weeder-07", False), ("weeder-08", True)):
+        book.turn(Turn.COMES, "robot-fault", source, priority=Priority.LOW)
+        book.store.take_out(f"robot-fault.{source}", ANNA, "at the maker", holds_critical=is_admin)
+    again = book.restarted(database)
+    try:
+        for source in ("weeder-07", "weeder-08"):
+            again.turn(Turn.REWORDED, "robot-fault", source, priority=Priority.CRITICAL)
+        states = {one.id: one.alarm.state.value for one in again.store.all()}
+        assert states == {"robot-fault.weeder-07": "unacknowledged", "robot-fault.weeder-08": "out_of_service"}
+    finally:
+        again.records.close()
