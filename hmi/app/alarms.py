@@ -77,7 +77,7 @@ class AlarmRoom:
         self.store = AlarmStore(clock, self._types)
         self._kept = AlarmRecords(records.database, settings.farm_id, self._words)
         self.store.listeners += [self._kept.take, self._told]
-        conditions = Conditions(self._types.__getitem__)
+        conditions = self._conditions = Conditions(self._types.__getitem__)
         self.ground = FarmGround(records.features, records.database, settings.farm_id)
         self.watch = Watch(fleet, clock, conditions, self._rules, mission_of, self._apply)
         kept = AlarmSettings(records.database, settings.farm_id)
@@ -190,7 +190,7 @@ class AlarmRoom:
         """Return counters for the diagnostics page."""
         return {
             "listed": len(self.store.all()),
-            "dropped": self.store.dropped,
+            "dropped": self.store.dropped + self._conditions.dropped,
             "checked_s_ago": round(self._clock.mono_s() - self.store.checked_s, 1),
             "journal": self._kept.health(),
             "notifications": self.notifications.post.health(),

@@ -22,7 +22,7 @@ from hmi.domain.alarm.priority import Priority
 from hmi.store.errors import NotFound
 
 MAX_BACKDATE_S = 60.0  # a condition is noticed within seconds; an older beginning is a clock gone wrong
-MAX_ALARMS = 5000  # 1,000 robots with five each; what comes beyond is counted, not listed
+MAX_ALARMS = 5000  # 1,000 robots with five each; what comes beyond is counted, and listed when there is room
 ESCALATE_AFTER_S: Mapping[Priority, float] = {
     Priority.CRITICAL: 60.0,
     Priority.HIGH: 300.0,
@@ -66,6 +66,7 @@ class AlarmStore:
         self.revision = 0
         self.checked_s = clock.mono_s()
         self.dropped = 0
+        self._left_out: dict[str, Change] = {}
 
     def get(self, alarm_id: str) -> LiveAlarm:
         """Return one alarm; raises ``NotFound`` when it is normal or never was."""
@@ -181,6 +182,7 @@ class AlarmStore:
         now, now_s = self._clock.utc(), self._clock.mono_s()
         self.checked_s = now_s
         self._flood.pass_time(now_s)
+        self._let_in()
         for live in list(self._live.values()):
             back = life.pass_time(live.alarm, now)
             if back is not live.alarm:
@@ -204,9 +206,11 @@ class AlarmStore:
     def _comes(self, change: Change) -> None:
         kind, finding = self._types[change.key.code], change.finding
         live = self._live.get(change.key.id)
-        if live is None and len(self._live) >= MAX_ALARMS:
-            self.dropped += 1
+        if live is None and not self._has_room(change):
+            self.dropped += change.key.id not in self._left_out
+            self._left_out[change.key.id] = change
             return
+        self._left_out.pop(change.key.id, None)
         now, now_s = self._clock.utc(), self._clock.mono_s()
         since_s = finding.since_s if finding.since_s is not None else now_s
         since_s = min(now_s, max(since_s, now_s - MAX_BACKDATE_S))
@@ -221,7 +225,22 @@ class AlarmStore:
             self._flood.raised(now_s)
         self._step(What.RAISED, new, raised, text=text)
 
+    def _has_room(self, change: Change) -> bool:
+        """Say whether one more is listed. Priority 1 and the console's own always are, but what a robot can invent."""
+        finding = change.finding
+        is_urgent = (finding.priority or self._types[change.key.code].priority) is Priority.CRITICAL
+        is_urgent = is_urgent or change.key.source == CONSOLE
+        if finding.detail:
+            return len(self._live) < (2 * MAX_ALARMS if is_urgent else MAX_ALARMS)
+        return is_urgent or len(self._live) < MAX_ALARMS
+
+    def _let_in(self) -> None:
+        """List what found no room when it came and holds still, the oldest first."""
+        while self._left_out and len(self._live) < MAX_ALARMS:
+            self._comes(next(iter(self._left_out.values())))
+
     def _goes(self, change: Change) -> None:
+        self._left_out.pop(change.key.id, None)
         live = self._live.get(change.key.id)
         if live is not None and live.alarm.is_active:
             gone = life.condition_goes(live.alarm, self._clock.utc())
@@ -230,6 +249,8 @@ class AlarmStore:
     def _reworded(self, change: Change) -> None:
         live = self._live.get(change.key.id)
         if live is None:
+            if change.key.id in self._left_out:
+                self._comes(change)
             return
         said = replace(live.alarm, text=change.finding.text or live.alarm.text, priority=change.finding.priority)
         new = replace(live, alarm=said, is_chattering=change.is_chattering)
