@@ -152,12 +152,12 @@ class AlarmRoom:
 
     async def prepare(self) -> None:
         """Take over the alarms of before the restart, and read the farm's ground."""
-        for alarm, escalated_at in await self._records.database.run(self._kept.load):
+        for alarm, unanswered_at, escalated_at in await self._records.database.run(self._kept.load):
             kind = self._types.get(alarm.key.code)
             if kind is None:
                 log.warning("alarm %s is not in the catalogue any more", alarm.key.id)
                 continue
-            self.store.restore(replace(alarm, is_latching=kind.is_latching), escalated_at)
+            self.store.restore(replace(alarm, is_latching=kind.is_latching), unanswered_at, escalated_at)
         await self.ground.load()
         await self.notifications.desk.load()
         await self.limits.load()

@@ -77,11 +77,11 @@ class AlarmRecords:
             for one in live:
                 self._writer.put(_Item(one.id, self._row(one), None))
 
-    def load(self) -> list[tuple[Alarm, datetime | None]]:
-        """Return the alarms of before the restart, with when each escalated; blocks."""
+    def load(self) -> list[tuple[Alarm, datetime | None, datetime | None]]:
+        """Return the alarms of before the restart, with since when each waits and when it escalated; blocks."""
         with self._database.read() as session:
             rows = session.scalars(select(AlarmRow).filter_by(farm_id=self._farm_id))
-            return [(_alarm(row), row.escalated_at) for row in rows]
+            return [(_alarm(row), row.unanswered_at, row.escalated_at) for row in rows]
 
     def _row(self, live: LiveAlarm) -> dict[str, Any] | None:
         alarm = live.alarm
@@ -105,13 +105,14 @@ class AlarmRecords:
             "out_of_service": _out(alarm.out_of_service),
             "occurrences": alarm.occurrences,
             "escalated_at": live.escalated_at,
+            "unanswered_at": live.unanswered_at,
         }
 
     def _line(self, step: Step) -> dict[str, Any]:
         live, alarm = step.live, step.live.alarm
         name, title = self._name_of(live)
         is_begun = step.what is What.RAISED and step.rose_from is None and alarm.raised_at is not None
-        waited = step.at - alarm.raised_at if alarm.raised_at is not None else None
+        waited = step.at - step.unanswered_at if step.unanswered_at is not None else None
         return {
             "farm_id": self._farm_id,
             "at": alarm.raised_at if is_begun else step.at,

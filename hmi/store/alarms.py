@@ -108,7 +108,7 @@ class AlarmStore:
         for one in self._live.values():
             if one.alarm.is_annunciated:
                 active[one.priority] += one.alarm.is_active
-                unseen[one.priority] += one.alarm.needs_seeing
+                unseen[one.priority] += one.alarm.awaits_answer
         return {level: (active[level], unseen[level]) for level in Priority}
 
     # ---- conditions ----
@@ -126,14 +126,18 @@ class AlarmStore:
             if change.key.source == CONSOLE and change.turn is not Turn.REWORDED:
                 self._suppress_by(change.key.code, is_on=change.turn is Turn.COMES)
 
-    def restore(self, alarm: Alarm, escalated_at: datetime | None = None) -> bool:
+    def restore(
+        self, alarm: Alarm, unanswered_at: datetime | None = None, escalated_at: datetime | None = None
+    ) -> bool:
         """Take over an alarm from before a restart; ``False`` if the catalogue does not know it any more."""
         kind = self._types.get(alarm.key.code)
         if kind is None:
             return False
-        since = alarm.raised_at or self._clock.utc()
-        age_s = max(0.0, (self._clock.utc() - since).total_seconds())
-        self._keep(LiveAlarm(alarm, kind, self._clock.mono_s() - age_s, escalated_at=escalated_at))
+        live = LiveAlarm(alarm, kind, self._mono_of(alarm.raised_at))
+        if alarm.awaits_answer:
+            waits = unanswered_at or self._clock.utc()
+            live = replace(live, unanswered_at=waits, unanswered_s=self._mono_of(waits), escalated_at=escalated_at)
+        self._keep(live)
         self._regroup(alarm.key.source)
         return True
 
@@ -198,10 +202,15 @@ class AlarmStore:
             elif not is_on and cause in live.alarm.suppressed_by:
                 self._step(What.UNSUPPRESSED, live, life.end_suppression(live.alarm, cause), text=cause)
 
+    def _mono_of(self, at: datetime | None) -> float:
+        """Return a moment before the restart on the monotonic clock of now."""
+        now = self._clock.utc()
+        return self._clock.mono_s() - max(0.0, (now - (at or now)).total_seconds())
+
     def _waits_too_long(self, live: LiveAlarm, now_s: float) -> bool:
         limit_s = self.escalate_after_s.get(live.priority)
-        is_waiting = live.escalated_at is None and live.alarm.is_annunciated and live.alarm.needs_seeing
-        return is_waiting and limit_s is not None and now_s - live.raised_s >= limit_s
+        is_waiting = live.escalated_at is None and live.alarm.awaits_answer
+        return is_waiting and limit_s is not None and now_s - live.unanswered_s >= limit_s
 
     def _comes(self, change: Change) -> None:
         kind, finding = self._types[change.key.code], change.finding
@@ -218,6 +227,8 @@ class AlarmStore:
         raised = life.condition_comes(before, now - timedelta(seconds=now_s - since_s), finding.text)
         raised = replace(raised, priority=finding.priority, advice=finding.advice)
         new = LiveAlarm(raised, kind, since_s, is_chattering=change.is_chattering)
+        if live is not None:
+            new = replace(new, escalated_at=live.escalated_at)
         text = ""
         if live is not None and new.priority < live.priority:
             raised, text = life.priority_rises(raised, new.priority), _was(live, raised.text)
@@ -275,17 +286,30 @@ class AlarmStore:
         rose_from: Priority | None = None,
     ) -> LiveAlarm:
         now = self._clock.utc()
-        new = replace(live, alarm=after, escalated_at=None if what is What.RAISED else live.escalated_at)
-        if after.phase is Phase.NORMAL or not after.needs_seeing:
-            new = replace(new, escalated_at=None)
+        before = self._live.get(live.id)
+        unanswered_at = before.unanswered_at if before is not None else None
+        is_begun = what is What.RAISED and rose_from is None
+        new = self._waiting(replace(live, alarm=after), before, now, is_begun=is_begun)
+        if rose_from is not None:
+            new = replace(new, escalated_at=None)  # it is judged by another limit now
         self._keep(new)
         self._regroup(after.key.source)
         new = self._live.get(new.id, new)
         person = by or Person("")
-        step = Step(what, new, now, person.name, person.device, text, rose_from)
+        step = Step(what, new, now, person.name, person.device, text, unanswered_at, rose_from)
         for listener in self.listeners:
             listener(step)
         return new
+
+    def _waiting(self, live: LiveAlarm, before: LiveAlarm | None, now: datetime, *, is_begun: bool) -> LiveAlarm:
+        """Note since when it waits for an answer; coming back before anybody saw it begins no new wait."""
+        if not live.alarm.awaits_answer:
+            return replace(live, unanswered_at=None, escalated_at=None)
+        if before is not None and before.unanswered_at is not None:
+            return replace(live, unanswered_at=before.unanswered_at, unanswered_s=before.unanswered_s)
+        if is_begun:
+            return replace(live, unanswered_at=live.alarm.raised_at, unanswered_s=live.raised_s)
+        return replace(live, unanswered_at=now, unanswered_s=self._clock.mono_s())
 
     def _keep(self, live: LiveAlarm) -> None:
         alarm = live.alarm

@@ -135,3 +135,8 @@ class Alarm:
     def is_annunciated(self) -> bool:
         """Whether it asks for attention now: listed as active, and heard if it is not acknowledged."""
         return self.phase is not Phase.NORMAL and self.state.value == self.phase.value
+
+    @property
+    def awaits_answer(self) -> bool:
+        """Whether it is shown and nobody has acknowledged it."""
+        return self.is_annunciated and self.needs_seeing
