@@ -96,7 +96,9 @@ class AlarmRoom:
         self._stations: dict[str, str] = {}
         self.weather: WeatherBoard | None = None
         self.further: dict[str, Callable[[], Findings]] = {}  # what other rooms find wrong with the console
-        self.stations: Callable[[], Mapping[str, tuple[str, Findings]]] = dict  # by source: its name, what is wrong
+        # by source: its name, what is wrong; None while that cannot be told
+        self.stations: Callable[[], Mapping[str, tuple[str, Findings]] | None] = dict
+        self._are_stations_known = False
         self.condition_of: Callable[[str], StationCondition | None] = lambda _source: None
         self._troubled: set[str] = set()
         self._weather_source = ""
@@ -233,6 +235,8 @@ class AlarmRoom:
         self._look_at_weather()
         self._look_at_stations()
         self._look_for_missing(now_s)
+        if now_s - self._started_s >= GRACE_S:
+            self.watch.let_go_restored(self._is_judged)
         self.watch.sweep()
         self.store.pass_time()
         self._kept.mend(self.store.all())
@@ -270,12 +274,27 @@ class AlarmRoom:
 
     def _look_at_stations(self) -> None:
         found = self.stations()
+        self._are_stations_known = found is not None
+        if found is None:
+            return
         for source in self._troubled - found.keys():
             self.watch.report(source, "station", NOTHING)
         for source, (name, findings) in found.items():
             self._stations[source] = name
             self.watch.report(source, "station", findings)
         self._troubled = set(found)
+
+    def _is_judged(self, source: str) -> bool:
+        """Say whether everybody who reports of a source has looked at it since the console started."""
+        if source == CONSOLE or self._is_robot(source):
+            return True
+        if not self._are_stations_known:
+            return False
+        if self.condition_of(source) is not None:
+            return True
+        # a weather station that is not the farm's own: known by its first report, or silent by itself again
+        is_heard = self.weather is None or self.weather.latest is not None
+        return is_heard or self._clock.mono_s() - self._started_s >= STATION_SILENT.total_seconds()
 
     def _look_for_missing(self, now_s: float) -> None:
         """Miss robots that had a mission under way and were not heard since the console started."""

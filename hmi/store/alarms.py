@@ -129,7 +129,10 @@ class AlarmStore:
     def restore(
         self, alarm: Alarm, unanswered_at: datetime | None = None, escalated_at: datetime | None = None
     ) -> bool:
-        """Take over an alarm from before a restart; ``False`` if the catalogue does not know it any more."""
+        """Take over an alarm from before a restart; ``False`` if the catalogue does not know it any more.
+
+        What a cause at the console kept silent then is silent again, whichever of them is restored first.
+        """
         kind = self._types.get(alarm.key.code)
         if kind is None:
             return False
@@ -138,6 +141,11 @@ class AlarmStore:
             waits = unanswered_at or self._clock.utc()
             live = replace(live, unanswered_at=waits, unanswered_s=self._mono_of(waits), escalated_at=escalated_at)
         self._keep(live)
+        causes = {one.alarm.key.code for one in self.of(CONSOLE) if one.alarm.is_active}
+        for one in list(self._live.values()) if alarm.key.source == CONSOLE else [live]:
+            if hiding := causes & one.type.suppressed_by:
+                hidden = replace(one.alarm, suppressed_by=one.alarm.suppressed_by | hiding)
+                self._keep(replace(one, alarm=hidden, unanswered_at=None, escalated_at=None))
         self._regroup(alarm.key.source)
         return True
 
