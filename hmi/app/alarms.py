@@ -218,6 +218,11 @@ class AlarmRoom:
         text = f"{oldest.by} pressed STOP. {oldest.text}".strip()
         self.watch.report(robot_id, "stop", (Finding("stop-not-confirmed", text),))
 
+    def robot_removed(self, robot_id: str) -> None:
+        """Let go what is known of a robot that was taken out; one of its name that comes later inherits nothing."""
+        self.watch.forget(robot_id)
+        self.store.release(robot_id, "It was taken out of the registry.")
+
     def trouble(self, code: str, text: str) -> None:
         """Take what the connection to the robots reports."""
         log.warning("%s: %s", code, text)

@@ -187,6 +187,14 @@ class AlarmStore:
         back = life.put_back(live.alarm)
         return live if back is live.alarm else self._step(What.IN_SERVICE, live, back, by)
 
+    def release(self, source: str, text: str) -> None:
+        """End what was put aside at a source that is no more; the next one of its name begins with nothing aside."""
+        for live in self.of(source):
+            if live.alarm.shelf is not None:
+                self._step(What.UNSHELVED, live, life.unshelve(live.alarm), text=text)
+            elif live.alarm.out_of_service is not None:
+                self._step(What.IN_SERVICE, live, life.put_back(live.alarm), text=text)
+
     # ---- time and design ----
 
     def pass_time(self) -> None:

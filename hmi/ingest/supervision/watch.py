@@ -103,9 +103,13 @@ class Watch:
                 if robot is not None:
                     self._look(robot, now_s)
         for source in [s for s in self._watched if s not in registered and self._watched[s].rules]:
-            del self._watched[source]
-            self._tell(self._conditions.forget(source))
+            self.forget(source)
         self._tell(self._conditions.pass_time(now_s))
+
+    def forget(self, source: str) -> None:
+        """Let everything of a source go that is no more."""
+        self._watched.pop(source, None)
+        self._tell(self._conditions.forget(source))
 
     def restore(self, alarm: Alarm) -> None:
         """Take over a condition that held before a restart; it holds until its rule or reporter can tell otherwise."""

@@ -128,3 +128,18 @@ async def test_the_order_of_restoring_does_not_matter_for_what_is_silent_by_desi
             room.store.restore(life.condition_comes(alarms[number], farm.clock.utc() - timedelta(minutes=5)))
         assert _states(room) == {LINK: "suppressed", SILENT: "unacknowledged"}
         assert room.store.get(LINK).unanswered_at is None
+
+
+async def test_a_robot_that_comes_back_after_it_was_taken_out_has_nothing_put_aside(farm: Farm) -> None:
+    async with farm.room() as room:
+        until = farm.clock.utc() + timedelta(hours=4)
+        room.watch.report("w", "stop", (Finding("battery-low"), Finding("robot-fault", "Nozzle.", "nozzle")))
+        await farm.pass_time(room, 60, step_s=20)
+        room.store.shelve("battery-low.w", MARTHA, "known", until)
+        room.store.take_out("robot-fault.w.nozzle", MARTHA, "at the maker")
+        steps: list[tuple[str, str]] = []
+        room.store.listeners.append(lambda step: steps.append((step.what.value, step.text)))
+        room.robot_removed("w")
+        assert {one.alarm.state.value for one in room.store.of("w")} == {"returned"}
+        why = "It was taken out of the registry."
+        assert steps[2:] == [("unshelved", why), ("in_service", why)]
