@@ -77,7 +77,7 @@ class AlarmRoom:
         self.store = AlarmStore(clock, self._types)
         self._kept = AlarmRecords(records.database, settings.farm_id, self._words)
         self.store.listeners += [self._kept.take, self._told]
-        conditions = Conditions(self._types.__getitem__)
+        conditions = self._conditions = Conditions(self._types.__getitem__)
         self.ground = FarmGround(records.features, records.database, settings.farm_id)
         self.watch = Watch(fleet, clock, conditions, self._rules, mission_of, self._apply)
         kept = AlarmSettings(records.database, settings.farm_id)
@@ -96,7 +96,9 @@ class AlarmRoom:
         self._stations: dict[str, str] = {}
         self.weather: WeatherBoard | None = None
         self.further: dict[str, Callable[[], Findings]] = {}  # what other rooms find wrong with the console
-        self.stations: Callable[[], Mapping[str, tuple[str, Findings]]] = dict  # by source: its name, what is wrong
+        # by source: its name, what is wrong; None while that cannot be told
+        self.stations: Callable[[], Mapping[str, tuple[str, Findings]] | None] = dict
+        self._are_stations_known = False
         self.condition_of: Callable[[str], StationCondition | None] = lambda _source: None
         self._troubled: set[str] = set()
         self._weather_source = ""
@@ -152,12 +154,12 @@ class AlarmRoom:
 
     async def prepare(self) -> None:
         """Take over the alarms of before the restart, and read the farm's ground."""
-        for alarm, escalated_at in await self._records.database.run(self._kept.load):
+        for alarm, unanswered_at, escalated_at in await self._records.database.run(self._kept.load):
             kind = self._types.get(alarm.key.code)
             if kind is None:
                 log.warning("alarm %s is not in the catalogue any more", alarm.key.id)
                 continue
-            self.store.restore(replace(alarm, is_latching=kind.is_latching), escalated_at)
+            self.store.restore(replace(alarm, is_latching=kind.is_latching), unanswered_at, escalated_at)
         await self.ground.load()
         await self.notifications.desk.load()
         await self.limits.load()
@@ -190,7 +192,7 @@ class AlarmRoom:
         """Return counters for the diagnostics page."""
         return {
             "listed": len(self.store.all()),
-            "dropped": self.store.dropped,
+            "dropped": self.store.dropped + self._conditions.dropped,
             "checked_s_ago": round(self._clock.mono_s() - self.store.checked_s, 1),
             "journal": self._kept.health(),
             "notifications": self.notifications.post.health(),
@@ -216,6 +218,11 @@ class AlarmRoom:
         text = f"{oldest.by} pressed STOP. {oldest.text}".strip()
         self.watch.report(robot_id, "stop", (Finding("stop-not-confirmed", text),))
 
+    def robot_removed(self, robot_id: str) -> None:
+        """Let go what is known of a robot that was taken out; one of its name that comes later inherits nothing."""
+        self.watch.forget(robot_id)
+        self.store.release(robot_id, "It was taken out of the registry.")
+
     def trouble(self, code: str, text: str) -> None:
         """Take what the connection to the robots reports."""
         log.warning("%s: %s", code, text)
@@ -233,6 +240,8 @@ class AlarmRoom:
         self._look_at_weather()
         self._look_at_stations()
         self._look_for_missing(now_s)
+        if now_s - self._started_s >= GRACE_S:
+            self.watch.let_go_restored(self._is_judged)
         self.watch.sweep()
         self.store.pass_time()
         self._kept.mend(self.store.all())
@@ -270,12 +279,27 @@ class AlarmRoom:
 
     def _look_at_stations(self) -> None:
         found = self.stations()
+        self._are_stations_known = found is not None
+        if found is None:
+            return
         for source in self._troubled - found.keys():
             self.watch.report(source, "station", NOTHING)
         for source, (name, findings) in found.items():
             self._stations[source] = name
             self.watch.report(source, "station", findings)
         self._troubled = set(found)
+
+    def _is_judged(self, source: str) -> bool:
+        """Say whether everybody who reports of a source has looked at it since the console started."""
+        if source == CONSOLE or self._is_robot(source):
+            return True
+        if not self._are_stations_known:
+            return False
+        if self.condition_of(source) is not None:
+            return True
+        # a weather station that is not the farm's own: known by its first report, or silent by itself again
+        is_heard = self.weather is None or self.weather.latest is not None
+        return is_heard or self._clock.mono_s() - self._started_s >= STATION_SILENT.total_seconds()
 
     def _look_for_missing(self, now_s: float) -> None:
         """Miss robots that had a mission under way and were not heard since the console started."""

@@ -248,8 +248,14 @@ class Console:
         await asyncio.to_thread(self.records.close)
 
     def sync_registry(self) -> None:
-        """Let the live store know which robots are registered now; call it on the loop."""
+        """Let everybody know which robots are registered now; call it on the loop."""
+        before = set(self.edge.fleet.registered_ids())
         self.edge.fleet.set_registry(self.records.robots.all())
+        gone = before - set(self.edge.fleet.registered_ids())
+        for robot_id in gone:
+            self.alarms.robot_removed(robot_id)
+        if gone:
+            self._soon(self.fleet.duty.let_go(robots=gone))
 
     def client_frame(self, session: SessionInfo, lane_id: str, frame: Here | Drive | Jog) -> None:
         """Take a ``here``, ``drive`` or ``jog`` frame of a browser."""

@@ -64,6 +64,8 @@ class FleetDesk:
                 duties=records.duties,
                 database=records.database,
                 people=records.users.all,
+                farm_id=settings.farm_id,
+                is_robot=lambda robot_id: records.robots.get(robot_id) is not None,
                 name_of=self._name_of,
                 audit=records.audit,
                 authorize=authorize,
@@ -71,6 +73,7 @@ class FleetDesk:
                 on_event=on_event,
             )
         )
+        records.accounts.on_changed.append(self.duty.let_go)
         desk.ledger.when_settled(self._settled)
         self._task: asyncio.Task[None] | None = None
 
@@ -82,7 +85,8 @@ class FleetDesk:
         ]
 
     async def prepare(self) -> None:
-        """Let wall screens that are valid open their sessions, and go on with today's sums."""
+        """Let wall screens that are valid open their sessions, and go on with duties and today's sums."""
+        await self.duty.let_go()
         await self._records.walls.load()
         self.day.restore(await asyncio.to_thread(read_day, self._kept), self._today())
 

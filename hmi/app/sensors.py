@@ -82,9 +82,9 @@ class SensorRoom:
         """Return what the farm's stations say of its treatment limits, ``None`` while nobody can."""
         return None if self._work is None else self._work.gate()
 
-    def findings(self) -> Mapping[str, tuple[str, Findings]]:
-        """Return what an alarm should say, by source: name for people and findings."""
-        return {} if self._work is None else self._work.findings()
+    def findings(self) -> Mapping[str, tuple[str, Findings]] | None:
+        """Return what an alarm should say, by source: name for people and findings; ``None`` while nobody can."""
+        return None if self._work is None else self._work.findings()
 
     def condition_of(self, source: str) -> StationCondition | None:
         """Return how the station behind the source of an alarm does."""

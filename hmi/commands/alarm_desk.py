@@ -10,7 +10,7 @@ from hmi.clock import Clock
 from hmi.commands.ports import AuditSink
 from hmi.domain.alarm.life import AlarmRefused
 from hmi.domain.alarm.live_alarm import LiveAlarm
-from hmi.domain.role import Permission
+from hmi.domain.role import Permission, may
 from hmi.security.authorization import Authorize
 from hmi.security.errors import NotAllowed
 from hmi.security.session_info import SessionInfo
@@ -104,12 +104,13 @@ class AlarmDesk:
     def take_out(self, session: SessionInfo, alarm_id: str, reason: str) -> LiveAlarm:
         """Take it out of service until somebody puts it back; raises as ``acknowledge``.
 
-        One of priority 1 is taken out by an admin only.
+        One of priority 1 is taken out by an admin only; what another took out comes back if it becomes that.
         """
         live = self._for(session, Permission.SHELVE_ALARM, alarm_id)
         if live.priority == 1:
             self._authorize(session, Permission.MANAGE_ALARMS)
-        live = self._store.take_out(alarm_id, _person(session), reason)
+        holds_critical = may(session.role, Permission.MANAGE_ALARMS)
+        live = self._store.take_out(alarm_id, _person(session), reason, holds_critical=holds_critical)
         self._note(session, live, "out_of_service", reason)
         return live
 

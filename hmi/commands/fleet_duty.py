@@ -1,12 +1,15 @@
 """Who is responsible for which robot: take, give back, hand over to somebody who takes it over, and the shift book.
 
 A hand-over is an offer. Until the other person takes it, the one who gives stays responsible: no robot is ever
-nobody's because somebody looked away. Responsibility is not control: it moves nothing and needs no lease.
+nobody's because somebody looked away. Who may not operate any more answers for nothing: their robots are nobody's.
+Responsibility is not control: it moves nothing and needs no lease.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import logging
+from collections import defaultdict
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, replace
 
 from hmi.clock import Clock
@@ -18,9 +21,12 @@ from hmi.security.session_info import SessionInfo
 from hmi.store.audit_chain import AuditEntry
 from hmi.store.database import Database
 from hmi.store.duty import Duties, Duty, HandOver
+from hmi.store.errors import StoreError
 from hmi.store.users import User
 
 NOT_YOURS, NOBODY, NOT_OFFERED = "not_yours", "nobody", "not_offered"
+CONSOLE_NAME = "Headland"  # who writes in the shift book what no person did
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,12 +43,15 @@ class DutyParts:
 
     Args:
         people: the farm's people, from the database; blocks.
+        is_robot: whether a robot is registered now.
         name_of: what people call a robot.
     """
 
     duties: Duties
     database: Database
     people: Callable[[str], list[User]]
+    farm_id: str
+    is_robot: Callable[[str], bool]
     name_of: Callable[[str], str]
     audit: AuditSink
     authorize: Authorize
@@ -74,8 +83,7 @@ class DutyDesk:
     async def people(self, session: SessionInfo) -> list[User]:
         """Return who may be made responsible: active people who may operate."""
         self._parts.authorize(session, Permission.WATCH)
-        known = await self._parts.database.run(self._parts.people, session.farm_id)
-        return [one for one in known if one.is_active and may(one.role, Permission.PAUSE)]
+        return await self._operators()
 
     async def take(self, session: SessionInfo, robots: Sequence[str], note: str = "") -> list[Duty]:
         """Become responsible for robots that are nobody's; a supervisor may take anybody's."""
@@ -126,8 +134,36 @@ class DutyDesk:
         is_giver = all(one.offered_to and one.user_id == session.user_id for one in duties)
         if not is_giver:
             duties = self._offered(session, robots)
-        kept = [Duty(one.robot_id, one.user_id, one.user_name, one.since, one.note) for one in duties]
+        kept = [_not_offered(one) for one in duties]
         return await self._write(session, kept, "withdrawn" if is_giver else "declined", "", note)
+
+    async def let_go(self, by: str = CONSOLE_NAME, robots: Collection[str] = ()) -> None:
+        """Free what people answer for who may not operate any more, take back what is offered to them; also ``robots``.
+
+        ``robots`` were taken out: one of the same name that comes back is nobody's. What cannot be written is logged,
+        and done at the next change or start.
+        """
+        try:
+            able = {one.id for one in await self._operators()}
+            changes: dict[tuple[str, str], list[Duty]] = defaultdict(list)
+            for duty in self._parts.duties.all():
+                if duty.robot_id in robots or not self._parts.is_robot(duty.robot_id):
+                    changes["released", "Taken out of the registry."].append(Duty(duty.robot_id))
+                    continue
+                left = duty if duty.offered_to in able else _not_offered(duty)
+                if duty.user_id and duty.user_id not in able:
+                    left = replace(left, user_id="", user_name="", since=None, note="")
+                    changes["released", f"{duty.user_name} does not operate robots here any more."].append(left)
+                elif left != duty:
+                    changes["withdrawn", f"{duty.offered_name} does not operate robots here any more."].append(left)
+            for (what, note), duties in changes.items():
+                await self._put(by, "", duties, what, "", note)
+        except StoreError:
+            log.exception("duties of people or robots that are gone could not be freed")
+
+    async def _operators(self) -> list[User]:
+        known = await self._parts.database.run(self._parts.people, self._parts.farm_id)
+        return [one for one in known if one.is_active and may(one.role, Permission.PAUSE)]
 
     def _offered(self, session: SessionInfo, robots: Sequence[str]) -> list[Duty]:
         duties = [self._parts.duties.of(one) for one in robots]
@@ -148,21 +184,30 @@ class DutyDesk:
     async def _write(
         self, session: SessionInfo, duties: Sequence[Duty], what: str, to_name: str, note: str
     ) -> list[Duty]:
+        return await self._put(session.user_name, session.device_name, duties, what, to_name, note)
+
+    async def _put(
+        self, by: str, device: str, duties: Sequence[Duty], what: str, to_name: str, note: str
+    ) -> list[Duty]:
         robots = tuple(one.robot_id for one in duties)
-        line = HandOver(self._parts.clock.utc(), what, session.user_name, to_name, robots, note)
+        line = HandOver(self._parts.clock.utc(), what, by, to_name, robots, note)
         await self._parts.database.run(self._parts.duties.write, duties, line)
         names = ", ".join(self._parts.name_of(one) for one in robots[:8])
         text = f"Responsibility {what}{f' ({to_name})' if to_name else ''}: {names}."
         self._parts.audit.append(
             AuditEntry(
-                session.farm_id, session.user_name, session.device_name, "duty", what,
+                self._parts.farm_id, by, device, "duty", what,
                 robots[0] if len(robots) == 1 else None, "", text, {"robots": list(robots), "note": note},
             )
         )  # fmt: skip
         to_user = duties[0].offered_to if what == "offered" else ""
-        told = {"what": what, "robots": list(robots), "by": session.user_name, "to_user": to_user, "note": note}
+        told = {"what": what, "robots": list(robots), "by": by, "to_user": to_user, "note": note}
         self._parts.on_event({"kind": "duty", **told})
         return list(duties)
+
+
+def _not_offered(duty: Duty) -> Duty:
+    return Duty(duty.robot_id, duty.user_id, duty.user_name, duty.since, duty.note)
 
 
 def _first_note(duties: Sequence[Duty]) -> str:

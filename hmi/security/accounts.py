@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 
 from hmi.domain.role import Role
 from hmi.security.errors import BadAccount
@@ -41,6 +41,7 @@ class Accounts:
         self._passwords = passwords
         self._stop_list = stop_list
         self._audit = audit
+        self.on_changed: list[Callable[[str], Awaitable[None]]] = []  # told by whom, after each change of rights
 
     async def all(self) -> list[User]:
         """Return everybody, by name."""
@@ -120,6 +121,8 @@ class Accounts:
         changes = {"name": shown, "role": role.value if role else None, "is_active": is_active}
         self._note(by, after, "changed", {key: value for key, value in changes.items() if value is not None})
         await self._sessions.end_all_of(user_id, RIGHTS_CHANGED)
+        for listener in self.on_changed:
+            await listener(by)
         if before.is_active != after.is_active:
             await self._database.run(self._stop_list.export)
         return after

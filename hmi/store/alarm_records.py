@@ -77,11 +77,11 @@ class AlarmRecords:
             for one in live:
                 self._writer.put(_Item(one.id, self._row(one), None))
 
-    def load(self) -> list[tuple[Alarm, datetime | None]]:
-        """Return the alarms of before the restart, with when each escalated; blocks."""
+    def load(self) -> list[tuple[Alarm, datetime | None, datetime | None]]:
+        """Return the alarms of before the restart, with since when each waits and when it escalated; blocks."""
         with self._database.read() as session:
             rows = session.scalars(select(AlarmRow).filter_by(farm_id=self._farm_id))
-            return [(_alarm(row), row.escalated_at) for row in rows]
+            return [(_alarm(row), row.unanswered_at, row.escalated_at) for row in rows]
 
     def _row(self, live: LiveAlarm) -> dict[str, Any] | None:
         alarm = live.alarm
@@ -105,16 +105,17 @@ class AlarmRecords:
             "out_of_service": _out(alarm.out_of_service),
             "occurrences": alarm.occurrences,
             "escalated_at": live.escalated_at,
+            "unanswered_at": live.unanswered_at,
         }
 
     def _line(self, step: Step) -> dict[str, Any]:
         live, alarm = step.live, step.live.alarm
         name, title = self._name_of(live)
-        is_raised = step.what is What.RAISED and alarm.raised_at is not None
-        waited = step.at - alarm.raised_at if alarm.raised_at is not None else None
+        is_begun = step.what is What.RAISED and step.rose_from is None and alarm.raised_at is not None
+        waited = step.at - step.unanswered_at if step.unanswered_at is not None else None
         return {
             "farm_id": self._farm_id,
-            "at": alarm.raised_at if is_raised else step.at,
+            "at": alarm.raised_at if is_begun else step.at,
             "alarm_id": live.id,
             "code": alarm.key.code,
             "source": alarm.key.source,
@@ -152,7 +153,7 @@ def _alarm(row: AlarmRow) -> Alarm:
         seen_by=row.seen_by,
         seen_at=row.seen_at,
         shelf=None if row.shelf is None else _read_shelf(row.shelf),
-        out_of_service=None if row.out_of_service is None else _read_out(row.out_of_service),
+        out_of_service=None if row.out_of_service is None else _read_out(row.out_of_service, row.priority),
         occurrences=row.occurrences,
         priority=None if row.priority is None else Priority(row.priority),
         advice=row.advice,
@@ -165,8 +166,10 @@ def _shelf(shelf: Shelf | None) -> dict[str, str] | None:
     return {"by": shelf.by, "reason": shelf.reason, "at": shelf.at.isoformat(), "until": shelf.until.isoformat()}
 
 
-def _out(out: OutOfService | None) -> dict[str, str] | None:
-    return None if out is None else {"by": out.by, "reason": out.reason, "at": out.at.isoformat()}
+def _out(out: OutOfService | None) -> dict[str, Any] | None:
+    if out is None:
+        return None
+    return {"by": out.by, "reason": out.reason, "at": out.at.isoformat(), "holds_critical": out.holds_critical}
 
 
 def _read_shelf(value: dict[str, str]) -> Shelf:
@@ -174,5 +177,7 @@ def _read_shelf(value: dict[str, str]) -> Shelf:
     return Shelf(value["by"], value["reason"], at, until)
 
 
-def _read_out(value: dict[str, str]) -> OutOfService:
-    return OutOfService(value["by"], value["reason"], datetime.fromisoformat(value["at"]))
+def _read_out(value: dict[str, Any], priority: int | None) -> OutOfService:
+    # older rows do not say it; of priority 1 only an admin could take one out
+    holds_critical = value.get("holds_critical", priority == Priority.CRITICAL)
+    return OutOfService(value["by"], value["reason"], datetime.fromisoformat(value["at"]), holds_critical)

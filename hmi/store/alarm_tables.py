@@ -34,6 +34,7 @@ class AlarmRow(Base):
     out_of_service: Mapped[dict[str, Any] | None] = mapped_column(JSON, default=None)
     occurrences: Mapped[int] = mapped_column(Integer, default=0)
     escalated_at: Mapped[datetime | None] = mapped_column(UtcText, default=None)
+    unanswered_at: Mapped[datetime | None] = mapped_column(UtcText, default=None)
 
 
 class AlarmJournalRow(Base):

@@ -22,7 +22,7 @@ from hmi.domain.alarm.priority import Priority
 from hmi.store.errors import NotFound
 
 MAX_BACKDATE_S = 60.0  # a condition is noticed within seconds; an older beginning is a clock gone wrong
-MAX_ALARMS = 5000  # 1,000 robots with five each; what comes beyond is counted, not listed
+MAX_ALARMS = 5000  # 1,000 robots with five each; what comes beyond is counted, and listed when there is room
 ESCALATE_AFTER_S: Mapping[Priority, float] = {
     Priority.CRITICAL: 60.0,
     Priority.HIGH: 300.0,
@@ -66,6 +66,7 @@ class AlarmStore:
         self.revision = 0
         self.checked_s = clock.mono_s()
         self.dropped = 0
+        self._left_out: dict[str, Change] = {}
 
     def get(self, alarm_id: str) -> LiveAlarm:
         """Return one alarm; raises ``NotFound`` when it is normal or never was."""
@@ -107,7 +108,7 @@ class AlarmStore:
         for one in self._live.values():
             if one.alarm.is_annunciated:
                 active[one.priority] += one.alarm.is_active
-                unseen[one.priority] += one.alarm.needs_seeing
+                unseen[one.priority] += one.alarm.awaits_answer
         return {level: (active[level], unseen[level]) for level in Priority}
 
     # ---- conditions ----
@@ -125,14 +126,26 @@ class AlarmStore:
             if change.key.source == CONSOLE and change.turn is not Turn.REWORDED:
                 self._suppress_by(change.key.code, is_on=change.turn is Turn.COMES)
 
-    def restore(self, alarm: Alarm, escalated_at: datetime | None = None) -> bool:
-        """Take over an alarm from before a restart; ``False`` if the catalogue does not know it any more."""
+    def restore(
+        self, alarm: Alarm, unanswered_at: datetime | None = None, escalated_at: datetime | None = None
+    ) -> bool:
+        """Take over an alarm from before a restart; ``False`` if the catalogue does not know it any more.
+
+        What a cause at the console kept silent then is silent again, whichever of them is restored first.
+        """
         kind = self._types.get(alarm.key.code)
         if kind is None:
             return False
-        since = alarm.raised_at or self._clock.utc()
-        age_s = max(0.0, (self._clock.utc() - since).total_seconds())
-        self._keep(LiveAlarm(alarm, kind, self._clock.mono_s() - age_s, escalated_at=escalated_at))
+        live = LiveAlarm(alarm, kind, self._mono_of(alarm.raised_at))
+        if alarm.awaits_answer:
+            waits = unanswered_at or self._clock.utc()
+            live = replace(live, unanswered_at=waits, unanswered_s=self._mono_of(waits), escalated_at=escalated_at)
+        self._keep(live)
+        causes = {one.alarm.key.code for one in self.of(CONSOLE) if one.alarm.is_active}
+        for one in list(self._live.values()) if alarm.key.source == CONSOLE else [live]:
+            if hiding := causes & one.type.suppressed_by:
+                hidden = replace(one.alarm, suppressed_by=one.alarm.suppressed_by | hiding)
+                self._keep(replace(one, alarm=hidden, unanswered_at=None, escalated_at=None))
         self._regroup(alarm.key.source)
         return True
 
@@ -162,10 +175,10 @@ class AlarmStore:
         back = life.unshelve(live.alarm)
         return live if back is live.alarm else self._step(What.UNSHELVED, live, back, by)
 
-    def take_out(self, alarm_id: str, by: Person, reason: str) -> LiveAlarm:
+    def take_out(self, alarm_id: str, by: Person, reason: str, *, holds_critical: bool = False) -> LiveAlarm:
         """Take one out of service; raises ``NotFound``, ``AlarmRefused``."""
         live = self.get(alarm_id)
-        out = life.take_out(live.alarm, by.name, reason, self._clock.utc())
+        out = life.take_out(live.alarm, by.name, reason, self._clock.utc(), holds_critical=holds_critical)
         return self._step(What.OUT_OF_SERVICE, live, out, by, reason)
 
     def put_back(self, alarm_id: str, by: Person) -> LiveAlarm:
@@ -174,6 +187,14 @@ class AlarmStore:
         back = life.put_back(live.alarm)
         return live if back is live.alarm else self._step(What.IN_SERVICE, live, back, by)
 
+    def release(self, source: str, text: str) -> None:
+        """End what was put aside at a source that is no more; the next one of its name begins with nothing aside."""
+        for live in self.of(source):
+            if live.alarm.shelf is not None:
+                self._step(What.UNSHELVED, live, life.unshelve(live.alarm), text=text)
+            elif live.alarm.out_of_service is not None:
+                self._step(What.IN_SERVICE, live, life.put_back(live.alarm), text=text)
+
     # ---- time and design ----
 
     def pass_time(self) -> None:
@@ -181,6 +202,7 @@ class AlarmStore:
         now, now_s = self._clock.utc(), self._clock.mono_s()
         self.checked_s = now_s
         self._flood.pass_time(now_s)
+        self._let_in()
         for live in list(self._live.values()):
             back = life.pass_time(live.alarm, now)
             if back is not live.alarm:
@@ -196,17 +218,24 @@ class AlarmStore:
             elif not is_on and cause in live.alarm.suppressed_by:
                 self._step(What.UNSUPPRESSED, live, life.end_suppression(live.alarm, cause), text=cause)
 
+    def _mono_of(self, at: datetime | None) -> float:
+        """Return a moment before the restart on the monotonic clock of now."""
+        now = self._clock.utc()
+        return self._clock.mono_s() - max(0.0, (now - (at or now)).total_seconds())
+
     def _waits_too_long(self, live: LiveAlarm, now_s: float) -> bool:
         limit_s = self.escalate_after_s.get(live.priority)
-        is_waiting = live.escalated_at is None and live.alarm.is_annunciated and live.alarm.needs_seeing
-        return is_waiting and limit_s is not None and now_s - live.raised_s >= limit_s
+        is_waiting = live.escalated_at is None and live.alarm.awaits_answer
+        return is_waiting and limit_s is not None and now_s - live.unanswered_s >= limit_s
 
     def _comes(self, change: Change) -> None:
         kind, finding = self._types[change.key.code], change.finding
         live = self._live.get(change.key.id)
-        if live is None and len(self._live) >= MAX_ALARMS:
-            self.dropped += 1
+        if live is None and not self._has_room(change):
+            self.dropped += change.key.id not in self._left_out
+            self._left_out[change.key.id] = change
             return
+        self._left_out.pop(change.key.id, None)
         now, now_s = self._clock.utc(), self._clock.mono_s()
         since_s = finding.since_s if finding.since_s is not None else now_s
         since_s = min(now_s, max(since_s, now_s - MAX_BACKDATE_S))
@@ -214,11 +243,31 @@ class AlarmStore:
         raised = life.condition_comes(before, now - timedelta(seconds=now_s - since_s), finding.text)
         raised = replace(raised, priority=finding.priority, advice=finding.advice)
         new = LiveAlarm(raised, kind, since_s, is_chattering=change.is_chattering)
+        if live is not None:
+            new = replace(new, escalated_at=live.escalated_at)
+        text = ""
+        if live is not None and new.priority < live.priority:
+            raised, text = life.priority_rises(raised, new.priority), _was(live, raised.text)
         if raised.is_annunciated:
             self._flood.raised(now_s)
-        self._step(What.RAISED, new, raised)
+        self._step(What.RAISED, new, raised, text=text)
+
+    def _has_room(self, change: Change) -> bool:
+        """Say whether one more is listed. Priority 1 and the console's own always are, but what a robot can invent."""
+        finding = change.finding
+        is_urgent = (finding.priority or self._types[change.key.code].priority) is Priority.CRITICAL
+        is_urgent = is_urgent or change.key.source == CONSOLE
+        if finding.detail:
+            return len(self._live) < (2 * MAX_ALARMS if is_urgent else MAX_ALARMS)
+        return is_urgent or len(self._live) < MAX_ALARMS
+
+    def _let_in(self) -> None:
+        """List what found no room when it came and holds still, the oldest first."""
+        while self._left_out and len(self._live) < MAX_ALARMS:
+            self._comes(next(iter(self._left_out.values())))
 
     def _goes(self, change: Change) -> None:
+        self._left_out.pop(change.key.id, None)
         live = self._live.get(change.key.id)
         if live is not None and live.alarm.is_active:
             gone = life.condition_goes(live.alarm, self._clock.utc())
@@ -227,25 +276,56 @@ class AlarmStore:
     def _reworded(self, change: Change) -> None:
         live = self._live.get(change.key.id)
         if live is None:
+            if change.key.id in self._left_out:
+                self._comes(change)
             return
         said = replace(live.alarm, text=change.finding.text or live.alarm.text, priority=change.finding.priority)
         new = replace(live, alarm=said, is_chattering=change.is_chattering)
-        if new != live:
+        if new.priority < live.priority:
+            self._rises(live, new)
+        elif new != live:
             self._keep(new)
 
-    def _step(self, what: What, live: LiveAlarm, after: Alarm, by: Person | None = None, text: str = "") -> LiveAlarm:
+    def _rises(self, before: LiveAlarm, new: LiveAlarm) -> None:
+        risen = life.priority_rises(new.alarm, new.priority)
+        if risen.is_annunciated:
+            self._flood.raised(self._clock.mono_s())
+        self._step(What.RAISED, new, risen, text=_was(before, risen.text), rose_from=before.priority)
+
+    def _step(
+        self,
+        what: What,
+        live: LiveAlarm,
+        after: Alarm,
+        by: Person | None = None,
+        text: str = "",
+        rose_from: Priority | None = None,
+    ) -> LiveAlarm:
         now = self._clock.utc()
-        new = replace(live, alarm=after, escalated_at=None if what is What.RAISED else live.escalated_at)
-        if after.phase is Phase.NORMAL or not after.needs_seeing:
-            new = replace(new, escalated_at=None)
+        before = self._live.get(live.id)
+        unanswered_at = before.unanswered_at if before is not None else None
+        is_begun = what is What.RAISED and rose_from is None
+        new = self._waiting(replace(live, alarm=after), before, now, is_begun=is_begun)
+        if rose_from is not None:
+            new = replace(new, escalated_at=None)  # it is judged by another limit now
         self._keep(new)
         self._regroup(after.key.source)
         new = self._live.get(new.id, new)
         person = by or Person("")
-        step = Step(what, new, now, person.name, person.device, text)
+        step = Step(what, new, now, person.name, person.device, text, unanswered_at, rose_from)
         for listener in self.listeners:
             listener(step)
         return new
+
+    def _waiting(self, live: LiveAlarm, before: LiveAlarm | None, now: datetime, *, is_begun: bool) -> LiveAlarm:
+        """Note since when it waits for an answer; coming back before anybody saw it begins no new wait."""
+        if not live.alarm.awaits_answer:
+            return replace(live, unanswered_at=None, escalated_at=None)
+        if before is not None and before.unanswered_at is not None:
+            return replace(live, unanswered_at=before.unanswered_at, unanswered_s=before.unanswered_s)
+        if is_begun:
+            return replace(live, unanswered_at=live.alarm.raised_at, unanswered_s=live.raised_s)
+        return replace(live, unanswered_at=now, unanswered_s=self._clock.mono_s())
 
     def _keep(self, live: LiveAlarm) -> None:
         alarm = live.alarm
@@ -285,3 +365,8 @@ class AlarmStore:
 
     def _follows_from(self, code: str) -> frozenset[str]:
         return self._types[code].follows_from
+
+
+def _was(before: LiveAlarm, text: str) -> str:
+    """Return the words of the journal for an alarm that is more urgent than it was."""
+    return f"Was priority {int(before.priority)}, {before.alarm.state.value.replace('_', ' ')}. {text}".strip()

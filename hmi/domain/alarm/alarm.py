@@ -67,11 +67,16 @@ class Shelf:
 
 @dataclass(frozen=True, slots=True)
 class OutOfService:
-    """Taken out until somebody puts it back, for instance while a sensor is repaired."""
+    """Taken out until somebody puts it back, for instance while a sensor is repaired.
+
+    Args:
+        holds_critical: whoever took it out may do so with priority 1 too, so it stays out if it becomes that.
+    """
 
     by: str
     reason: str
     at: datetime
+    holds_critical: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,3 +135,8 @@ class Alarm:
     def is_annunciated(self) -> bool:
         """Whether it asks for attention now: listed as active, and heard if it is not acknowledged."""
         return self.phase is not Phase.NORMAL and self.state.value == self.phase.value
+
+    @property
+    def awaits_answer(self) -> bool:
+        """Whether it is shown and nobody has acknowledged it."""
+        return self.is_annunciated and self.needs_seeing

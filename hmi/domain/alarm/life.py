@@ -8,6 +8,7 @@
     seen               unacknowledged -> acknowledged
                        returned -> latched if it latches, else normal
     cleared            latched -> normal
+    more urgent        acknowledged -> unacknowledged; critical ends shelf and, unless an admin set it, out of service
 
 Acknowledging means "I have seen it". Nothing here resets or moves a machine.
 Source: ANSI/ISA-18.2-2016, figure of the alarm state transition; IEC 62682:2022.
@@ -61,6 +62,17 @@ def condition_goes(alarm: Alarm, at: datetime) -> Alarm:
     if alarm.phase is Phase.UNACKNOWLEDGED:
         return replace(alarm, phase=Phase.RETURNED, returned_at=at)
     return _gone(replace(alarm, returned_at=at))
+
+
+def priority_rises(alarm: Alarm, to: Priority) -> Alarm:
+    """It is more urgent than what people answered: they answer anew, and what is critical is not put aside."""
+    out = alarm.out_of_service
+    if to is Priority.CRITICAL:
+        out = out if out is not None and out.holds_critical else None
+        alarm = replace(alarm, shelf=None, out_of_service=out)
+    if alarm.phase is not Phase.ACKNOWLEDGED:
+        return alarm
+    return replace(alarm, phase=Phase.UNACKNOWLEDGED, seen_by="", seen_at=None)
 
 
 def acknowledge(alarm: Alarm, by: str, at: datetime) -> Alarm:
@@ -129,13 +141,13 @@ def end_suppression(alarm: Alarm, cause: str) -> Alarm:
     return rest if rest.suppressed_by else _shown_again(rest)
 
 
-def take_out(alarm: Alarm, by: str, reason: str, at: datetime) -> Alarm:
+def take_out(alarm: Alarm, by: str, reason: str, at: datetime, *, holds_critical: bool = False) -> Alarm:
     """Take it out of service until somebody puts it back; it leaves the shelf.
 
     Raises:
         AlarmRefused: no reason is given.
     """
-    return replace(alarm, out_of_service=OutOfService(by, _reason(reason), at), shelf=None)
+    return replace(alarm, out_of_service=OutOfService(by, _reason(reason), at, holds_critical), shelf=None)
 
 
 def put_back(alarm: Alarm) -> Alarm:

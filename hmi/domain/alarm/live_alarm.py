@@ -33,6 +33,8 @@ class LiveAlarm:
 
     Args:
         raised_s: when it was raised, on the console's monotonic clock.
+        unanswered_at, unanswered_s: since when it is shown and waits for an answer, on the wall clock and on the
+            monotonic one; ``None`` while it does not. It waits on when it comes back before anybody saw it.
         first: id of the first-out alarm of its group; ``place`` counts from 1 in a group of ``group``.
         escalated_at: when it had waited too long for an answer.
     """
@@ -40,6 +42,8 @@ class LiveAlarm:
     alarm: Alarm
     type: AlarmType
     raised_s: float
+    unanswered_at: datetime | None = None
+    unanswered_s: float = 0.0
     is_chattering: bool = False
     first: str = ""
     place: int = 1
@@ -59,7 +63,12 @@ class LiveAlarm:
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One step in the life of one alarm, for the journal; ``by`` is a person, or empty for the console."""
+    """One step in the life of one alarm, for the journal; ``by`` is a person, or empty for the console.
+
+    Args:
+        unanswered_at: since when it waited for an answer before this step.
+        rose_from: the priority before, where one that was active already is raised anew because it is more urgent.
+    """
 
     what: What
     live: LiveAlarm
@@ -67,3 +76,5 @@ class Step:
     by: str = ""
     device: str = ""
     text: str = ""
+    unanswered_at: datetime | None = None
+    rose_from: Priority | None = None

@@ -22,6 +22,7 @@ from hmi.store.fleet import FleetStore
 
 MISSION_S = 2.0  # figures of a mission change when it is planned anew
 SILENT_S = 0.9  # robots that speak are looked at twice a second; the round looks at the others
+RESTORED = "restored"  # the reporter that speaks for those of before a restart until they have looked
 log = logging.getLogger(__name__)
 
 
@@ -102,12 +103,16 @@ class Watch:
                 if robot is not None:
                     self._look(robot, now_s)
         for source in [s for s in self._watched if s not in registered and self._watched[s].rules]:
-            del self._watched[source]
-            self._tell(self._conditions.forget(source))
+            self.forget(source)
         self._tell(self._conditions.pass_time(now_s))
 
+    def forget(self, source: str) -> None:
+        """Let everything of a source go that is no more."""
+        self._watched.pop(source, None)
+        self._tell(self._conditions.forget(source))
+
     def restore(self, alarm: Alarm) -> None:
-        """Take over a condition that held before a restart; it holds until its rule can tell otherwise."""
+        """Take over a condition that held before a restart; it holds until its rule or reporter can tell otherwise."""
         key = alarm.key
         finding = Finding(key.code, alarm.text, key.detail, alarm.priority, alarm.advice)
         self._conditions.restore(key, finding)
@@ -116,6 +121,13 @@ class Watch:
             if key.code in rule.codes:
                 watched.found[number] = (*watched.found[number], finding)
                 return
+        watched.told[RESTORED] = (*watched.told.get(RESTORED, NOTHING), finding)
+
+    def let_go_restored(self, is_judged: Callable[[str], bool]) -> None:
+        """Let go what was restored and no rule watches, where all reporters have looked since: they told what holds."""
+        for source in [one for one, watched in self._watched.items() if RESTORED in watched.told]:
+            if is_judged(source):
+                self.report(source, RESTORED, NOTHING)
 
     def _of(self, source: str) -> _Watched:
         watched = self._watched.get(source)

@@ -31,9 +31,8 @@ class AlarmRig(WireRig):
         self.alarms.listeners.append(self.steps.append)
         self.missions: dict[str, Mission] = {}
         self.ground: Ground | None = None
-        self.watch = Watch(
-            self.store, self.clock, Conditions(catalogue().__getitem__), self.rules, self.missions.get, self._apply
-        )
+        self.conditions = Conditions(catalogue().__getitem__)
+        self.watch = Watch(self.store, self.clock, self.conditions, self.rules, self.missions.get, self._apply)
         self._robots: dict[str, FakeWireRobot] = {}
         FleetWitness(self.store, self.clock, lambda _robot_id: None, [self.watch.see]).start()
 

@@ -12,7 +12,7 @@ from hmi.domain.alarm.conditions import MAX_AT_SOURCE, Change, Turn
 from hmi.domain.alarm.finding import NOTHING, Finding
 from hmi.domain.alarm.live_alarm import What
 from hmi.store.alarms import MAX_ALARMS
-from tests.hmi.alarms.rig import AlarmRig
+from tests.hmi.alarms.rig import MARTHA, AlarmRig
 
 FLEET = tuple(f"weeder-{number:04d}" for number in range(300))
 BROKER = (Finding("broker-lost", "Not connected."),)
@@ -137,11 +137,39 @@ async def test_a_robot_that_invents_codes_without_end_fills_neither_list_nor_mem
         assert len(rig.alarms.all()) <= MAX_AT_SOURCE
 
 
+async def test_a_robot_full_of_faults_leaves_room_for_a_stop_that_is_not_confirmed_and_says_what_it_left_out() -> None:
+    async with AlarmRig("weeder-01") as rig:
+        rig.run(1, "weeder-01")
+        faults = [up.Fault(code=f"rage-{number}", level="high", text="Rage.", hint="") for number in range(64)]
+        rig.say(rig.wire().state(faults=faults))
+        rig.say(rig.wire().node(name="planner", state="failure", text="exit 139"))
+        rig.watch.report("weeder-01", "stop", (Finding("stop-not-confirmed", "Martha pressed STOP."),))
+        rig.run(8)
+        assert {"stop-not-confirmed.weeder-01", "link-lost.weeder-01"} < rig.states().keys()
+        assert "node-failed.weeder-01.planner" not in rig.states()
+        assert rig.conditions.dropped == 1
+        urgent = up.Fault(code="fire", level="critical", text="It burns.", hint="")
+        rig.say(rig.wire().state(faults=[*faults[:63], urgent]))
+        assert "robot-fault.weeder-01.fire" in rig.states()
+
+
 @pytest.mark.slow
 async def test_the_list_ends_somewhere_and_counts_what_found_no_room() -> None:
     async with AlarmRig() as rig:
         for number in range(MAX_ALARMS + 5):
             rig.alarms.apply([Change(Turn.COMES, AlarmKey("link-lost", f"r-{number}"), Finding("link-lost"))])
+        assert len(rig.alarms.all()) == MAX_ALARMS
+        assert rig.alarms.dropped == 5
+        for code, source in (("stop-not-confirmed", "r-1"), ("disk-full", CONSOLE)):
+            rig.alarms.apply([Change(Turn.COMES, AlarmKey(code, source), Finding(code))])
+            assert rig.alarms.find(AlarmKey(code, source).id) is not None
+        for seen in ("r-1", "r-2", "r-3"):
+            rig.alarms.acknowledge(f"link-lost.{seen}", MARTHA)
+        for gone in ("r-1", "r-2", "r-3", f"r-{MAX_ALARMS}"):  # the last of them was never listed
+            rig.alarms.apply([Change(Turn.GOES, AlarmKey("link-lost", gone), Finding("link-lost"))])
+        rig.round()
+        assert rig.alarms.find(f"link-lost.r-{MAX_ALARMS}") is None
+        assert rig.alarms.find(f"link-lost.r-{MAX_ALARMS + 1}") is not None
         assert len(rig.alarms.all()) == MAX_ALARMS
         assert rig.alarms.dropped == 5
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from datetime import timedelta
+
+import pytest
+
 from backend_clients.edge import messages_up as up
 from hmi.domain.alarm.live_alarm import What
 from hmi.domain.alarm.priority import Priority
@@ -104,3 +108,67 @@ async def test_a_whole_fleet_that_goes_to_bed_in_order_raises_nothing_and_so_doe
             rig.wire(robot_id).boot, rig.wire(robot_id).booted_s = "boot-bbbb", rig.clock.mono_s()
         rig.run(10, *fleet)
         assert rig.states() == {}
+
+
+def _hydraulic(level: str) -> up.Fault:
+    return up.Fault(code="hydraulic", level=level, text="Hydraulic pressure falls.", hint="")
+
+
+HYDRAULIC = "robot-fault.weeder-01.hydraulic"
+
+
+@pytest.mark.parametrize("aside", ["shelved", "out_of_service", "acknowledged"])
+async def test_a_fault_that_becomes_critical_is_put_aside_no_more_and_asks_at_once(aside: str) -> None:
+    async with AlarmRig(ROBOT) as rig:
+        rig.run(1, ROBOT)
+        rig.say(rig.wire().state(faults=[_hydraulic("medium")]))
+        if aside == "shelved":
+            rig.alarms.shelve(HYDRAULIC, MARTHA, "known", rig.clock.utc() + timedelta(hours=4))
+        elif aside == "out_of_service":
+            rig.alarms.take_out(HYDRAULIC, MARTHA, "at the maker")
+        else:
+            rig.alarms.acknowledge(HYDRAULIC, MARTHA)
+        rig.run(1, ROBOT)
+        rig.steps.clear()
+        rig.say(rig.wire().state(faults=[_hydraulic("critical")]))
+        assert rig.states() == {HYDRAULIC: "unacknowledged"}
+        assert rig.alarms.counts()[Priority.CRITICAL] == (1, 1)
+        (step,) = rig.steps
+        assert (step.what, step.live.priority, step.rose_from) == (What.RAISED, Priority.CRITICAL, Priority.MEDIUM)
+        assert step.text.startswith(f"Was priority 3, {aside.replace('_', ' ')}.")
+
+
+async def test_what_an_admin_took_out_stays_out_when_it_becomes_critical() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        rig.run(1, ROBOT)
+        rig.say(rig.wire().state(faults=[_hydraulic("medium")]))
+        rig.alarms.take_out(HYDRAULIC, MARTHA, "at the maker", holds_critical=True)
+        rig.say(rig.wire().state(faults=[_hydraulic("critical")]))
+        assert rig.states() == {HYDRAULIC: "out_of_service"}
+
+
+async def test_what_lies_on_the_shelf_and_comes_back_critical_is_shown() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        rig.run(1, ROBOT)
+        rig.say(rig.wire().state(faults=[_hydraulic("medium")]))
+        rig.alarms.shelve(HYDRAULIC, MARTHA, "known", rig.clock.utc() + timedelta(hours=4))
+        rig.say(rig.wire().state())
+        rig.run(5, ROBOT)
+        rig.say(rig.wire().state(faults=[_hydraulic("critical")]))
+        assert rig.states() == {HYDRAULIC: "unacknowledged"}
+        assert rig.one(HYDRAULIC).priority is Priority.CRITICAL
+
+
+async def test_a_fault_whose_level_flutters_is_not_raised_at_each_turn() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        rig.run(1, ROBOT)
+        for _ in range(20):
+            for level in ("medium", "critical"):
+                rig.say(rig.wire().state(faults=[_hydraulic(level)]))
+                rig.run(1, ROBOT)
+        assert [step.live.priority for step in rig.steps] == [Priority.MEDIUM, Priority.CRITICAL]
+        rig.say(rig.wire().state(faults=[_hydraulic("medium")]))
+        rig.run(50, ROBOT)
+        assert rig.one(HYDRAULIC).priority is Priority.CRITICAL
+        rig.run(20, ROBOT)
+        assert rig.one(HYDRAULIC).priority is Priority.MEDIUM

@@ -47,8 +47,8 @@ class Book:
         """Return the book as a new console reads it."""
         assert self.records.close()
         new = Book(database, self.clock)
-        for alarm, escalated_at in new.records.load():
-            new.store.restore(alarm, escalated_at)
+        for alarm, unanswered_at, escalated_at in new.records.load():
+            new.store.restore(alarm, unanswered_at, escalated_at)
         return new
 
 
@@ -106,6 +106,66 @@ def test_what_was_seen_in_time_does_not_escalate_and_a_new_occurrence_waits_anew
     book.clock.advance(1)
     book.store.pass_time()
     assert book.store.get("stop-not-confirmed.weeder-07").escalated_at is not None
+
+
+def _escalated(book: Book, seconds: int, *, on_s: int, off_s: int) -> list[int]:
+    """Let one alarm come and go; return after how many seconds it escalated each time."""
+    found: list[int] = []
+    book.store.listeners.append(lambda step: found.append(second) if step.what is What.ESCALATED else None)
+    for second in range(seconds):
+        if second % (on_s + off_s) in (0, on_s):
+            book.turn(Turn.GOES if second % (on_s + off_s) else Turn.COMES, "link-lost")
+        book.store.pass_time()
+        book.clock.advance(1)
+    return found
+
+
+def test_an_alarm_that_comes_and_goes_unseen_escalates_in_time_and_once(book: Book) -> None:
+    assert _escalated(book, 3600, on_s=200, off_s=40) == [300]
+
+
+def test_how_long_an_alarm_waited_is_counted_from_its_first_occurrence_that_nobody_saw(book: Book) -> None:
+    _escalated(book, 500, on_s=200, off_s=40)
+    book.store.acknowledge("link-lost.weeder-07", ANNA)
+    assert book.records.flush()
+    assert book.journal.figures(book.clock.utc()).answers_s == [500]
+
+
+def test_what_comes_back_from_the_shelf_waits_anew_also_over_a_restart(book: Book, database: Database) -> None:
+    alarm_id = "link-lost.weeder-07"
+    book.turn(Turn.COMES, "link-lost")
+    book.clock.advance(20)
+    book.store.acknowledge(alarm_id, ANNA)
+    book.store.shelve(alarm_id, ANNA, "is known", book.clock.utc() + timedelta(minutes=15))
+    book.clock.advance(900)
+    book.store.pass_time()
+    book.clock.advance(200)
+    again = book.restarted(database)
+    try:
+        again.clock.advance(99)
+        again.store.pass_time()
+        assert again.store.get(alarm_id).escalated_at is None
+        again.clock.advance(1)
+        again.store.pass_time()
+        assert again.store.get(alarm_id).escalated_at == again.clock.utc()
+        again.clock.advance(30)
+        again.store.acknowledge(alarm_id, ANNA)
+        assert again.records.flush()
+        assert again.journal.figures(again.clock.utc()).answers_s == [20, 330]
+    finally:
+        again.records.close()
+
+
+def test_what_becomes_critical_escalates_again_by_the_limit_of_priority_1(book: Book) -> None:
+    book.turn(Turn.COMES, "robot-fault", priority=Priority.MEDIUM)
+    for _ in range(1800):
+        book.clock.advance(1)
+        book.store.pass_time()
+    assert book.store.get("robot-fault.weeder-07").escalated_at is not None
+    book.turn(Turn.REWORDED, "robot-fault", priority=Priority.CRITICAL)
+    assert book.store.get("robot-fault.weeder-07").escalated_at is None
+    book.store.pass_time()
+    assert book.store.get("robot-fault.weeder-07").escalated_at is not None
 
 
 def test_the_limits_can_be_set_and_never_is_a_choice() -> None:
@@ -186,7 +246,8 @@ def test_a_restart_anywhere_forgets_nothing(database: Database, book: Book, stor
 def _said(live: LiveAlarm) -> tuple[object, ...]:
     alarm = live.alarm
     return (alarm.phase, alarm.text, alarm.raised_at, alarm.returned_at, alarm.seen_by, alarm.seen_at, alarm.shelf,
-            alarm.out_of_service, alarm.occurrences, live.escalated_at, live.first, live.place)  # fmt: skip
+            alarm.out_of_service, alarm.occurrences, live.unanswered_at, live.escalated_at, live.first,
+            live.place)  # fmt: skip
 
 
 def _do(book: Book, code: str, what: str) -> None:
@@ -259,3 +320,35 @@ def test_a_database_that_fails_does_not_hold_up_an_alarm_and_is_mended_afterward
         assert len(book.store.all()) == len(CODES)
     assert book.records.flush(10)
     assert len(book.records.load()) == len(CODES)
+
+
+def test_an_alarm_that_becomes_critical_is_so_in_the_journal_and_after_a_restart(
+    book: Book, database: Database
+) -> None:
+    book.turn(Turn.COMES, "robot-fault", priority=Priority.LOW)
+    book.store.acknowledge("robot-fault.weeder-07", ANNA)
+    book.clock.advance(600)
+    book.turn(Turn.REWORDED, "robot-fault", priority=Priority.CRITICAL)
+    again = book.restarted(database)
+    try:
+        live = again.store.get("robot-fault.weeder-07")
+        assert (live.priority, live.alarm.state.value) == (Priority.CRITICAL, "unacknowledged")
+        newest = again.journal.page(Search(), 1)[0]
+        assert (newest.what, newest.priority, newest.at) == ("raised", 1, book.clock.utc())
+        assert newest.text == "Was priority 4, acknowledged. so"
+    finally:
+        again.records.close()
+
+
+def test_who_took_an_alarm_out_of_service_is_known_after_a_restart(book: Book, database: Database) -> None:
+    for source, is_admin in (("weeder-07", False), ("weeder-08", True)):
+        book.turn(Turn.COMES, "robot-fault", source, priority=Priority.LOW)
+        book.store.take_out(f"robot-fault.{source}", ANNA, "at the maker", holds_critical=is_admin)
+    again = book.restarted(database)
+    try:
+        for source in ("weeder-07", "weeder-08"):
+            again.turn(Turn.REWORDED, "robot-fault", source, priority=Priority.CRITICAL)
+        states = {one.id: one.alarm.state.value for one in again.store.all()}
+        assert states == {"robot-fault.weeder-07": "unacknowledged", "robot-fault.weeder-08": "out_of_service"}
+    finally:
+        again.records.close()

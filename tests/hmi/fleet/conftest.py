@@ -45,6 +45,8 @@ class FleetConsole(Console):
             duties=self.duties,
             database=database,
             people=self.users.all,
+            farm_id=FARM,
+            is_robot=lambda robot_id: self.registry.get(robot_id) is not None,
             name_of=lambda robot_id: names.get(robot_id, robot_id),
             audit=self.audit,
             authorize=self.authorize,
@@ -52,6 +54,7 @@ class FleetConsole(Console):
             on_event=note,
         )
         self.duty = DutyDesk(parts)
+        self.accounts.on_changed.append(self.duty.let_go)
         actions = FleetActions(self.field.desk.commands, self.field.desk.missions, self.audit)
         self.api.include_router(fleet_routes(FleetRoutes(actions, groups, self.day.figures)))
         self.api.include_router(duty_routes(DutyRoutes(self.duty, self.walls, self.tokens)))

@@ -202,3 +202,48 @@ async def test_only_supervisors_make_wall_screens(console: FleetConsole) -> None
     martha = await console.browser(Role.OPERATOR)
     assert (await martha.post("/fleet/walls", json={"name": "Barn"})).status_code == 403
     assert (await martha.get("/fleet/walls")).status_code == 403
+
+
+async def test_who_is_switched_off_or_may_not_operate_any_more_answers_for_no_robot(console: FleetConsole) -> None:
+    martha = await console.browser(Role.OPERATOR)
+    await console.session(Role.DISPATCHER, browser="9")
+    anna = await console.browser(Role.SUPERVISOR, browser="2")
+    await martha.put("/fleet/duty/weeder-01", json={"user": "operator"})
+    await anna.put("/fleet/duty/weeder-02", json={"user": "supervisor"})
+    await anna.post("/fleet/duty/handover", json={"robots": ["weeder-02"], "to_user": "dispatcher"})
+    console.field.events.clear()
+    await console.accounts.change("operator", by="Ada", is_active=False)
+    await console.accounts.change("dispatcher", by="Ada", role=Role.VIEWER)
+    assert console.duty.responsible_for("weeder-01") is None
+    seen = (await anna.get("/fleet/duty")).json()
+    assert seen["duty"].keys() == {"weeder-02"}
+    assert (seen["duty"]["weeder-02"]["name"], seen["duty"]["weeder-02"]["offer"]) == ("Anna Ostermeier", None)
+    assert [(line["what"], line["by"], line["robots"]) for line in seen["book"][:2]] == [
+        ("withdrawn", "Ada", ["weeder-02"]),
+        ("released", "Ada", ["weeder-01"]),
+    ]
+    assert seen["book"][1]["note"] == "Martha Keller does not operate robots here any more."
+    assert [one["what"] for one in console.field.events if one["kind"] == "duty"] == ["released", "withdrawn"]
+
+
+async def test_what_is_offered_by_somebody_who_is_gone_can_still_be_taken(console: FleetConsole) -> None:
+    martha = await console.browser(Role.OPERATOR)
+    anna = await console.browser(Role.SUPERVISOR, browser="2")
+    await martha.put("/fleet/duty/weeder-01", json={"user": "operator"})
+    await martha.post("/fleet/duty/handover", json={"robots": ["weeder-01"], "to_user": "supervisor"})
+    await console.accounts.change("operator", by="Ada", is_active=False)
+    assert console.duty.responsible_for("weeder-01") is None
+    accepted = await anna.post("/fleet/duty/accept", json={"robots": ["weeder-01"]})
+    assert accepted.json()["duty"]["weeder-01"]["user"] == "supervisor"
+
+
+async def test_a_robot_that_was_taken_out_and_comes_back_is_nobodys(console: FleetConsole) -> None:
+    martha = await console.browser(Role.OPERATOR)
+    await martha.post("/fleet/duty/handover", json={"robots": BOTH, "to_user": "operator"})
+    await console.duty.let_go(robots={"weeder-01"})  # it is there again before anybody looked
+    assert console.duty.responsible_for("weeder-01") is None
+    await console.database.run(console.registry.remove, "weeder-02")
+    await console.duty.let_go()
+    again = Duties(console.database, FARM, console.field.clock)
+    again.load()
+    assert again.all() == []

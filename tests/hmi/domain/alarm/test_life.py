@@ -17,16 +17,16 @@ T0 = datetime(2026, 5, 20, 14, 36, tzinfo=UTC)
 KEY = AlarmKey("link-lost", "weeder-07")
 
 TABLE = {
-    # phase: (condition comes, condition goes, seen, cleared); without and with a latch where they differ
-    ("normal", False): ("unacknowledged", "normal", "normal", "normal"),
-    ("unacknowledged", False): ("unacknowledged", "returned", "acknowledged", "refused"),
-    ("acknowledged", False): ("acknowledged", "normal", "acknowledged", "refused"),
-    ("returned", False): ("unacknowledged", "returned", "normal", "refused"),
-    ("normal", True): ("unacknowledged", "normal", "normal", "normal"),
-    ("unacknowledged", True): ("unacknowledged", "returned", "acknowledged", "refused"),
-    ("acknowledged", True): ("acknowledged", "latched", "acknowledged", "refused"),
-    ("returned", True): ("unacknowledged", "returned", "latched", "refused"),
-    ("latched", True): ("unacknowledged", "latched", "latched", "normal"),
+    # phase: (condition comes, condition goes, seen, cleared, more urgent); without and with a latch where they differ
+    ("normal", False): ("unacknowledged", "normal", "normal", "normal", "normal"),
+    ("unacknowledged", False): ("unacknowledged", "returned", "acknowledged", "refused", "unacknowledged"),
+    ("acknowledged", False): ("acknowledged", "normal", "acknowledged", "refused", "unacknowledged"),
+    ("returned", False): ("unacknowledged", "returned", "normal", "refused", "returned"),
+    ("normal", True): ("unacknowledged", "normal", "normal", "normal", "normal"),
+    ("unacknowledged", True): ("unacknowledged", "returned", "acknowledged", "refused", "unacknowledged"),
+    ("acknowledged", True): ("acknowledged", "latched", "acknowledged", "refused", "unacknowledged"),
+    ("returned", True): ("unacknowledged", "returned", "latched", "refused", "returned"),
+    ("latched", True): ("unacknowledged", "latched", "latched", "normal", "latched"),
 }
 
 
@@ -41,7 +41,8 @@ class AlarmStory(RuleBasedStateMachine):
         self.phase = "normal"
         self.shelf_until: datetime | None = None
         self.causes: set[str] = set()
-        self.is_out = False
+        self.is_out = self.is_out_by_admin = False
+        self.priority = Priority.MEDIUM
 
     @rule(is_latching=st.booleans())
     @precondition(lambda self: self.phase == "normal" and self.alarm.occurrences == 0)
@@ -68,16 +69,24 @@ class AlarmStory(RuleBasedStateMachine):
             self.alarm = happen()
             self.phase = expected
 
-    @rule(
-        minutes=st.integers(-10, 13 * 60), priority=st.sampled_from(Priority), reason=st.sampled_from(["wet", " ", ""])
-    )
-    def put_on_the_shelf(self, minutes: int, priority: Priority, reason: str) -> None:
+    @rule(to=st.sampled_from(Priority))
+    def change_priority(self, to: Priority) -> None:
+        if to < self.priority:
+            self.alarm = life.priority_rises(self.alarm, to)
+            self.phase = TABLE[self.phase, self.is_latching][4]
+            if to == 1:
+                self.shelf_until = None
+                self.is_out = self.is_out and self.is_out_by_admin
+        self.priority = to
+
+    @rule(minutes=st.integers(-10, 13 * 60), reason=st.sampled_from(["wet", " ", ""]))
+    def put_on_the_shelf(self, minutes: int, reason: str) -> None:
         until = self.now + timedelta(minutes=minutes)
         is_allowed = (
-            priority is not Priority.CRITICAL and 0 < minutes <= 720 and bool(reason.strip()) and not self.is_out
+            self.priority is not Priority.CRITICAL and 0 < minutes <= 720 and bool(reason.strip()) and not self.is_out
         )
         try:
-            self.alarm = life.shelve(self.alarm, priority, "Anna", reason, self.now, until)
+            self.alarm = life.shelve(self.alarm, self.priority, "Anna", reason, self.now, until)
         except AlarmRefused:
             assert not is_allowed
         else:
@@ -101,10 +110,11 @@ class AlarmStory(RuleBasedStateMachine):
         self.causes.discard(cause)
         self._shown_again(was_hidden=was_hidden)
 
-    @rule()
-    def take_out(self) -> None:
-        self.alarm = life.take_out(self.alarm, "Anna", "sensor is at the maker", self.now)
-        self.is_out, self.shelf_until = True, None
+    @rule(is_admin=st.booleans())
+    def take_out(self, is_admin: bool) -> None:
+        is_admin = is_admin or self.priority == 1  # the desk lets nobody else
+        self.alarm = life.take_out(self.alarm, "Anna", "sensor is at the maker", self.now, holds_critical=is_admin)
+        self.is_out, self.is_out_by_admin, self.shelf_until = True, is_admin, None
 
     @rule()
     def put_back(self) -> None:
@@ -149,6 +159,9 @@ class AlarmStory(RuleBasedStateMachine):
     @invariant()
     def what_is_critical_never_lies_on_the_shelf(self) -> None:
         assert self.alarm.shelf is None or self.alarm.shelf.until - self.alarm.shelf.at <= timedelta(hours=12)
+        if self.priority is Priority.CRITICAL:
+            assert self.alarm.shelf is None
+            assert self.alarm.out_of_service is None or self.alarm.out_of_service.holds_critical
 
 
 TestAlarmStory = AlarmStory.TestCase
