@@ -39,6 +39,7 @@ class HttpPull:
         self._source, self._plan_of, self._inbox = source, plan_of, inbox
         self._rtt_ms = float("inf")
         self._connect_ms = 0.0
+        self._before = b""
 
     def run(self) -> None:
         """Pull until it fails; raises ``PullFailed``, ``BadAddress``, ``multipart.Refused`` or ``httpx.HTTPError``."""
@@ -104,6 +105,10 @@ class HttpPull:
             return
         age_ms = age_ms_of(part.headers.get("x-age-ms"))
         if age_ms is None:
+            if part.body == self._before:  # a camera that hangs hands out its last picture for ever
+                self._inbox.refuse("the same picture again")
+                return
+            self._before = part.body
             self._inbox.put(Shot(part.body, part.began_ms, False))
             return
         way_ms = 0.0 if self._rtt_ms == float("inf") else self._rtt_ms / 2

@@ -188,6 +188,18 @@ async def test_a_snapshot_address_is_asked_again_and_again() -> None:
         assert len(rig.robot.asked) >= 3
 
 
+@pytest.mark.slow
+async def test_a_camera_that_hangs_and_answers_with_its_last_picture_is_frozen() -> None:
+    async with camera_rig() as rig:
+        await rig.tell(kind=SourceKind.SNAPSHOT, url=f"{rig.robot.url}/shot.jpg", period_s=0.1)
+        rig.watch()
+        await rig.until_pictures(3)
+        rig.robot.is_hung = True
+        await until(lambda: rig.camera.state == "frozen" and "the same picture again" in rig.camera.reason)
+        rig.robot.is_hung = False
+        await until(lambda: rig.camera.state == "live")
+
+
 async def test_a_still_looks_for_a_moment_when_nobody_else_does() -> None:
     async with camera_rig() as rig:
         assert await rig.hub.still(rig.camera, None) is None
