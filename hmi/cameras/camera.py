@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import Any, Protocol
 
 from hmi.cameras.demand import Way, Wish, plan_of, step_of
+from hmi.cameras.group import Group
 from hmi.cameras.picture_wire import KeyPicture, Kind, News, Order, Piece, Plan
 from hmi.cameras.worker_process import WorkerProcess
 from hmi.clock import Clock
@@ -65,7 +66,7 @@ class Camera:
         self.hearers: set[Hearer] = set()
         self.newest: Piece | None = None
         self.newest_jpeg: Piece | None = None
-        self.group: list[Piece] = []
+        self._group: Group[Piece] = Group(MOST_IN_GROUP)
         self.restarts, self.reason, self.fps, self.kbit_s = 0, "", 0.0, 0.0
         self._worker: WorkerProcess | None = None
         self._task: asyncio.Task[None] | None = None
@@ -81,6 +82,11 @@ class Camera:
     def worker_pid(self) -> int | None:
         """Process id of its worker while it has one."""
         return None if self._worker is None else self._worker.pid
+
+    @property
+    def group(self) -> list[Piece]:
+        """H.264 since the last key picture."""
+        return self._group.row
 
     @property
     def state(self) -> CameraState:
@@ -226,7 +232,7 @@ class Camera:
         """Start a worker and take what it makes until it ends; return why it did."""
         self._again.clear()
         self._arrived_s, self._news = None, None
-        self.group.clear()
+        self._group.clear()
         self._seq_before = 0 if self.newest is None else self.newest.seq
         if no := self._refusal():
             return no
@@ -277,10 +283,7 @@ class Camera:
             if piece.wanted_width == 0 or self.newest_jpeg is None or piece.width >= self.newest_jpeg.width:
                 self.newest_jpeg = piece
         elif piece.kind is Kind.H264:
-            if piece.is_key or len(self.group) >= MOST_IN_GROUP:
-                self.group.clear()
-            if piece.is_key or self.group:
-                self.group.append(piece)
+            self._group.add(piece)
         if self.reason:
             self.reason = ""
         for watch in tuple(self.watches):

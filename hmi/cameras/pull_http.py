@@ -59,6 +59,9 @@ class HttpPull:
                 else:
                     self._stream(client, target)
 
+    def ask_key(self) -> None:
+        """Each JPEG can be decoded alone."""
+
     def _address(self) -> str:
         if self._source.kind is not SourceKind.ROBOT:
             return self._source.url

@@ -53,6 +53,9 @@ class RtspPull:
                     self._take(whole)
         raise PullFailed("the camera ended its stream")
 
+    def ask_key(self) -> None:
+        """RTSP has no word for it: the camera makes one when it likes."""
+
     def _take(self, packet: av.Packet[av.VideoStream]) -> None:
         if not packet.size:
             return

@@ -21,6 +21,7 @@ from hmi.domain.camera import Source
 
 SILENT_S = 5.0
 ASK_KEY_S = 0.5
+KEY_EVERY_S = 2.0  # many cameras make none unasked: nobody could come late, and no clip would begin
 MAX_ANSWER_BYTES = 64 * 1024
 OnPacket = Callable[..., Awaitable[None]]
 
@@ -34,11 +35,16 @@ class WhepPull:
         self._source, self._inbox = source, inbox
         self._units = Depacketizer()
         self._heard_s = time.monotonic()
-        self._asked_s = 0.0
+        self._asked_s = self._key_s = 0.0
+        self._wants_key = False
 
     def run(self) -> None:
         """Pull until it fails; raises ``PullFailed``, ``BadAddress`` or ``httpx.HTTPError``."""
         asyncio.run(self._pull())
+
+    def ask_key(self) -> None:
+        """Ask with the next packet; called by another thread."""
+        self._wants_key = True
 
     async def _pull(self) -> None:
         target = target_of(self._source.url, self._source.kind, self._source.nets)
@@ -97,8 +103,11 @@ class WhepPull:
         unit = self._units.add(packet)
         if unit is not None:
             self._inbox.put_unit(Unit(unit[0], now_s * 1000, unit[1]))
-        elif self._units.needs_key and now_s - self._asked_s > ASK_KEY_S:
-            self._asked_s = now_s
+            if unit[1]:
+                self._key_s, self._wants_key = now_s, False
+        is_needed = (self._units.needs_key or self._wants_key) and now_s - self._asked_s > ASK_KEY_S
+        if is_needed or now_s - max(self._key_s, self._asked_s) > KEY_EVERY_S:
+            self._asked_s, self._wants_key = now_s, False
             await self._receiver._send_rtcp_pli(packet.ssrc)
 
 

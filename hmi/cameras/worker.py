@@ -22,6 +22,7 @@ from av.video.frame import VideoFrame
 
 from hmi.cameras.addresses import BadAddress
 from hmi.cameras.encoders import Decoder, JpegEncoder, VideoEncoder, fitted
+from hmi.cameras.group import Group
 from hmi.cameras.inbox import Inbox, Shot, Unit
 from hmi.cameras.jpeg_header import size_of
 from hmi.cameras.multipart import Refused
@@ -34,6 +35,7 @@ NICE = 5
 NEWS_S = 1.0
 REPEAT_S = 15.0  # an older picture is not sent again for somebody who comes late; its age goes with it
 PR_SET_PDEATHSIG = 1
+MOST_READ_ANEW = 120  # decoded at once when somebody wants what nobody wanted before
 BAD_IN_A_ROW = 30  # nothing but garbage: the source is opened anew
 
 
@@ -42,6 +44,10 @@ class Pull(Protocol):
 
     def run(self) -> None:
         """Block until it fails."""
+        ...
+
+    def ask_key(self) -> None:
+        """Ask the camera for a picture that can be decoded alone, if it can be asked; from any thread."""
         ...
 
 
@@ -78,6 +84,7 @@ class Worker:
         self._jpegs: dict[int, JpegEncoder] = {}
         self._paces: dict[JpegWish, Pace] = {}
         self._decoder: Decoder | None = None
+        self._group: Group[Unit] = Group(MOST_READ_ANEW)
         self._pull: Pull = self._make_pull()
 
     def run(self) -> None:
@@ -154,6 +161,7 @@ class Worker:
                     self._plan = order
                 elif isinstance(order, KeyPicture):
                     self._wants_key = True
+                    self._pull.ask_key()
                 self._inbox.nudge()
         os._exit(0)  # the camera process let go, or is no more
 
@@ -190,14 +198,18 @@ class Worker:
         if can_pass and plan.has_h264:
             info = self._source.camera
             self._send(Kind.H264, unit.data, unit.captured_ms, info.width_px, info.height_px, False, is_key=unit.is_key)
+        self._group.add(unit)
         needs_frames = plan.has_vp8 or bool(plan.jpegs) or (plan.has_h264 and not can_pass)
         if not needs_frames:
-            self._decoder = None  # it begins again with the next key picture
+            self._decoder = None  # it begins again with the last key picture
             return
         if self._decoder is None:
-            if not unit.is_key:
+            if not self._group.row:
+                self._pull.ask_key()
                 return
             self._decoder = Decoder(codec)
+            for earlier in self._group.row[:-1]:
+                self._decoder.decode(earlier.data)
         frame = self._decoder.decode(unit.data)
         if frame is None:
             return
