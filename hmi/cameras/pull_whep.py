@@ -7,7 +7,6 @@ import contextlib
 import time
 from collections.abc import Awaitable, Callable
 from typing import Any
-from urllib.parse import urljoin
 
 import httpx
 from aiortc import RTCConfiguration, RTCPeerConnection, RTCRtpReceiver, RTCSessionDescription
@@ -85,9 +84,7 @@ class WhepPull:
         except Exception as error:  # the reader of answers raises whatever it trips over
             raise PullFailed("the camera's answer is not understood") from error
         self._receiver = transceiver.receiver
-        location = answer.headers.get("location", "")
-        place = urljoin(target.url, location) if location else ""
-        return place if place.startswith(target.url[: target.url.index("/", 8)]) else ""
+        return place_of(target.url, answer.headers.get("location", ""))
 
     async def _watch(self, peer: RTCPeerConnection) -> None:
         self._heard_s = time.monotonic()
@@ -109,6 +106,17 @@ class WhepPull:
         if is_needed or now_s - max(self._key_s, self._asked_s) > KEY_EVERY_S:
             self._asked_s, self._wants_key = now_s, False
             await self._receiver._send_rtcp_pli(packet.ssrc)
+
+
+def place_of(url: str, location: str) -> str:
+    """Return where a session is ended; empty if none is told, or one that is not at the camera that was judged."""
+    try:
+        camera = httpx.URL(url)
+        place = camera.join(location)
+    except (httpx.InvalidURL, ValueError):
+        return ""
+    is_there = (place.scheme, place.host, place.port) == (camera.scheme, camera.host, camera.port)
+    return str(place) if location and is_there and not place.userinfo else ""
 
 
 def take_packets(receiver: Any, take: OnPacket) -> None:
