@@ -21,6 +21,7 @@ STEADY_S = 10.0  # pictures for so long: the next failure begins with the shorte
 LINGER_S = 5.0  # a page that is loaded again finds the camera running
 TICK_S = 0.2
 MOST_IN_GROUP = 300
+NEWEST_S = 1.0  # an older still gives way to a smaller one
 WAYS = {Kind.H264: Way.H264, Kind.VP8: Way.VP8, Kind.JPEG: Way.JPEG}
 
 
@@ -280,7 +281,7 @@ class Camera:
         self.newest = piece
         self._arrived_s = self._clock.mono_s()
         if piece.kind is Kind.JPEG:
-            if piece.wanted_width == 0 or self.newest_jpeg is None or piece.width >= self.newest_jpeg.width:
+            if piece.wanted_width == 0 or self._is_better(piece, self.newest_jpeg):
                 self.newest_jpeg = piece
         elif piece.kind is Kind.H264:
             self._group.add(piece)
@@ -290,6 +291,13 @@ class Camera:
             if self._ways.get(watch) is WAYS[piece.kind] and self._is_for(piece, watch):
                 watch.take(piece)
         self._tell()
+
+    @staticmethod
+    def _is_better(piece: Piece, before: Piece | None) -> bool:
+        """Whether a still takes the place of the one before: the larger one, unless nobody wants that any more."""
+        if before is None or piece.width >= before.width:
+            return True
+        return piece.captured_ms - before.captured_ms > NEWEST_S * 1000
 
     def _is_for(self, piece: Piece, watch: Watch) -> bool:
         if piece.kind is not Kind.JPEG or self.source.kind is SourceKind.UPLOAD:
