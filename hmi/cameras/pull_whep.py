@@ -48,7 +48,7 @@ class WhepPull:
     async def _pull(self) -> None:
         target = target_of(self._source.url, self._source.kind, self._source.nets)
         peer = RTCPeerConnection(RTCConfiguration(iceServers=[]))
-        headers = {"Host": target.host}
+        headers = {"Host": target.host, "Accept-Encoding": "identity"}
         if self._source.token:
             headers["Authorization"] = f"Bearer {self._source.token}"
         async with httpx.AsyncClient(
@@ -71,20 +71,31 @@ class WhepPull:
         transceiver.setCodecPreferences([one for one in known.codecs if one.mimeType == "video/H264"])
         take_packets(transceiver.receiver, self._take)
         await peer.setLocalDescription(await peer.createOffer())
-        answer = await client.post(
-            target.url,
-            content=peer.localDescription.sdp,
-            headers={"Content-Type": "application/sdp"},
-            extensions={"sni_hostname": target.hostname},
-        )
-        if answer.status_code != 201 or len(answer.content) > MAX_ANSWER_BYTES:
-            raise PullFailed(f"the camera answers {answer.status_code} instead of a stream")
+        answer, location = await self._answer(client, target, peer.localDescription.sdp)
         try:
-            await peer.setRemoteDescription(RTCSessionDescription(answer.text, "answer"))
+            await peer.setRemoteDescription(RTCSessionDescription(answer, "answer"))
         except Exception as error:  # the reader of answers raises whatever it trips over
             raise PullFailed("the camera's answer is not understood") from error
         self._receiver = transceiver.receiver
-        return place_of(target.url, answer.headers.get("location", ""))
+        return place_of(target.url, location)
+
+    async def _answer(self, client: httpx.AsyncClient, target: Target, offer: str) -> tuple[str, str]:
+        """Return the answer to an offer, and where the session is."""
+        data = bytearray()
+        async with client.stream(
+            "POST",
+            target.url,
+            content=offer,
+            headers={"Content-Type": "application/sdp"},
+            extensions={"sni_hostname": target.hostname},
+        ) as answer:
+            if answer.status_code != 201:
+                raise PullFailed(f"the camera answers {answer.status_code} instead of a stream")
+            async for piece in answer.aiter_raw():
+                data += piece
+                if len(data) > MAX_ANSWER_BYTES:
+                    raise PullFailed("the camera's answer is not understood")
+        return data.decode("utf-8", "replace"), answer.headers.get("location", "")
 
     async def _watch(self, peer: RTCPeerConnection) -> None:
         self._heard_s = time.monotonic()

@@ -30,8 +30,10 @@ from hmi.cameras.pace import Pace
 from hmi.cameras.picture_wire import JpegWish, KeyPicture, Kind, News, Piece, Plan, order_decoder
 from hmi.cameras.pull_http import HttpPull, PullFailed
 from hmi.domain.camera import Source, SourceKind
+from hmi.planning.side_process import limit_memory
 
 NICE = 5
+MEMORY_BYTES = 3 * 1024**3  # address space: 0.5 GB with everything loaded, and the frames a decoder may hold
 NEWS_S = 1.0
 REPEAT_S = 15.0  # an older picture is not sent again for somebody who comes late; its age goes with it
 PR_SET_PDEATHSIG = 1
@@ -66,6 +68,7 @@ def _settle() -> None:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    limit_memory(MEMORY_BYTES)
     av.logging.set_level(None)  # its words go nowhere; what matters comes as an error
 
 

@@ -12,6 +12,7 @@ import pytest
 
 from hmi.cameras import camera as camera_module
 from hmi.cameras.ring import Rings
+from hmi.cameras.worker import MEMORY_BYTES
 from hmi.domain.camera import Recording, SourceKind
 from tests.hmi.cameras.fake_camera import jpeg
 from tests.hmi.cameras.rig import camera_rig
@@ -27,6 +28,7 @@ async def test_nothing_is_pulled_until_somebody_looks_and_then_the_robots_own_jp
         await rig.until_pictures(3)
         assert rig.camera.state == "live"
         assert rig.pictures[0][24:] in rig.robot.pictures
+        assert psutil.Process(rig.camera.worker_pid).rlimit(psutil.RLIMIT_AS)[0] == MEMORY_BYTES
         _, _, flags, width, captured, _, height, _ = struct.unpack("<4sBBHdIHH", rig.pictures[-1][:24])
         assert (flags, width, height) == (1, 640, 480)
         assert rig.clock.mono_s() * 1000 - captured >= rig.robot.age_ms
