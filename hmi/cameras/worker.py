@@ -82,7 +82,7 @@ class Worker:
         self._wants_key = True
         self._seq = 0
         self._last: tuple[VideoFrame, float, bool] | None = None
-        self._last_shot: Shot | None = None
+        self._last_item: Shot | Unit | None = None
         self._video: dict[Kind, VideoEncoder] = {}
         self._jpegs: dict[int, JpegEncoder] = {}
         self._paces: dict[JpegWish, Pace] = {}
@@ -170,6 +170,7 @@ class Worker:
 
     def _handle(self, item: Shot | Unit) -> None:
         self._seq += 1
+        self._last_item = item
         plan = self._plan
         if isinstance(item, Shot):
             self._handle_shot(item, plan)
@@ -184,7 +185,6 @@ class Worker:
             self._send(Kind.JPEG, shot.data, shot.captured_ms, width, height, shot.is_dated, wanted=one.width)
         smaller = [one for one in due if one.width and one.width < width]
         has_video = plan.has_h264 or plan.has_vp8
-        self._last_shot = shot
         if not has_video:
             self._last = None
         if not smaller and not has_video:
@@ -216,8 +216,12 @@ class Worker:
         frame = self._decoder.decode(unit.data)
         if frame is None:
             return
-        rest = Plan(has_h264=plan.has_h264 and not can_pass, has_vp8=plan.has_vp8, video_width=plan.video_width)
-        self._encode(frame, unit.captured_ms, due, rest, is_dated=False)
+        self._encode(frame, unit.captured_ms, due, self._to_encode(plan), is_dated=False)
+
+    def _to_encode(self, plan: Plan) -> Plan:
+        """Return what of a plan is encoded here: never H.264 beside a camera's own, which goes on as it came."""
+        is_own = isinstance(self._last_item, Unit) and getattr(self._pull, "can_pass", True)
+        return msgspec.structs.replace(plan, has_h264=False) if is_own else plan
 
     def _encode(
         self, frame: VideoFrame, captured_ms: float, jpegs: list[JpegWish], plan: Plan, *, is_dated: bool
@@ -254,7 +258,7 @@ class Worker:
 
     def _repeat(self) -> None:
         """Whoever comes between two pictures gets the last one at once."""
-        plan = self._plan
+        plan = self._to_encode(self._plan)
         if not self._wants_key or not (plan.has_h264 or plan.has_vp8):
             return
         last = self._last or self._decoded(plan)
@@ -266,8 +270,8 @@ class Worker:
 
     def _decoded(self, plan: Plan) -> tuple[VideoFrame, float, bool] | None:
         """Return the last JPEG as a frame, if nobody needed one before."""
-        shot = self._last_shot
-        if shot is None:
+        shot = self._last_item
+        if not isinstance(shot, Shot):
             return None
         try:
             frame = Decoder("mjpeg").decode(shot.data)

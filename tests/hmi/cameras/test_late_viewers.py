@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import socket
+import time
+from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any
 
@@ -13,7 +15,7 @@ from hmi.cameras import pull_whep
 from hmi.cameras.group import MOST_BYTES, Group
 from hmi.cameras.inbox import Inbox, Unit
 from hmi.cameras.packet_track import MOST_WAITING, PacketTrack, packet_of
-from hmi.cameras.picture_wire import HEAD, JpegWish, Kind, Piece, Plan
+from hmi.cameras.picture_wire import HEAD, JpegWish, Kind, Piece, Plan, unpack_piece
 from hmi.cameras.pull_whep import ASK_KEY_S, KEY_EVERY_S, WhepPull
 from hmi.cameras.worker import Worker
 from hmi.domain.camera import CameraInfo, Source, SourceKind
@@ -26,6 +28,13 @@ KEY = b"\x00\x00\x00\x01\x67\x00\x00\x00\x00\x01\x65"
 def piece(number: int) -> Piece:
     """Return a picture; number 0 can be decoded alone."""
     return Piece(Kind.H264, b"x", number * 33.0, number, 320, 240, is_key=number == 0, pts=number * 3000)
+
+
+def pieces(link: socket.socket) -> Iterator[Piece]:
+    """Return what a worker handed over, until it ended."""
+    with link.makefile("rb") as read:
+        while head := read.read(HEAD.size):
+            yield unpack_piece(head, read.read(HEAD.unpack(head)[-1]))
 
 
 async def test_a_long_group_is_sent_whole_and_what_comes_after_it_is_bounded_as_ever() -> None:
@@ -105,3 +114,19 @@ def test_a_jpeg_is_made_at_once_of_a_stream_whose_key_picture_is_long_ago() -> N
         ours.settimeout(5.0)
         head = ours.recv(HEAD.size, socket.MSG_WAITALL)
         assert Kind(head[0]) is Kind.JPEG
+
+
+def test_a_viewer_of_vp8_puts_nothing_into_a_cameras_own_h264() -> None:
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        plan = Plan(has_h264=True, has_vp8=True)
+        worker = Worker(SOURCE, plan, theirs)
+        now_ms, units = time.monotonic() * 1000, encoded(3)
+        for number, data in enumerate(units):
+            worker._handle(Unit(data, now_ms + number, number == 0))
+        worker._wants_key = True
+        worker._repeat()
+        theirs.shutdown(socket.SHUT_WR)
+        made = list(pieces(ours))
+        assert [one.data for one in made if one.kind is Kind.H264] == units
+        assert [one.is_key for one in made if one.kind is Kind.VP8] == [True, False, False, True]
