@@ -15,7 +15,7 @@ from aiortc.rtp import RtpPacket
 from hmi.cameras.addresses import Target, target_of
 from hmi.cameras.depacketizer import Depacketizer
 from hmi.cameras.inbox import Inbox, Unit
-from hmi.cameras.pull_http import CONNECT_S, PullFailed, trust_for
+from hmi.cameras.pull_http import CONNECT_S, PullFailed, auth_of, reason_of, trust_for
 from hmi.domain.camera import Source
 
 SILENT_S = 5.0
@@ -52,7 +52,12 @@ class WhepPull:
         if self._source.token:
             headers["Authorization"] = f"Bearer {self._source.token}"
         async with httpx.AsyncClient(
-            timeout=CONNECT_S, follow_redirects=False, trust_env=False, verify=trust_for(target.url), headers=headers
+            timeout=CONNECT_S,
+            follow_redirects=False,
+            trust_env=False,
+            verify=trust_for(target.url),
+            headers=headers,
+            auth=auth_of(self._source),
         ) as client:
             place = ""
             try:
@@ -90,7 +95,8 @@ class WhepPull:
             extensions={"sni_hostname": target.hostname},
         ) as answer:
             if answer.status_code != 201:
-                raise PullFailed(f"the camera answers {answer.status_code} instead of a stream")
+                known = reason_of(answer.status_code)
+                raise PullFailed(known or f"the camera answers {answer.status_code} instead of a stream")
             async for piece in answer.aiter_raw():
                 data += piece
                 if len(data) > MAX_ANSWER_BYTES:
