@@ -79,6 +79,14 @@ async def test_a_stop_opens_one_camera_and_leaves_a_clip_of_each_that_was_record
     assert {event["what"] for event in rig.events} == {"kept"}
 
 
+async def test_a_clip_of_a_camera_that_tells_no_time_says_so(rig: PictureRig) -> None:
+    rig.cameras.kept, rig.cameras.is_dated = {FRONT: VIDEO}, False
+    rig.recorder.stopped(WEEDER, "Martha Keller")
+    await rig.seconds(20)
+    (clip,) = await pictures(rig)
+    assert clip.text.endswith("The camera tells no time: times are of arrival.")
+
+
 async def test_press_and_the_robots_word_for_it_are_one_incident_that_is_found_by_the_press(rig: PictureRig) -> None:
     rig.cameras.kept = {FRONT: VIDEO}
     rig.latch()
