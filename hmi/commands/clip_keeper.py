@@ -19,6 +19,7 @@ from hmi.store.picture_shelf import PictureShelf
 VIDEO = "video/mp4"
 MOST_AT_ONCE = 2  # a clip is read and written whole; a STOP ALL asks for dozens
 END_S = 1.0
+LATE_S = 5.0  # a clip that begins so much later than it should says it
 log = logging.getLogger(__name__)
 _QUIET = ("nothing_kept", "unknown_camera", "no_picture")
 
@@ -89,6 +90,9 @@ class ClipKeeper:
 
 def _text(incident: Incident, clip: Clip) -> str:
     told = [one if one.endswith(".") else f"{one}." for one in incident.texts]
+    if clip.begins_s - incident.from_s > LATE_S:
+        before_s = round(incident.began_s - clip.begins_s)
+        told.append(f"Recorded from {abs(before_s)} s {'before' if before_s >= 0 else 'after'} it.")
     if clip.has_gap:
         told.append("Pictures are missing in between.")
     if not clip.is_dated:
