@@ -26,7 +26,7 @@ CameraId = Annotated[str, Path(pattern=ID_PATTERN.removesuffix("$") + r"\z")]
 SessionId = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{8,64}\z")]
 WatcherToken = Annotated[str, Header(alias="X-Headland-Watcher", max_length=64)]
 Stamp = Callable[[SessionInfo, bytes], Awaitable[bytes]]
-PICTURE_HEADERS = ("x-headland-captured", "x-headland-seq")
+PICTURE_HEADERS = ("x-headland-captured", "x-headland-dated", "x-headland-seq")
 CONTROL_STATUS = {"no_address": 409, "no_answer": 504, "unknown_camera": 404}
 
 

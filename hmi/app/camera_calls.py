@@ -13,7 +13,7 @@ from hmi.app.camera_link import CamerasDown
 from hmi.app.cameras import CameraDesk
 from hmi.commands.camera_ports import CamerasAway, Clip, NoPicture, Still
 
-CAPTURED = "X-Headland-Captured"
+CAPTURED, DATED = "X-Headland-Captured", "X-Headland-Dated"
 RING_FPS, RING_WIDTH_PX = 5, 640  # enough to see what happened; a camera that is watched is kept as it is watched
 STILL_S, CLIP_S, SHORT_S = 5.0, 30.0, 3.0
 _TEXTS = {
@@ -50,7 +50,8 @@ class CameraCalls:
         else:
             reply = await self._opened(f"{path}?fresh_s={fresh_s:g}")
         try:
-            return Still(reply.content, float(reply.headers[CAPTURED]) / 1000.0)
+            captured_s = float(reply.headers[CAPTURED]) / 1000.0
+            return Still(reply.content, captured_s, is_dated=reply.headers.get(DATED) != "0")
         except (KeyError, ValueError) as error:
             raise CamerasAway("it told no capture time") from error
 
@@ -89,7 +90,8 @@ class CameraCalls:
         told = _told(reply)
         try:
             return Clip(float(told["from"]) / 1000.0, float(told["to"]) / 1000.0, int(told["width_px"]),
-                        int(told["height_px"]), told.get("has_gap") is True)  # fmt: skip
+                        int(told["height_px"]), told.get("has_gap") is True,
+                        told.get("is_dated") is not False)  # fmt: skip
         except (KeyError, TypeError, ValueError) as error:
             raise CamerasAway("its answer is not understood") from error
 

@@ -31,6 +31,7 @@ class CameraRule:
         return replace(
             own, kind=wanted.kind, url=wanted.url, token="", user=wanted.user, password=wanted.password,
             nets=nets_of(self._book.reach(own.robot), wanted.url), is_on=True,
+            period_s=_period_s(self._book.stored(own.robot, own.camera.id)),
         )  # fmt: skip
 
     def _field(self, one: StoredSource) -> Source:
@@ -40,13 +41,19 @@ class CameraRule:
         wanted = self._book.source_of(FIELD, one.camera)
         password = "" if wanted is None else wanted.password
         nets = nets_of(self._book.reach(FIELD), one.url)
-        return Source(FIELD, camera, one.kind, one.url, user=one.user_name, password=password, nets=nets)
+        return Source(FIELD, camera, one.kind, one.url, user=one.user_name, password=password, nets=nets,
+                      period_s=_period_s(one))  # fmt: skip
 
 
 def field_camera(one: StoredSource) -> CameraInfo:
     """Return what is known of a camera that belongs to no robot."""
     wide, high = (one.width_px, one.height_px) if one.width_px else UNKNOWN_PX
     return CameraInfo(one.camera, one.label or one.camera, wide, high)
+
+
+def _period_s(one: StoredSource | None) -> float | None:
+    """Return how far apart pictures are meant to come, ``None`` where the stream itself says so."""
+    return one.period_s if one is not None and one.kind is SourceKind.SNAPSHOT else None
 
 
 def nets_of(reach: Reach, url: str) -> tuple[str, ...]:

@@ -20,7 +20,7 @@ from hmi.app.camera_link import CameraLink, CamerasDown
 from hmi.app.camera_socket import CameraSockets, OriginRule, viewer_of
 from hmi.app.camera_sources import FleetView, SourceRule, robot_sources
 from hmi.app.records import Records
-from hmi.cameras.door import CAPTURED_HEADER, SEQ_HEADER, VIEWER_HEADER, WATCHER_HEADER
+from hmi.cameras.door import CAPTURED_HEADER, DATED_HEADER, SEQ_HEADER, VIEWER_HEADER, WATCHER_HEADER
 from hmi.commands.lease_service import LeaseService
 from hmi.commands.watermark import mark_of, watermarked
 from hmi.domain.camera import CameraSetting, Source
@@ -34,7 +34,7 @@ from hmi.settings import Settings
 log = logging.getLogger(__name__)
 SYNC_S = 1.0
 SESSIONS = "/api/v1/cameras"
-PASSED_BACK = (CAPTURED_HEADER, SEQ_HEADER)
+PASSED_BACK = (CAPTURED_HEADER, DATED_HEADER, SEQ_HEADER)
 
 
 class CameraDesk:

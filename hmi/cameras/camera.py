@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import Any, Protocol
 
 from hmi.cameras.demand import Way, Wish, plan_of, step_of
+from hmi.cameras.group import Group
 from hmi.cameras.picture_wire import KeyPicture, Kind, News, Order, Piece, Plan
 from hmi.cameras.worker_process import WorkerProcess
 from hmi.clock import Clock
@@ -20,6 +21,7 @@ STEADY_S = 10.0  # pictures for so long: the next failure begins with the shorte
 LINGER_S = 5.0  # a page that is loaded again finds the camera running
 TICK_S = 0.2
 MOST_IN_GROUP = 300
+NEWEST_S = 1.0  # an older still gives way to a smaller one
 WAYS = {Kind.H264: Way.H264, Kind.VP8: Way.VP8, Kind.JPEG: Way.JPEG}
 
 
@@ -65,7 +67,7 @@ class Camera:
         self.hearers: set[Hearer] = set()
         self.newest: Piece | None = None
         self.newest_jpeg: Piece | None = None
-        self.group: list[Piece] = []
+        self._group: Group[Piece] = Group(MOST_IN_GROUP)
         self.restarts, self.reason, self.fps, self.kbit_s = 0, "", 0.0, 0.0
         self._worker: WorkerProcess | None = None
         self._task: asyncio.Task[None] | None = None
@@ -81,6 +83,11 @@ class Camera:
     def worker_pid(self) -> int | None:
         """Process id of its worker while it has one."""
         return None if self._worker is None else self._worker.pid
+
+    @property
+    def group(self) -> list[Piece]:
+        """H.264 since the last key picture."""
+        return self._group.row
 
     @property
     def state(self) -> CameraState:
@@ -226,7 +233,7 @@ class Camera:
         """Start a worker and take what it makes until it ends; return why it did."""
         self._again.clear()
         self._arrived_s, self._news = None, None
-        self.group.clear()
+        self._group.clear()
         self._seq_before = 0 if self.newest is None else self.newest.seq
         if no := self._refusal():
             return no
@@ -274,19 +281,23 @@ class Camera:
         self.newest = piece
         self._arrived_s = self._clock.mono_s()
         if piece.kind is Kind.JPEG:
-            if piece.wanted_width == 0 or self.newest_jpeg is None or piece.width >= self.newest_jpeg.width:
+            if piece.wanted_width == 0 or self._is_better(piece, self.newest_jpeg):
                 self.newest_jpeg = piece
         elif piece.kind is Kind.H264:
-            if piece.is_key or len(self.group) >= MOST_IN_GROUP:
-                self.group.clear()
-            if piece.is_key or self.group:
-                self.group.append(piece)
+            self._group.add(piece)
         if self.reason:
             self.reason = ""
         for watch in tuple(self.watches):
             if self._ways.get(watch) is WAYS[piece.kind] and self._is_for(piece, watch):
                 watch.take(piece)
         self._tell()
+
+    @staticmethod
+    def _is_better(piece: Piece, before: Piece | None) -> bool:
+        """Whether a still takes the place of the one before: the larger one, unless nobody wants that any more."""
+        if before is None or piece.width >= before.width:
+            return True
+        return piece.captured_ms - before.captured_ms > NEWEST_S * 1000
 
     def _is_for(self, piece: Piece, watch: Watch) -> bool:
         if piece.kind is not Kind.JPEG or self.source.kind is SourceKind.UPLOAD:

@@ -39,6 +39,7 @@ class Written(Struct, frozen=True):
     width_px: int
     height_px: int
     has_gap: bool
+    is_dated: bool
 
 
 class ClipFailed(Exception):
@@ -62,6 +63,7 @@ async def write_clip(pieces: Sequence[Piece], path: Path, data: Path) -> Written
         width_px=pieces[-1].width,
         height_px=pieces[-1].height,
         has_gap=any(after - before > GAP_S * 1000 for before, after in itertools.pairwise(times)),
+        is_dated=all(one.is_dated for one in pieces),
     )
 
 

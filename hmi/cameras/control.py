@@ -17,7 +17,7 @@ from starlette.types import ASGIApp
 
 from hmi.cameras.camera import Camera
 from hmi.cameras.clip import ClipFailed, write_clip
-from hmi.cameras.door import CAPTURED_HEADER, SECRET_HEADER, SEQ_HEADER, VIEWER_HEADER, WATCHER_HEADER
+from hmi.cameras.door import CAPTURED_HEADER, DATED_HEADER, SECRET_HEADER, SEQ_HEADER, VIEWER_HEADER, WATCHER_HEADER
 from hmi.cameras.hub import Hub
 from hmi.cameras.jpeg_header import MAX_BYTES, BadPicture
 from hmi.cameras.page_socket import PageSockets
@@ -97,10 +97,14 @@ def encoded(value: Any, status: int = 200) -> Response:
 
 
 def picture(piece: Piece | None) -> Response:
-    """Return a JPEG with when it was taken."""
+    """Return a JPEG with when it was taken, or when it came where its camera tells no time."""
     if piece is None:
         return refused(404, "no_picture", "This camera has not sent a picture yet.")
-    headers = {CAPTURED_HEADER: f"{piece.captured_ms:.1f}", SEQ_HEADER: str(piece.seq)}
+    headers = {
+        CAPTURED_HEADER: f"{piece.captured_ms:.1f}",
+        DATED_HEADER: "1" if piece.is_dated else "0",
+        SEQ_HEADER: str(piece.seq),
+    }
     return Response(piece.data, media_type="image/jpeg", headers=headers)
 
 

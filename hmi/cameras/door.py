@@ -12,6 +12,7 @@ VIEWER_HEADER = "x-headland-viewer"
 WATCHER_HEADER = "x-headland-watcher"
 CAPTURED_HEADER = "x-headland-captured"
 SEQ_HEADER = "x-headland-seq"
+DATED_HEADER = "x-headland-dated"
 NAME = "cameras"
 
 

@@ -7,6 +7,8 @@ from fractions import Fraction
 import av
 from av.video.frame import PictureType, VideoFrame
 
+from hmi.cameras.jpeg_header import MAX_PIXELS
+
 CLOCK = Fraction(1, 90_000)
 KEY_EVERY_S = 2  # so that a clip begins near where it was asked to, and a lost keyframe request heals
 BITS_PER_PIXEL = 4  # the ceiling: 1.2 Mbit/s at 640x480, 5 at 1280x960
@@ -94,6 +96,7 @@ class Decoder:
         context = av.CodecContext.create(codec, "r")
         assert isinstance(context, av.VideoCodecContext)
         context.thread_count = 1
+        context.options = {"max_pixels": str(MAX_PIXELS)}  # no header of H.264 is judged before
         self._context = context
 
     def decode(self, data: bytes) -> VideoFrame | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
@@ -45,8 +45,16 @@ class PacketTrack(MediaStreamTrack):
         self._on_begin, self._on_sent, self._ask_key = on_begin, on_sent, ask_key
         self._row: deque[tuple[Piece, av.Packet[Any]]] = deque()
         self._came = asyncio.Event()
+        self._late = 0  # how many of the row were there before the viewer was
         self._sending: Piece | None = None
         self._has_begun, self._needs_key = False, True
+
+    def begin_with(self, pieces: Sequence[Piece]) -> None:
+        """Hand over what leads up to the next picture, the first a key picture; all of it, however much it is."""
+        self._row.extend((piece, packet_of(piece)) for piece in pieces)
+        self._late = len(self._row)
+        self._needs_key = not pieces
+        self._came.set()
 
     def put(self, piece: Piece, packet: av.Packet[Any]) -> None:
         """Hand over the next picture; ``packet`` is shared by all viewers."""
@@ -55,8 +63,9 @@ class PacketTrack(MediaStreamTrack):
         if self._needs_key and not piece.is_key:
             return
         self._needs_key = False
-        if len(self._row) >= MOST_WAITING:
+        if len(self._row) - self._late >= MOST_WAITING:
             self._row.clear()
+            self._late = 0
             if not piece.is_key:
                 self._needs_key = True
                 self._ask_key()
@@ -78,6 +87,7 @@ class PacketTrack(MediaStreamTrack):
             if self.readyState != "live":
                 raise MediaStreamError
         self._sending, packet = self._row.popleft()
+        self._late = max(0, self._late - 1)
         return packet
 
     def stop(self) -> None:

@@ -40,6 +40,7 @@ class HttpPull:
         self._source, self._plan_of, self._inbox = source, plan_of, inbox
         self._rtt_ms = float("inf")
         self._connect_ms = 0.0
+        self._before = b""
 
     def run(self) -> None:
         """Pull until it fails; raises ``PullFailed``, ``BadAddress``, ``multipart.Refused`` or ``httpx.HTTPError``."""
@@ -50,7 +51,7 @@ class HttpPull:
             follow_redirects=False,
             trust_env=False,
             verify=trust_for(target.url),
-            auth=_EitherAuth(self._source.user, self._source.password) if self._source.user else None,
+            auth=auth_of(self._source),
             headers=self._headers(target),
         ) as client:
             while True:
@@ -58,6 +59,9 @@ class HttpPull:
                     self._snapshots(client, target)
                 else:
                     self._stream(client, target)
+
+    def ask_key(self) -> None:
+        """Each JPEG can be decoded alone."""
 
     def _address(self) -> str:
         if self._source.kind is not SourceKind.ROBOT:
@@ -105,6 +109,10 @@ class HttpPull:
             return
         age_ms = age_ms_of(part.headers.get("x-age-ms"))
         if age_ms is None:
+            if part.body == self._before:  # a camera that hangs hands out its last picture for ever
+                self._inbox.refuse("the same picture again")
+                return
+            self._before = part.body
             self._inbox.put(Shot(part.body, part.began_ms, False))
             return
         way_ms = 0.0 if self._rtt_ms == float("inf") else self._rtt_ms / 2
@@ -134,7 +142,12 @@ class HttpPull:
             self._rtt_ms = min(self._rtt_ms, _now_ms() - self._connect_ms)
 
 
-class _EitherAuth(httpx.Auth):
+def auth_of(source: Source) -> httpx.Auth | None:
+    """Return how to sign in where a user is set."""
+    return EitherAuth(source.user, source.password) if source.user else None
+
+
+class EitherAuth(httpx.Auth):
     """Digest where the camera offers it, basic where it offers only that."""
 
     def __init__(self, user: str, password: str) -> None:
@@ -165,10 +178,8 @@ def _check(response: httpx.Response) -> None:
 
 
 def _reason(response: httpx.Response) -> str:
-    if response.status_code in (401, 403):
-        return "the camera does not accept the password or token it was given"
-    if response.status_code in range(300, 400):
-        return "the camera sends elsewhere, which is not followed"
+    if known := reason_of(response.status_code):
+        return known
     try:
         data = b""
         for piece in response.iter_raw():
@@ -178,6 +189,13 @@ def _reason(response: httpx.Response) -> str:
         return str(json.loads(data)["text"])[:200]
     except (ValueError, KeyError, TypeError, httpx.HTTPError):
         return f"the camera answers {response.status_code}"
+
+
+def reason_of(status: int) -> str:
+    """Return what an answer means whatever is in it, empty if that says nothing."""
+    if status in (401, 403):
+        return "the camera does not accept the password or token it was given"
+    return "the camera sends elsewhere, which is not followed" if status in range(300, 400) else ""
 
 
 def age_ms_of(said: str | None) -> float | None:

@@ -10,14 +10,15 @@ from hmi.cameras.addresses import target_of
 from hmi.cameras.inbox import Inbox, Shot, Unit
 from hmi.cameras.jpeg_header import MAX_BYTES, BadPicture, checked_size
 from hmi.cameras.pull_http import PullFailed
+from hmi.cameras.rtsp_guard import OPEN_S, RtspGuard
 from hmi.clock import mono_s
 from hmi.domain.camera import Source
 
-OPEN_S, SILENT_S = 6.0, 5.0
+SILENT_S = 5.0
 CODECS = ("h264", "hevc", "mjpeg")
 OPTIONS = {
     "rtsp_transport": "tcp",
-    "protocol_whitelist": "rtsp,rtp,udp,tcp,tls",
+    "protocol_whitelist": "rtsp,rtp,tcp",
     "fflags": "nobuffer",
     "flags": "low_delay",
     "max_delay": "0",
@@ -37,7 +38,15 @@ class RtspPull:
 
     def run(self) -> None:
         """Pull until it fails; raises ``PullFailed``, ``BadAddress`` or ``av.FFmpegError``."""
-        url = self._with_user(target_of(self._source.url, self._source.kind, self._source.nets).url)
+        with RtspGuard(target_of(self._source.url, self._source.kind, self._source.nets)) as guard:
+            try:
+                self._read(self._with_user(guard.url))
+            except av.FFmpegError as error:
+                if guard.why:
+                    raise PullFailed(guard.why) from error
+                raise
+
+    def _read(self, url: str) -> None:
         with av.open(url, options=OPTIONS, timeout=(OPEN_S, SILENT_S)) as container:
             if not container.streams.video:
                 raise PullFailed("the camera sends no pictures")
@@ -52,6 +61,9 @@ class RtspPull:
                 for whole in [packet] if repeat is None else repeat.filter(packet):
                     self._take(whole)
         raise PullFailed("the camera ended its stream")
+
+    def ask_key(self) -> None:
+        """RTSP has no word for it: the camera makes one when it likes."""
 
     def _take(self, packet: av.Packet[av.VideoStream]) -> None:
         if not packet.size:

@@ -106,9 +106,8 @@ class Session:
 
     def _begin(self) -> None:
         """The way is open. An encoder makes a key picture now; a camera's own H.264 is begun where it began."""
-        if self.camera.source.kind in (SourceKind.RTSP, SourceKind.WHEP):
-            for piece in self.camera.group if self.way is Way.H264 else ():
-                self.take(piece)
+        if self.way is Way.H264 and self.camera.source.kind in (SourceKind.RTSP, SourceKind.WHEP):
+            self.track.begin_with(self.camera.group)
         self.camera.ask_key()
 
     def _sent(self, piece: Piece) -> None:

@@ -21,6 +21,7 @@ from av.video.frame import VideoFrame
 
 from hmi.cameras.addresses import BadAddress
 from hmi.cameras.encoders import Decoder, JpegEncoder, VideoEncoder, fitted
+from hmi.cameras.group import Group
 from hmi.cameras.inbox import Inbox, Shot, Unit
 from hmi.cameras.jpeg_header import size_of
 from hmi.cameras.multipart import Refused
@@ -29,11 +30,14 @@ from hmi.cameras.picture_wire import JpegWish, KeyPicture, Kind, News, Piece, Pl
 from hmi.cameras.pull_http import HttpPull, PullFailed
 from hmi.clock import mono_s
 from hmi.domain.camera import Source, SourceKind
+from hmi.planning.side_process import limit_memory
 
 NICE = 5
+MEMORY_BYTES = 3 * 1024**3  # address space: 0.5 GB with everything loaded, and the frames a decoder may hold
 NEWS_S = 1.0
 REPEAT_S = 15.0  # an older picture is not sent again for somebody who comes late; its age goes with it
 PR_SET_PDEATHSIG = 1
+MOST_READ_ANEW = 120  # decoded at once when somebody wants what nobody wanted before
 BAD_IN_A_ROW = 30  # nothing but garbage: the source is opened anew
 
 
@@ -42,6 +46,10 @@ class Pull(Protocol):
 
     def run(self) -> None:
         """Block until it fails."""
+        ...
+
+    def ask_key(self) -> None:
+        """Ask the camera for a picture that can be decoded alone, if it can be asked; from any thread."""
         ...
 
 
@@ -60,6 +68,7 @@ def _settle() -> None:
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     if sys.platform == "linux":
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    limit_memory(MEMORY_BYTES)
     av.logging.set_level(None)  # its words go nowhere; what matters comes as an error
 
 
@@ -73,11 +82,12 @@ class Worker:
         self._wants_key = True
         self._seq = 0
         self._last: tuple[VideoFrame, float, bool] | None = None
-        self._last_shot: Shot | None = None
+        self._last_item: Shot | Unit | None = None
         self._video: dict[Kind, VideoEncoder] = {}
         self._jpegs: dict[int, JpegEncoder] = {}
         self._paces: dict[JpegWish, Pace] = {}
         self._decoder: Decoder | None = None
+        self._group: Group[Unit] = Group(MOST_READ_ANEW)
         self._pull: Pull = self._make_pull()
 
     def run(self) -> None:
@@ -154,11 +164,13 @@ class Worker:
                     self._plan = order
                 elif isinstance(order, KeyPicture):
                     self._wants_key = True
+                    self._pull.ask_key()
                 self._inbox.nudge()
         os._exit(0)  # the camera process let go, or is no more
 
     def _handle(self, item: Shot | Unit) -> None:
         self._seq += 1
+        self._last_item = item
         plan = self._plan
         if isinstance(item, Shot):
             self._handle_shot(item, plan)
@@ -173,7 +185,6 @@ class Worker:
             self._send(Kind.JPEG, shot.data, shot.captured_ms, width, height, shot.is_dated, wanted=one.width)
         smaller = [one for one in due if one.width and one.width < width]
         has_video = plan.has_h264 or plan.has_vp8
-        self._last_shot = shot
         if not has_video:
             self._last = None
         if not smaller and not has_video:
@@ -190,19 +201,27 @@ class Worker:
         if can_pass and plan.has_h264:
             info = self._source.camera
             self._send(Kind.H264, unit.data, unit.captured_ms, info.width_px, info.height_px, False, is_key=unit.is_key)
+        self._group.add(unit)
         needs_frames = plan.has_vp8 or bool(plan.jpegs) or (plan.has_h264 and not can_pass)
         if not needs_frames:
-            self._decoder = None  # it begins again with the next key picture
+            self._decoder = None  # it begins again with the last key picture
             return
         if self._decoder is None:
-            if not unit.is_key:
+            if not self._group.row:
+                self._pull.ask_key()
                 return
             self._decoder = Decoder(codec)
+            for earlier in self._group.row[:-1]:
+                self._decoder.decode(earlier.data)
         frame = self._decoder.decode(unit.data)
         if frame is None:
             return
-        rest = Plan(has_h264=plan.has_h264 and not can_pass, has_vp8=plan.has_vp8, video_width=plan.video_width)
-        self._encode(frame, unit.captured_ms, due, rest, is_dated=False)
+        self._encode(frame, unit.captured_ms, due, self._to_encode(plan), is_dated=False)
+
+    def _to_encode(self, plan: Plan) -> Plan:
+        """Return what of a plan is encoded here: never H.264 beside a camera's own, which goes on as it came."""
+        is_own = isinstance(self._last_item, Unit) and getattr(self._pull, "can_pass", True)
+        return msgspec.structs.replace(plan, has_h264=False) if is_own else plan
 
     def _encode(
         self, frame: VideoFrame, captured_ms: float, jpegs: list[JpegWish], plan: Plan, *, is_dated: bool
@@ -239,7 +258,7 @@ class Worker:
 
     def _repeat(self) -> None:
         """Whoever comes between two pictures gets the last one at once."""
-        plan = self._plan
+        plan = self._to_encode(self._plan)
         if not self._wants_key or not (plan.has_h264 or plan.has_vp8):
             return
         last = self._last or self._decoded(plan)
@@ -251,8 +270,8 @@ class Worker:
 
     def _decoded(self, plan: Plan) -> tuple[VideoFrame, float, bool] | None:
         """Return the last JPEG as a frame, if nobody needed one before."""
-        shot = self._last_shot
-        if shot is None:
+        shot = self._last_item
+        if not isinstance(shot, Shot):
             return None
         try:
             frame = Decoder("mjpeg").decode(shot.data)

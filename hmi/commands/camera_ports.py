@@ -25,10 +25,11 @@ class NoPicture(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Still:
-    """One JPEG; ``captured_s`` is on the console's monotonic clock."""
+    """One JPEG; ``captured_s`` is on the console's monotonic clock: when it came, where its camera tells no time."""
 
     data: bytes
     captured_s: float
+    is_dated: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +41,7 @@ class Clip:
     width_px: int
     height_px: int
     has_gap: bool = False
+    is_dated: bool = True
 
 
 class CameraProcess(Protocol):

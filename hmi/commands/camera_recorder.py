@@ -70,6 +70,7 @@ class CameraRecorder:
         self._incidents = IncidentBook()
         self._latched: dict[str, bool] = {}
         self._driving: dict[str, float] = {}
+        self._by_hand: set[str] = set()
         self._held: tuple[tuple[str, str], ...] = ()
         self._told_s = self._looked_s = float("-inf")
         self._watched: list[tuple[str, str]] = []
@@ -113,6 +114,10 @@ class CameraRecorder:
                 self._driving.setdefault(robot.id, self._parts.clock.mono_s())
             else:
                 self._driving.pop(robot.id, None)
+            if robot.id in self._driving and robot.state is not None and robot.state.mode is Mode.MANUAL:
+                self._by_hand.add(robot.id)
+            else:
+                self._by_hand.discard(robot.id)
 
     def _see_latch(self, robot_id: str, safety: SafetyState) -> None:
         is_latched = safety.latched or safety.hardware_stop
@@ -139,10 +144,10 @@ class CameraRecorder:
     # ---- once a second ----
 
     def wanted(self) -> tuple[tuple[str, str], ...]:
-        """Return the cameras that should be held: of incidents first, then of those that drive longest."""
+        """Return the cameras that should be held: of incidents, of who is driven by hand, of who drives longest."""
         if not self._parts.has_room():
             return ()
-        driving = sorted(self._driving, key=self._driving.__getitem__)
+        driving = sorted(self._driving, key=lambda robot_id: (robot_id not in self._by_hand, self._driving[robot_id]))
         robots = list(dict.fromkeys([*self._incidents.grave(), *driving]))
         cameras = ((robot_id, self._parts.cameras_of(robot_id)) for robot_id in robots)
         firsts = [(robot_id, of[0]) for robot_id, of in cameras if of]

@@ -34,6 +34,8 @@ from hmi.store.errors import NotFound
 
 MOST_FIELD_CAMERAS = 32
 PULLED = (SourceKind.RTSP, SourceKind.WHEP, SourceKind.MJPEG, SourceKind.SNAPSHOT)
+UPLOAD_PERIOD_S = 5.0
+SNAPSHOT_PERIOD_S = 0.5  # the rarest that counts as a stream: no new picture for a second, and it is frozen
 Resolve = Callable[[str, int], Sequence[str]]
 Key = tuple[str, str]
 
@@ -246,7 +248,7 @@ class CameraSourceBook:
         base = replace(
             base, kind=wish.kind, changed_by=session.user_name, changed_at=at,
             label=base.label if wish.label is None else wish.label,
-            period_s=base.period_s if wish.period_s is None else wish.period_s,
+            period_s=_period_s(wish, before),
             keep_every_s=base.keep_every_s if wish.keep_every_s is None else wish.keep_every_s,
         )  # fmt: skip
         if wish.kind is SourceKind.UPLOAD:
@@ -291,6 +293,14 @@ class CameraSourceBook:
             session, "camera", outcome, text, ref=camera, robot_id=None if robot_id == FIELD else robot_id
         )
         self._parts.audit.append(line)
+
+
+def _period_s(wish: SourceWish, before: StoredSource | None) -> float:
+    if wish.period_s is not None:
+        return wish.period_s
+    if before is not None and before.kind is wish.kind:
+        return before.period_s
+    return SNAPSHOT_PERIOD_S if wish.kind is SourceKind.SNAPSHOT else UPLOAD_PERIOD_S
 
 
 def digest_of(token: str) -> str:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from datetime import timedelta
 
 from hmi.clock import Clock
-from hmi.commands.camera_ports import CameraProcess, CamerasAway, NoPicture
+from hmi.commands.camera_ports import CameraProcess, CamerasAway, Clip, NoPicture
 from hmi.commands.ports import LaneEvent
 from hmi.domain.ids import new_id
 from hmi.domain.incident import Incident
@@ -19,6 +19,7 @@ from hmi.store.picture_shelf import PictureShelf
 VIDEO = "video/mp4"
 MOST_AT_ONCE = 2  # a clip is read and written whole; a STOP ALL asks for dozens
 END_S = 1.0
+LATE_S = 5.0  # a clip that begins so much later than it should says it
 log = logging.getLogger(__name__)
 _QUIET = ("nothing_kept", "unknown_camera", "no_picture")
 
@@ -81,12 +82,19 @@ class ClipKeeper:
             captured_at=incident.began_at + timedelta(seconds=clip.begins_s - incident.began_s),
             added_at=self._clock.utc(), media_type=VIDEO, width_px=clip.width_px, height_px=clip.height_px,
             size_bytes=0, sha256="", moment=incident.moment, duration_s=round(clip.ends_s - clip.begins_s, 3),
-            cause=" ".join(incident.causes), text=_text(incident, has_gap=clip.has_gap),
+            cause=" ".join(incident.causes), text=_text(incident, clip),
         )  # fmt: skip
         kept = await self._shelf.take(one)
         self._on_event({"kind": "picture", "what": "kept", "id": kept.id, "robot": kept.robot_id})
 
 
-def _text(incident: Incident, *, has_gap: bool) -> str:
-    told = " ".join(one if one.endswith(".") else f"{one}." for one in incident.texts)
-    return f"{told} Pictures are missing in between.".strip() if has_gap else told
+def _text(incident: Incident, clip: Clip) -> str:
+    told = [one if one.endswith(".") else f"{one}." for one in incident.texts]
+    if clip.begins_s - incident.from_s > LATE_S:
+        before_s = round(incident.began_s - clip.begins_s)
+        told.append(f"Recorded from {abs(before_s)} s {'before' if before_s >= 0 else 'after'} it.")
+    if clip.has_gap:
+        told.append("Pictures are missing in between.")
+    if not clip.is_dated:
+        told.append("The camera tells no time: times are of arrival.")
+    return " ".join(told)

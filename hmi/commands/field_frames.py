@@ -6,7 +6,7 @@ import asyncio
 import contextlib
 import hmac
 import logging
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from hmi.clock import Clock
 from hmi.commands.camera_ports import CameraProcess, CamerasAway, NoPicture, Still
@@ -123,7 +123,7 @@ class FieldFrames:
         if one.keep_every_s > 0 and self._clock.mono_s() - state.kept_s >= one.keep_every_s:
             before_s, state.kept_s = state.kept_s, self._clock.mono_s()
             try:
-                made = self._draft(one, Still(data, captured_s), place, is_dated=age_s is not None)
+                made = self._draft(one, Still(data, captured_s, is_dated=age_s is not None), place)
                 await self._shelf.keep(made, data)
             except BaseException:
                 state.kept_s = before_s
@@ -155,6 +155,5 @@ class FieldFrames:
         except (CamerasAway, NoPicture, OSError) as error:
             log.debug("a frame of %s is not shown: %s", one.camera, error)
 
-    def _draft(self, one: StoredSource, still: Still, place: Moment, *, is_dated: bool) -> Picture:
-        made = draft(still, PictureKind.FRAME, self._farm_id, FIELD, one.camera, self._clock, place)
-        return made if is_dated else replace(made, age_s=None)
+    def _draft(self, one: StoredSource, still: Still, place: Moment) -> Picture:
+        return draft(still, PictureKind.FRAME, self._farm_id, FIELD, one.camera, self._clock, place)

@@ -143,5 +143,5 @@ def draft(
         id=new_id(), farm_id=farm_id, kind=kind, robot_id=robot_id, camera=camera,
         captured_at=now - timedelta(seconds=age_s), added_at=now, media_type=header.media_type,
         width_px=header.width_px, height_px=header.height_px, size_bytes=0, sha256="", moment=moment,
-        age_s=round(age_s, 3), text=text, note=note, by=by, device=device,
+        age_s=round(age_s, 3) if still.is_dated else None, text=text, note=note, by=by, device=device,
     )  # fmt: skip

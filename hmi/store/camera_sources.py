@@ -19,7 +19,7 @@ class StoredSource:
     Args:
         sealed: the password, encrypted; see ``hmi.security.sealed``.
         token_sha256: of the token an upload must show.
-        period_s: how far apart uploaded pictures are meant to come.
+        period_s: how far apart pictures are meant to come that are uploaded or asked for one by one.
         keep_every_s: one of them is kept this often, 0 keeps none.
     """
 

@@ -50,7 +50,7 @@ ALLOWED: dict[str, set[str]] = {
     "hmi.media": {"hmi.media", "hmi.twin", "backend_clients.edge", "backend_clients.errors", "hmi.domain", "hmi.clock",
                   "hmi.settings", "hmi.planning.side_process", "hmi.side_door", "hmi.side_server"},
     "hmi.cameras": {"hmi.cameras", "hmi.domain", "hmi.clock", "hmi.settings", "hmi.side_door",
-                    "hmi.side_server"},
+                    "hmi.side_server", "hmi.planning.side_process"},
     "hmi.api": {"hmi.api", "hmi.domain", "hmi.store", "hmi.presenters", "hmi.commands", "hmi.security", "hmi.planning",
                 "hmi.mapping", "hmi.map_files", "hmi.base_maps", "hmi.reports", "hmi.clock", "hmi.settings",
                 "hmi.notifications"},

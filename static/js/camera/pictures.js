@@ -48,7 +48,7 @@
       if (may("manage_cameras")) acts.push((this.gone = button("delete", "Delete", `picture-delete-${one.id}`, () => this.remove())));
       this.acts = el("div", { class: "c-acts" }, ...acts);
       this.node.replaceChildren(preview(one),
-        el("div", { class: "h-col" }, el("b", { class: "h-t16" }, `${one.robot_name || one.robot}, ${one.camera}`), el("span", { class: "h-t14" }, length, HL.records.when(one.captured_utc)), line([place(one), work(one)].filter(Boolean).join(" · ")), line(one.text), one.note ? el("span", { class: "h-t14 h-b" }, one.note) : "", line(one.by ? `Kept by ${one.by}` : ""), this.acts),
+        el("div", { class: "h-col" }, el("b", { class: "h-t16" }, `${one.robot_name || one.robot}, ${one.camera}`), el("span", { class: "h-t14" }, length, HL.records.when(one.captured_utc), (one.age_s ?? one.duration_s) == null ? ", when it came" : ""), line([place(one), work(one)].filter(Boolean).join(" · ")), line(one.text), one.note ? el("span", { class: "h-t14 h-b" }, one.note) : "", line(one.by ? `Kept by ${one.by}` : ""), this.acts),
         el("a", { class: "h-btn ico", href: `${one.file}?download=true`, download: one.file_name ?? "", "aria-label": "Download", "data-testid": `picture-download-${one.id}` }, icon("download")));
     }
     // the note is written where it stands

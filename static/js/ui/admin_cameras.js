@@ -27,7 +27,7 @@
       Object.assign(this, { source, done, wrong: {} });
       this.kind = this.pick("kind", "Pictures come from", source.robot === FIELD ? Object.keys(KINDS) : Object.keys(KINDS).filter((one) => one !== "upload"), KINDS);
       this.kind.node.value = KINDS[source.kind] ? source.kind : source.robot === FIELD ? "upload" : "rtsp";
-      this.kind.node.addEventListener("change", () => this.fit());
+      this.kind.node.addEventListener("change", () => ((this.period.node.value = this.kind.node.value === source.kind ? source.period_s : this.kind.node.value === "snapshot" ? 0.5 : 5), this.fit()));
       this.url = this.input("url", "Address", { inputmode: "url", maxlength: "300", spellcheck: "false" }, source.url);
       this.user = this.input("user", "User", { maxlength: "80" }, source.user);
       this.password = this.input("password", "Password", { type: "password", autocomplete: "new-password", maxlength: "200", placeholder: source.is_password_lost ? "lost: enter it again" : source.has_password ? "set; leave empty to keep it" : "none" });
@@ -69,7 +69,8 @@
     fit() {
       const isUpload = this.kind.node.value === "upload";
       for (const row of [this.url, this.user, this.password]) row.label.hidden = isUpload;
-      for (const row of [this.period, this.keep]) row.label.hidden = !isUpload;
+      this.keep.label.hidden = !isUpload;
+      this.period.label.hidden = !isUpload && this.kind.node.value !== "snapshot";
       this.label.label.hidden = this.source.robot !== FIELD;
       this.freshRow.hidden = !isUpload || !this.source.has_token;
       this.may.hidden = isUpload;
@@ -82,7 +83,8 @@
       const label = this.source.robot === FIELD && this.label.node.value.trim() ? { label: this.label.node.value.trim() } : {};
       if (kind === "upload") return { kind, ...label, period_s: Number(this.period.node.value), keep_every_s: Number(this.keep.node.value), new_token: this.fresh.checked };
       const password = this.password.node.value ? { password: this.password.node.value } : {};
-      return { kind, ...label, url: this.url.node.value.trim(), user: this.user.node.value.trim(), ...password };
+      const period = kind === "snapshot" ? { period_s: Number(this.period.node.value) } : {};
+      return { kind, ...label, ...period, url: this.url.node.value.trim(), user: this.user.node.value.trim(), ...password };
     }
 
     async save() {

@@ -40,6 +40,8 @@ class FakeCamera:
         self.instead: bytes | None = None
         self.refusal: tuple[int, bytes] | None = None
         self.is_frozen = False
+        self.is_hung = False
+        self.shots = 0
         self.asked: list[dict[str, str]] = []
         self.orders: list[dict[str, Any]] = []
         self.setting: dict[str, Any] | None = {"lamp": True, "zoom": 3.0}
@@ -83,7 +85,8 @@ def _handler(camera: FakeCamera) -> type[BaseHTTPRequestHandler]:
                 code = 404 if camera.setting is None else 200
                 self._answer(code, json.dumps(camera.setting or {"code": "unknown", "text": "Not told."}).encode())
             else:
-                self._answer(200, camera.pictures[0], "image/jpeg")
+                camera.shots += not camera.is_hung
+                self._answer(200, camera.pictures[camera.shots % len(camera.pictures)], "image/jpeg")
 
         def do_POST(self) -> None:
             """Take an order."""

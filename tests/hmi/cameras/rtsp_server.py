@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import base64
 import random
+import ssl
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -40,10 +41,13 @@ class RtspServer:
         self.viewers = 0
         self.url = ""
         self.is_silent = False
+        self.sends_to = ""
+        self.heard = 0
 
     async def serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Serve one connection."""
         playing: asyncio.Task[None] | None = None
+        self.heard += 1
         try:
             while True:
                 head = (await reader.readuntil(b"\r\n\r\n")).decode("latin-1")
@@ -69,6 +73,9 @@ class RtspServer:
         if self.asks_password and method != "OPTIONS" and headers.get("authorization") != good:
             refusal = f'RTSP/1.0 401 Unauthorized\r\nCSeq: {sequence}\r\nWWW-Authenticate: Basic realm="c"\r\n\r\n'
             writer.write(refusal.encode())
+            return
+        if self.sends_to and method == "DESCRIBE":
+            writer.write(f"RTSP/1.0 302 Found\r\nCSeq: {sequence}\r\nLocation: {self.sends_to}\r\n\r\n".encode())
             return
         body, extra = "", ""
         if method == "OPTIONS":
@@ -108,11 +115,11 @@ class RtspServer:
 
 
 @asynccontextmanager
-async def rtsp_server(*, asks_password: bool = False) -> AsyncIterator[RtspServer]:
+async def rtsp_server(*, asks_password: bool = False, trust: ssl.SSLContext | None = None) -> AsyncIterator[RtspServer]:
     """Serve at ``url`` until left."""
     served = RtspServer(asks_password=asks_password)
-    server = await asyncio.start_server(served.serve, "127.0.0.1", 0)
-    served.url = f"rtsp://127.0.0.1:{server.sockets[0].getsockname()[1]}/live"
+    server = await asyncio.start_server(served.serve, "127.0.0.1", 0, ssl=trust)
+    served.url = f"rtsp{'s' if trust else ''}://127.0.0.1:{server.sockets[0].getsockname()[1]}/live"
     try:
         yield served
     finally:

@@ -12,6 +12,7 @@ import pytest
 
 from hmi.cameras import camera as camera_module
 from hmi.cameras.ring import Rings
+from hmi.cameras.worker import MEMORY_BYTES
 from hmi.domain.camera import Recording, SourceKind
 from tests.hmi.cameras.fake_camera import jpeg
 from tests.hmi.cameras.rig import camera_rig
@@ -27,6 +28,7 @@ async def test_nothing_is_pulled_until_somebody_looks_and_then_the_robots_own_jp
         await rig.until_pictures(3)
         assert rig.camera.state == "live"
         assert rig.pictures[0][24:] in rig.robot.pictures
+        assert psutil.Process(rig.camera.worker_pid).rlimit(psutil.RLIMIT_AS)[0] == MEMORY_BYTES
         _, _, flags, width, captured, _, height, _ = struct.unpack("<4sBBHdIHH", rig.pictures[-1][:24])
         assert (flags, width, height) == (1, 640, 480)
         assert rig.clock.mono_s() * 1000 - captured >= rig.robot.age_ms
@@ -186,6 +188,18 @@ async def test_a_snapshot_address_is_asked_again_and_again() -> None:
         rig.watch()
         await rig.until_pictures(3)
         assert len(rig.robot.asked) >= 3
+
+
+@pytest.mark.slow
+async def test_a_camera_that_hangs_and_answers_with_its_last_picture_is_frozen() -> None:
+    async with camera_rig() as rig:
+        await rig.tell(kind=SourceKind.SNAPSHOT, url=f"{rig.robot.url}/shot.jpg", period_s=0.1)
+        rig.watch()
+        await rig.until_pictures(3)
+        rig.robot.is_hung = True
+        await until(lambda: rig.camera.state == "frozen" and "the same picture again" in rig.camera.reason)
+        rig.robot.is_hung = False
+        await until(lambda: rig.camera.state == "live")
 
 
 async def test_a_still_looks_for_a_moment_when_nobody_else_does() -> None:

@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
+import httpx
 import pytest
 from starlette.applications import Starlette
 from starlette.requests import Request
@@ -22,10 +23,12 @@ from tests.hmi.cameras.waiting import until
 
 
 @asynccontextmanager
-async def whep_endpoint(origin: CameraRig) -> AsyncIterator[str]:
-    """Serve a camera by WHEP over HTTP, as another installation would."""
+async def whep_endpoint(origin: CameraRig, asks: str = "") -> AsyncIterator[str]:
+    """Serve a camera by WHEP over HTTP, as another installation would, to who shows ``asks``."""
 
     async def whep(request: Request) -> Response:
+        if asks and request.headers.get("authorization") != asks:
+            return Response(status_code=401, headers={"WWW-Authenticate": 'Basic realm="camera"'})
         session_id, answer = await origin.whep.open(origin.page, origin.camera, (await request.body()).decode())
         return Response(answer, 201, {"Location": f"/sessions/{session_id}"}, "application/sdp")
 
@@ -110,3 +113,15 @@ async def test_a_stream_of_one_headland_is_a_whep_source_of_another() -> None:
         pieces: list[Piece] = rig.camera.group
         assert pieces[0].is_key
         await viewer.close()
+
+
+@pytest.mark.slow
+async def test_user_and_password_open_a_whep_source_and_wrong_ones_are_said_so() -> None:
+    asks = httpx.BasicAuth(USER, PASSWORD)._auth_header
+    async with camera_rig() as origin, camera_rig() as rig, whep_endpoint(origin, asks) as url:
+        await rig.tell(kind=SourceKind.WHEP, url=url, token="", user=USER, password="wrong")
+        rig.watch(width=160)
+        await until(lambda: rig.camera.state == "failed")
+        assert rig.camera.reason == "the camera does not accept the password or token it was given"
+        await rig.tell(password=PASSWORD)
+        await rig.until_pictures(1)

@@ -95,6 +95,19 @@ def test_a_source_is_set_and_tested_and_its_password_never_comes_back(cameras: t
     )
 
 
+def test_of_a_still_picture_is_said_how_often_it_is_asked_for(cameras: tuple[Page, Sources]) -> None:
+    page, sources = cameras
+    page.get_by_test_id("camera-change-weeder-07-front").click()
+    expect(page.get_by_test_id("source-period-s")).to_be_hidden()
+    page.get_by_test_id("source-kind").select_option("snapshot")
+    expect(page.get_by_test_id("source-period-s")).to_have_value("0.5")
+    page.get_by_test_id("source-url").fill("http://192.168.7.20/still.jpg")
+    page.get_by_test_id("source-period-s").fill("2")
+    page.get_by_test_id("source-save").click()
+    expect(page.get_by_test_id("source-told")).to_have_text("Saved. It came.")
+    assert sources.sent[-1] == {"kind": "snapshot", "url": "http://192.168.7.20/still.jpg", "user": "", "period_s": 2}
+
+
 def test_a_field_camera_shows_its_token_once(cameras: tuple[Page, Sources]) -> None:
     page, sources = cameras
     page.get_by_test_id("camera-add-name").fill("station-2")

@@ -53,6 +53,7 @@ class FakeCameras:
     kept: dict[tuple[str, str], bytes] = field(default_factory=dict)
     age_s: float = 0.2
     is_away: bool = False
+    is_dated: bool = True
     held: tuple[tuple[str, str], ...] = ()
     told: list[tuple[tuple[str, str], ...]] = field(default_factory=list)
     asked: list[tuple[str, str, float | None]] = field(default_factory=list)
@@ -67,7 +68,7 @@ class FakeCameras:
         self.asked.append((robot_id, camera, fresh_s))
         if (robot_id, camera) not in self.shows:
             raise NoPicture("no_picture", "The camera shows no picture now.")
-        return Still(self.shows[(robot_id, camera)], self.clock.mono_s() - self.age_s)
+        return Still(self.shows[(robot_id, camera)], self.clock.mono_s() - self.age_s, self.is_dated)
 
     async def record(self, cameras: Sequence[tuple[str, str]]) -> None:
         """Hold these."""
@@ -87,7 +88,7 @@ class FakeCameras:
         if (robot_id, camera) not in self.kept:
             raise NoPicture("nothing_kept", "Nothing was recorded.")
         await asyncio.to_thread(path.write_bytes, self.kept[(robot_id, camera)])
-        return Clip(to_s - 60.0, to_s, 640, 480)
+        return Clip(to_s - 60.0, to_s, 640, 480, is_dated=self.is_dated)
 
     async def frame(self, robot_id: str, camera: str, data: bytes, age_s: float) -> None:
         """Show a frame."""

@@ -40,6 +40,13 @@ async def test_a_still_comes_with_its_capture_time() -> None:
     assert process.asked[-1][1] == "/cameras/weeder-01/front/still"
 
 
+async def test_a_camera_that_tells_no_time_is_known_as_such() -> None:
+    process = Process(200, b"jpeg", **{"X-Headland-Captured": "1000250.5", "X-Headland-Dated": "0"})
+    assert (await CameraCalls(process).still("weeder-01", "front", None)).is_dated is False
+    written = Process(201, {**WRITTEN, "is_dated": False})
+    assert (await CameraCalls(written).clip("weeder-01", "front", 940.0, 1015.0, PATH)).is_dated is False
+
+
 async def test_a_camera_that_opens_late_is_asked_twice_and_one_that_is_not_there_once() -> None:
     late, unknown = Process(404, {"code": "no_picture"}), Process(404, {"code": "unknown_camera"})
     for process, count in ((late, 2), (unknown, 1)):

@@ -43,6 +43,18 @@ async def test_field_cameras_are_opened_too(make_rig: MakeRig) -> None:
     assert (gate.name, gate.kind, gate.nets) == ("field/gate", SourceKind.MJPEG, ("192.168.7.0/24",))
 
 
+async def test_a_snapshot_is_asked_for_as_often_as_an_admin_said_and_else_twice_a_second(make_rig: MakeRig) -> None:
+    rig = await make_rig(camera_networks=["192.168.7.0/24"])
+    admin = rig.browser(Role.ADMIN)
+    wish = {"kind": "snapshot", "url": "http://192.168.7.20/still.jpg"}
+    await admin.put(f"/cameras/{WEEDER}/front/source", json=wish)
+    await admin.put("/cameras/field/gate/source", json=wish | {"period_s": 2.0})
+    front, gate = await opened(rig)
+    assert (front.period_s, gate.period_s) == (0.5, 2.0)
+    await admin.put("/cameras/field/gate/source", json=wish)
+    assert (await opened(rig))[1].period_s == 2.0, "what was said stays"
+
+
 async def test_a_name_without_any_network_of_cameras_leads_nowhere(rig: PictureRig) -> None:
     wish = {"kind": "mjpeg", "url": "http://gate.lan/x"}
     await rig.browser(Role.ADMIN).put("/cameras/field/gate/source", json=wish)

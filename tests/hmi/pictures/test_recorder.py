@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -14,7 +15,7 @@ from hmi.domain.alarm.catalogue import catalogue
 from hmi.domain.alarm.live_alarm import LiveAlarm, Step, What
 from hmi.domain.alarm.priority import Priority
 from hmi.domain.picture import Picture, PictureKind
-from hmi.domain.robot import OrderStatus
+from hmi.domain.robot import Mode, OrderStatus
 from hmi.store.pictures import PictureFilter
 from tests.hmi.commands.field import FARM
 from tests.hmi.pictures.conftest import MakeRig
@@ -23,6 +24,7 @@ from tests.hmi.pictures.rig import WEEDER, PictureRig
 
 FRONT, REAR = (WEEDER, "front"), (WEEDER, "rear")
 TYPES = dict(catalogue())
+LATE = "Recorded from 45 s before it."
 VIDEO = b"\x00\x00\x00\x18ftypmp42" + b"v" * 500
 
 
@@ -73,10 +75,18 @@ async def test_a_stop_opens_one_camera_and_leaves_a_clip_of_each_that_was_record
     clips = await pictures(rig)
     assert sorted(one.camera for one in clips) == ["front", "rear"]
     for one in clips:
-        assert (one.kind, one.text, one.duration_s) == (PictureKind.CLIP, "Martha Keller pressed STOP.", 60.0)
+        assert (one.kind, one.text, one.duration_s) == (PictureKind.CLIP, f"Martha Keller pressed STOP. {LATE}", 60.0)
         assert (one.captured_at - pressed).total_seconds() == pytest.approx(-45.0, abs=0.01)
         assert (one.moment.row, one.moment.mission_name, one.moment.lat_deg) == (3, "Home field, all rows", 51.5)
     assert {event["what"] for event in rig.events} == {"kept"}
+
+
+async def test_a_clip_of_a_camera_that_tells_no_time_says_so(rig: PictureRig) -> None:
+    rig.cameras.kept, rig.cameras.is_dated = {FRONT: VIDEO}, False
+    rig.recorder.stopped(WEEDER, "Martha Keller")
+    await rig.seconds(20)
+    (clip,) = await pictures(rig)
+    assert clip.text.endswith("The camera tells no time: times are of arrival.")
 
 
 async def test_press_and_the_robots_word_for_it_are_one_incident_that_is_found_by_the_press(rig: PictureRig) -> None:
@@ -88,7 +98,7 @@ async def test_press_and_the_robots_word_for_it_are_one_incident_that_is_found_b
     await rig.seconds(20)
     (clip,) = await pictures(rig)
     assert clip.cause == "stop stop.stop-0001"
-    assert clip.text == "Martha Keller pressed STOP."
+    assert clip.text == "Martha Keller pressed STOP. Recorded from 44 s before it."
     found = await rig.records.database.run(rig.records.pictures.some, FARM, PictureFilter(cause="stop.stop-0001"), 9)
     assert [one.id for one in found] == [clip.id]
     none = await rig.records.database.run(rig.records.pictures.some, FARM, PictureFilter(cause="stop.stop-000"), 9)
@@ -104,7 +114,7 @@ async def test_a_stop_at_the_machine_leaves_a_clip_and_one_that_was_there_before
     rig.latch(hardware=True)
     await rig.seconds(20)
     (clip,) = await pictures(rig)
-    assert clip.text == "The STOP button on the machine."
+    assert clip.text == f"The STOP button on the machine. {LATE}"
 
 
 async def test_alarms_that_come_together_make_one_clip_that_names_them(rig: PictureRig) -> None:
@@ -165,6 +175,45 @@ async def test_no_more_cameras_are_held_than_allowed_and_incidents_come_first(ma
     assert rig.recorder.wanted() == (FRONT, ("w0", "front"))
     rig.recorder.stopped("w4", "Martha Keller")
     assert rig.recorder.wanted() == (("w4", "front"), FRONT)
+
+
+async def test_who_is_driven_by_hand_is_held_before_those_that_drive_longer(make_rig: MakeRig) -> None:
+    rig = await make_rig(record_cameras="driving", record_most=1)
+    rig.stand(speed_mps=1.0)
+    rig.recorder.see(rig.fleet.robots[WEEDER])
+    rig.clock.advance(1)
+    state = rig.fleet.robots[WEEDER].state
+    assert state is not None
+    other = replace(rig.fleet.robots[WEEDER], id="w1", state=replace(state, mode=Mode.MANUAL))
+    rig.fleet.robots["w1"] = other
+    rig.recorder.see(other)
+    assert rig.recorder.wanted() == (("w1", "front"),)
+    rig.recorder.see(replace(other, state=state))
+    assert rig.recorder.wanted() == (FRONT,)
+
+
+@pytest.mark.parametrize(
+    ("begins_s", "told"),
+    [
+        (0.0, ""),
+        (40.0, " Recorded from 20 s before it."),
+        (63.0, " Recorded from 3 s after it."),
+    ],
+)
+async def test_a_clip_that_begins_late_says_from_when_it_is(
+    rig: PictureRig, monkeypatch: pytest.MonkeyPatch, begins_s: float, told: str
+) -> None:
+    rig.cameras.kept = {FRONT: VIDEO}
+    plain = rig.cameras.clip
+
+    async def late(robot_id: str, camera: str, from_s: float, to_s: float, path: Path) -> Clip:
+        return replace(await plain(robot_id, camera, from_s, to_s, path), begins_s=from_s + begins_s)
+
+    monkeypatch.setattr(rig.cameras, "clip", late)
+    rig.recorder.stopped(WEEDER, "Martha Keller")
+    await rig.seconds(20)
+    (clip,) = await pictures(rig)
+    assert clip.text == f"Martha Keller pressed STOP.{told}"
 
 
 async def test_a_camera_process_that_comes_back_is_told_again(rig: PictureRig) -> None:

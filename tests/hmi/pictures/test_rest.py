@@ -43,6 +43,13 @@ async def test_a_snapshot_holds_where_and_when_during_what_and_by_whom(rig: Pict
     assert rig.events == [{"kind": "picture", "what": "kept", "id": told["id"], "robot": WEEDER}]
 
 
+async def test_a_camera_that_tells_no_time_gives_no_age(rig: PictureRig) -> None:
+    rig.show()
+    rig.cameras.is_dated = False
+    told = (await rig.browser(Role.OPERATOR).post(SNAPSHOT, json={})).json()
+    assert told["age_s"] is None
+
+
 async def test_operators_keep_pictures_everybody_sees_them_admins_delete_them(rig: PictureRig) -> None:
     rig.show()
     for role in Role:
