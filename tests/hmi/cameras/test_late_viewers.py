@@ -82,7 +82,7 @@ async def test_a_whep_camera_is_asked_for_key_pictures_when_somebody_needs_one_a
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     clock = SimpleNamespace(now=1000.0)
-    monkeypatch.setattr(pull_whep, "time", SimpleNamespace(monotonic=lambda: clock.now))
+    monkeypatch.setattr(pull_whep, "mono_s", lambda: clock.now)
     pull, receiver = WhepPull(SOURCE, Inbox()), Receiver()
     pull._receiver = receiver  # type: ignore[assignment]
     units: list[Any] = [(KEY, True)]
