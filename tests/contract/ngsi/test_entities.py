@@ -133,11 +133,11 @@ async def test_what_is_made_for_what_is_deleted_between_pages_makes_nothing_be_l
     assert found[:4] == ["a", "b", "c", "d"]
 
 
-@pytest.mark.parametrize("page", [1, 2, 3])
-async def test_pages_of_any_size_hold_every_entity_once(client: NgsiClient, page: int) -> None:
+@pytest.mark.parametrize("size", [1, 2, 3])
+async def test_pages_of_any_size_hold_every_entity_once(client: NgsiClient, size: int) -> None:
     await client.batch("append", [robot(f"r{n}") for n in range(7)])
     found = []
-    async for entity in client.entities(Query(), page=page):
+    async for entity in client.entities(Query(), page=size):
         found.append(entity.ref.id.rpartition(":")[2])
         if len(found) == 3:
             await client.batch("delete", [robot(f"r{n}") for n in range(3)])
