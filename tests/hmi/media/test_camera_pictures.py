@@ -22,9 +22,8 @@ from hmi.media.models import ModelShelf
 from hmi.media.studio import Studio
 from hmi.twin.frusta import OLD_S
 from hmi.twin.groups import Group
-from tests.hmi.media.test_studio import ROBOT, SECRET, Picture, Planter, connect, studio
+from tests.hmi.media.studio_stage import ROBOT, SECRET, Picture, Planter, connect
 
-__all__ = ["studio"]
 REAR, HEAD = f"/cameras/{ROBOT}/camera_rear", f"/cameras/{ROBOT}/camera_head"
 CAMERAS = [up.Camera(id="rear", label="Behind", width_px=1280, height_px=720, fov_deg=82.0)]
 

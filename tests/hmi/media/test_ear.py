@@ -11,7 +11,7 @@ from hmi.media.ear import GRACE_S, Ear
 from hmi.media.intake import SUBSCRIPTIONS, Intake
 from hmi.media.studio import Studio
 from hmi.twin.farm import Farm, FarmRobot
-from tests.hmi.media.test_studio import ROBOT, SECRET, Planter
+from tests.hmi.media.studio_stage import ROBOT, SECRET, Planter
 
 WANTED = [("edge/+/telemetry", 0), ("edge/+/factsheet", 1)]
 
