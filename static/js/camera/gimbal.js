@@ -3,6 +3,7 @@
   "use strict";
   const { el, icon, attr, text } = HL;
   const STEP = 1.5; // of the zoom
+  const TAKEN_MS = 1100; // what is kept is a second old at most
 
   const mine = (robot) => HL.lease.isMine(robot);
   const PADS = [["pan", 1, "turn_left", "left"], ["pan", -1, "turn_right", "right"], ["tilt", 1, "keyboard_arrow_up", "up"], ["tilt", -1, "keyboard_arrow_down", "down"]];
@@ -94,10 +95,18 @@
       const answer = await HL.port.api("POST", `/cameras/${encodeURIComponent(robot)}/${encodeURIComponent(camera)}/control`, wish);
       if (!answer.ok) return HL.toast(`Not done: ${answer.text}`, "block");
       if ("lamp" in wish) attr(this.lamp, "aria-pressed", String(wish.lamp));
-      if (wish.trigger) HL.toast("Triggered.", "photo_camera");
+      if (wish.trigger) await this.keepTriggered();
       if (wish.zoom) this.zoom = wish.zoom;
       if (wish.zoom) HL.toast(`Zoom ${wish.zoom.toFixed(1)} ×`, "videocam");
       return answer;
+    }
+
+    // what it took is kept where people look for it; a picture from before the trigger is too old by then
+    async keepTriggered() {
+      const { robot, camera, label } = this.one;
+      HL.toast("Triggered.", "photo_camera");
+      await new Promise((done) => setTimeout(done, TAKEN_MS));
+      await HL.camera.snapshot.keep(robot, camera, label);
     }
 
     paint() {

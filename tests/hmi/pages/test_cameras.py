@@ -300,6 +300,16 @@ def test_lamp_and_zoom_begin_at_what_the_robot_says(look: Look, theatre: Theatre
     expect(page.get_by_test_id("camera-lamp")).to_have_attribute("aria-pressed", "false")
 
 
+@pytest.mark.long
+def test_what_a_triggered_camera_takes_is_kept(look: Look, theatre: Theatre, cameras: Callable[..., None]) -> None:
+    cameras(cameras={"weeder-07/front": {"has_trigger": True}})
+    theatre.play("manual")
+    page = look("/operate/weeder-07")
+    page.get_by_test_id("view-camera").click()
+    page.get_by_test_id("camera-trigger").click()
+    expect(page.get_by_test_id("toast").filter(has_text="It is under Cameras, Pictures.")).to_be_visible()
+
+
 def test_the_whole_rail_of_an_admin_is_seen_on_a_tablet(look: Look, cameras: Callable[..., None]) -> None:
     page = look("/cameras", role="admin")
     expect(page.get_by_test_id("nav-admin")).to_be_visible()
