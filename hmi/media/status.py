@@ -23,6 +23,7 @@ def status_of(studio: Studio, viewer: Viewer, now_s: float) -> dict[str, Any]:
     body = intake.newest(robot_id, Up.BODY, machine.Body)
     scan = intake.newest(robot_id, Up.SCAN, machine.Scan)
     site, drawn_s = studio.site(robot_id), studio.world.drawn_at_s(robot_id)
+    has_joints = factsheet is not None and bool(factsheet[0].joints)
     planned = body if body is not None and body[0].planned else None
     return {
         "k": "status",
@@ -31,7 +32,7 @@ def status_of(studio: Studio, viewer: Viewer, now_s: float) -> dict[str, Any]:
         "model": "" if factsheet is None else studio.library.kind_of(factsheet[0]),
         "pose_age_s": None if drawn_s is None else _rounded(now_s - drawn_s),
         "ages_s": {
-            "machine": _age(body or pose, now_s),
+            "machine": _age(body if has_joints else body or pose, now_s),
             "planned": _age(planned, now_s),
             "scan": _age(scan, now_s),
             "cameras": _rounded(None if site is None else site.frusta.age_s(now_s)),

@@ -196,7 +196,10 @@ class Studio:
             self.world.beat()
 
     def posture(self, robot_id: str) -> Posture | None:
-        """Return where a robot is in the site's plane, ``None`` before it said so."""
+        """Return where a robot is in the site's plane, ``None`` before it said so.
+
+        It is as old as the older of what it is drawn from: an arm that stands still on the screen only is not live.
+        """
         factsheet = self.intake.newest(robot_id, Up.FACTSHEET, up.Factsheet)
         telemetry = self.intake.newest(robot_id, Up.TELEMETRY, up.Telemetry)
         if factsheet is None or telemetry is None:
@@ -205,6 +208,8 @@ class Studio:
         east, north = self.frame.shift(datum.lat_deg, datum.lon_deg)
         heard = self.intake.newest(robot_id, Up.BODY, machine.Body)
         body = None if heard is None else heard[0]
+        if heard is not None and factsheet[0].joints:
+            at_s = min(at_s, heard[1])
         height = 0.0 if body is None else height_m(body.gauges) or 0.0
         place = Place((said.x_m + east, said.y_m + north, height), yaw(said.theta_rad))
         return Posture(place, {} if body is None else body.joints, {} if body is None else body.planned, at_s)

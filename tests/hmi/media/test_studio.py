@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import urllib.error
 import urllib.request
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -262,6 +263,38 @@ async def test_the_age_of_the_pose_is_that_of_the_drawn_one_while_newer_ones_can
         said = status_of(studio, studio.viewers["k"], clock.mono_s())
         assert (said["is_drawn"], said["pose_age_s"]) == (True, 0.0), "it is drawn by what its factsheet said before"
         assert studio.world.mover.place(f"/machine/{ROBOT}").xyz[0] == 4.0
+    finally:
+        await studio.stop()
+
+
+async def test_an_arm_that_is_not_heard_any_more_is_not_live_because_the_machine_still_says_where_it_is(
+    tmp_path: Path,
+) -> None:
+    clock = FakeClock()
+    studio = Studio(Intake(clock), tmp_path, SECRET, clock)
+
+    def told(kinds: Sequence[Up]) -> tuple[float | None, float | None]:
+        clock.advance(3.0)
+        planter.rest(3.0)
+        planter.stand(3.0)
+        for kind in {Up.TELEMETRY, Up.BODY} - set(kinds):
+            studio.intake.take(topic(ROBOT, kind), b"{", False)
+        studio.tick()
+        said = status_of(studio, studio.viewers["k"], clock.mono_s())
+        return said["pose_age_s"], said["ages_s"]["machine"]
+
+    try:
+        studio.set_farm(Farm([FarmRobot(ROBOT, "Planter 02", 6.2)]))
+        planter = Planter(studio.intake)
+        planter.introduce()
+        studio.enter("k", ROBOT, may_replay=False)
+        assert told([Up.TELEMETRY, Up.BODY]) == (0.0, 0.0)
+        studio.intake.forget([])
+        planter.introduce()
+        assert told([Up.TELEMETRY]) == (0.0, None), "its joints were never heard"
+        assert told([Up.TELEMETRY, Up.BODY]) == (0.0, 0.0)
+        assert told([Up.TELEMETRY]) == (3.0, 3.0)
+        assert told([Up.TELEMETRY]) == (6.0, 6.0)
     finally:
         await studio.stop()
 
