@@ -44,7 +44,7 @@ class AlarmRecordRoutes:
         scene_of: what a guided check of a source may look at.
         contact_of: whom to call about a source, ``None`` if nobody is named.
         responsible_for: who answers for a source in this shift, empty if nobody does.
-        operators: how many people are signed in who may answer alarms.
+        per_operator_hour: alarms per hour of a person who is there to answer; ``None`` while too little is known.
     """
 
     store: AlarmStore
@@ -57,7 +57,7 @@ class AlarmRecordRoutes:
     scene_of: Callable[[str], Scene]
     contact_of: Callable[[str], dict[str, str] | None]
     responsible_for: Callable[[str], str]
-    operators: Callable[[], int]
+    per_operator_hour: Callable[[], float | None]
 
 
 def alarm_record_routes(parts: AlarmRecordRoutes) -> APIRouter:
@@ -69,7 +69,7 @@ def alarm_record_routes(parts: AlarmRecordRoutes) -> APIRouter:
     async def statistics(_session: Watcher) -> dict[str, Any]:
         now = parts.clock.utc()
         found = await parts.database.run(parts.journal.figures, now)
-        return shown.figures(found, parts.store.all(), now, parts.operators(), catalogue())
+        return shown.figures(found, parts.store.all(), now, parts.per_operator_hour(), catalogue())
 
     @router.get("/alarms/{alarm_id}", summary="One alarm: what to do, and what happened around it")
     async def one(alarm_id: AlarmId, session: Watcher) -> dict[str, Any]:

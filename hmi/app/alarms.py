@@ -25,10 +25,11 @@ from hmi.commands.alarm_limits_desk import AlarmLimitsDesk, LimitsParts
 from hmi.commands.ports import LaneEvent
 from hmi.commands.weather import WeatherBoard
 from hmi.domain.alarm.alarm import CONSOLE
+from hmi.domain.alarm.attendance import Attendance
 from hmi.domain.alarm.catalogue import catalogue
 from hmi.domain.alarm.conditions import Change, Conditions
 from hmi.domain.alarm.finding import NOTHING, Finding, Findings, detail_of
-from hmi.domain.alarm.live_alarm import LiveAlarm, Step
+from hmi.domain.alarm.live_alarm import LiveAlarm, Step, What
 from hmi.domain.alarm.shift import ShiftBook
 from hmi.domain.event import RobotEvent
 from hmi.domain.mission import MissionStatus
@@ -104,6 +105,7 @@ class AlarmRoom:
         self._weather_source = ""
         self._farm_id, self._started_s = settings.farm_id, clock.mono_s()
         self._missing: set[str] = set()
+        self._attendance = Attendance()
         self._task: asyncio.Task[None] | None = None
 
     # ---- lane ----
@@ -146,7 +148,7 @@ class AlarmRoom:
             scene_of=self._scene,
             contact_of=self._contact,
             responsible_for=lambda source: self.notifications.responsible_for(source),
-            operators=self._operators,
+            per_operator_hour=lambda: self._attendance.per_hour(self._clock.mono_s()),
         )
         live = AlarmRoutes(self.store, self.desk, self._clock, self.name_of)
         settings = [self.notifications.routes(), alarm_limits_routes(self.limits)]
@@ -232,6 +234,7 @@ class AlarmRoom:
         """Look at everything once."""
         self._health = await self._health_of.gather(late_s)
         now_s = self._clock.mono_s()
+        self._attendance.see(now_s, self._operators())
         self.watch.report(CONSOLE, "console", self._console.look(self._health, now_s))
         self.watch.report(CONSOLE, "notifications", self.notifications.findings())
         for name, look in self.further.items():
@@ -322,6 +325,8 @@ class AlarmRoom:
             self.store.apply(changes)
 
     def _told(self, step: Step) -> None:
+        if step.what is What.RAISED and step.live.alarm.is_annunciated:
+            self._attendance.raised(self._clock.mono_s())
         name = self.name_of(step.live.alarm.key.source)
         self._on_event(shown.event(step, name))
         self.notifications.tell(step, name)

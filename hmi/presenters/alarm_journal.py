@@ -52,15 +52,17 @@ def table(lines: Iterable[Line], *, has_head: bool) -> str:
 
 
 def figures(
-    found: Figures, live: Sequence[LiveAlarm], now: datetime, operators: int, types: Mapping[str, AlarmType]
+    found: Figures,
+    live: Sequence[LiveAlarm],
+    now: datetime,
+    per_operator_hour: float | None,
+    types: Mapping[str, AlarmType],
 ) -> dict[str, Any]:
     """Return the figures of the alarms screen; a share or median of nothing is ``None``."""
     shown = [one for one in live if one.alarm.is_annunciated]
     unseen = [one for one in shown if one.alarm.needs_seeing]
     shelves = [one.alarm.shelf for one in live if one.alarm.shelf is not None]
     standing = [one for one in shown if _age_s(one, now) > DAY_S]
-    recent = sum(count for _, count in found.bins)
-    hours = min(len(found.bins) / 6, found.span_s / 3600)
     return {
         "per_10min": [{"at": epoch_ms(at), "count": count} for at, count in found.bins],
         "last_10min": found.last_10min,
@@ -73,7 +75,7 @@ def figures(
         "answer_median_s": statistics.median(found.answers_s) if found.answers_s else None,
         "top": [{"code": code, "title": types[code].title if code in types else code, "count": count}
                 for code, count in found.top],
-        "per_operator_hour": round(recent / hours / max(1, operators), 2),
+        "per_operator_hour": None if per_operator_hour is None else round(per_operator_hour, 2),
         "flood_share": round(found.flood_s / found.span_s, 4),
         "raised_7d": found.raised,
         "stale": sum(1 for one in standing if not one.alarm.needs_seeing),

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import hashlib
 import re
 from dataclasses import dataclass
 
 from hmi.domain.alarm.priority import Priority
 
 MAX_DETAIL, MAX_TEXT = 40, 300
+_STYLES = ("[a-z0-9]+(-[a-z0-9]+)*", "[a-z0-9]+(_[a-z0-9]+)*", "[A-Z0-9]+(_[A-Z0-9]+)*")
+_MARK = 6  # digits that tell apart what would shorten to the same words
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,3 +40,15 @@ NOTHING: Findings = ()
 def detail_of(text: str) -> str:
     """Return words of a robot as part of an alarm id: lower case, digits and dashes."""
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-")[:MAX_DETAIL]
+
+
+def detail_of_id(name: str) -> str:
+    """Return a robot's own name of something as part of an alarm id; names of one style stay different.
+
+    Names in one of the usual styles keep their words; others, and long ones, get a mark of their own.
+    """
+    words = detail_of(name)
+    if len(name) <= MAX_DETAIL and any(re.fullmatch(style, name) for style in _STYLES):
+        return words
+    mark = hashlib.sha256(name.encode()).hexdigest()[:_MARK]
+    return f"{words[: MAX_DETAIL - _MARK - 1]}-{mark}".lstrip("-")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from hmi.domain.alarm.finding import MAX_TEXT, NOTHING, Finding, Findings, detail_of
+from hmi.domain.alarm.finding import MAX_TEXT, NOTHING, Finding, Findings, detail_of_id
 from hmi.domain.alarm.priority import Priority
 from hmi.domain.event import RobotEvent
 from hmi.domain.robot import Fault, RobotState
@@ -78,4 +78,4 @@ class Faults:
         if fault.code in self._known:
             return Finding(fault.code, text, since_s=at_s)
         level = LEVELS.get(fault.level, Priority.MEDIUM)
-        return Finding(UNKNOWN, text or fault.code, detail_of(fault.code), level, fault.hint[:MAX_TEXT], at_s)
+        return Finding(UNKNOWN, text or fault.code, detail_of_id(fault.code), level, fault.hint[:MAX_TEXT], at_s)

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 
 from hmi.domain.alarm.catalogue import AlarmType
-from hmi.domain.alarm.finding import MAX_TEXT, NOTHING, Finding, Findings, detail_of
+from hmi.domain.alarm.finding import MAX_TEXT, NOTHING, Finding, Findings, detail_of_id
 from hmi.domain.alarm.steady import Limit
 from hmi.domain.node_health import RESTARTED_S, SILENT_PERIODS, NodeHealth, Trouble, judge
 from hmi.domain.robot import Node, Robot
@@ -153,4 +153,4 @@ def _heard_s(health: NodeHealth) -> float:
 
 def _finding(code: str, health: NodeHealth, text: str, since_s: float | None = None) -> Finding:
     since_s = since_s if since_s is not None else _heard_s(health)
-    return Finding(code, text[:MAX_TEXT], detail_of(health.name), since_s=since_s)
+    return Finding(code, text[:MAX_TEXT], detail_of_id(health.name), since_s=since_s)

@@ -46,7 +46,7 @@
       this.found = found;
       this.place.replaceChildren(
         el("div", { class: "al-facts" },
-          fact("Per operator hour", number(found.per_operator_hour), "target 6 or fewer"),
+          fact("Per operator hour", number(found.per_operator_hour), "of who is signed in, 8 h; target 6 or fewer"),
           fact("Time in flood", percent(found.flood_share, 1), "target under 1 %"),
           fact("Answer time", W.clock(found.answer_median_s), "median, target under 2:00"),
           fact("Standing over 24 h", found.standing_24h ?? "–", `target under 5${found.stale ? `; ${found.stale} acknowledged and left` : ""}`),

@@ -76,7 +76,7 @@ class RecordConsole(Console):
             scene_of=lambda source: Scene(clock.mono_s(), self.field.robot(source)),
             contact_of=lambda _source: {"name": "Jonas Weber", "phone": "+49 1"},
             responsible_for=lambda _source: "Martha Keller",
-            operators=lambda: 1,
+            per_operator_hour=lambda: 4.0,
         )
         live = AlarmRoutes(self.alarms, desk, clock, lambda _source: "Weeder 01")
         routes = [alarm_settings_routes(self.settings_desk), alarm_routes(live), alarm_record_routes(about)]
@@ -152,7 +152,7 @@ async def test_the_figures_of_two_alarms(console: RecordConsole) -> None:
     assert len(figures["per_10min"]) == 48
     assert figures["mix_7d"] == {"1": 0.5, "2": 0.5, "3": 0.0, "4": 0.0}
     assert figures["answer_median_s"] is None
-    assert figures["per_operator_hour"] == 12.0  # two in the ten minutes that the journal is at least taken for
+    assert figures["per_operator_hour"] == 4.0
 
 
 async def test_only_admins_see_and_change_who_is_notified(console: RecordConsole) -> None:
