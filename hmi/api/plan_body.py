@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from hmi.api.body import Body, Id
 from hmi.commands.plan_wish import AreaOrder, PlanOrder
-from hmi.domain.mission_plan import Corner, Pattern, Rows
+from hmi.domain.mission_plan import Corner, Pattern, Rows, StartPlace
 
 MOST_AREAS = 200
 Dose = Annotated[float, Field(ge=0, le=2, description="times the usual dose; 0 is off")]
@@ -38,6 +38,9 @@ class PlanChoices(Body):
     rows: Annotated[Rows | None, Field(strict=False, description="what the rows run along")] = None
     headland_passes: Annotated[int | None, Field(ge=0, le=50)] = None
     home_id: Id | None = None
+    starts_at: Annotated[StartPlace, Field(strict=False, description="field: no way from home and back")] = (
+        StartPlace.HOME
+    )
     returns_home: bool = True
     is_supervised: bool = True
     pattern: Annotated[Pattern, Field(strict=False)] = Pattern.SHORTEST

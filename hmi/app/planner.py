@@ -46,14 +46,14 @@ class PlannerRoom:
         """See ``Planner``."""
         if self._asks is not None:
             return await self._asks.plan(wish, tell)
-        made = await self._local.plan(wish)
+        made = await self._local.plan(wish, tell)
         return made_here(made, self._why_here()) if self.is_on else made
 
     async def candidate(self, wish: PlanWish, tell: Tell = nobody) -> Candidate:
         """See ``Planner``."""
         if self._asks is not None:
             return await self._asks.candidate(wish, tell)
-        made = await self._local.candidate(wish)
+        made = await self._local.candidate(wish, tell)
         return made_here(made, self._why_here()) if self.is_on else made
 
     async def rest(self, wish: RestWish) -> PlannedRest:

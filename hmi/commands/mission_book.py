@@ -150,8 +150,8 @@ class MissionBook:
         """Plan and store a mission; raises as ``preview``."""
         self._parts.authorize(session, Permission.EDIT_MISSION, order.robot_id)
         mission_id = f"m-{new_id()[:12]}"
+        version = await self._map.now(session.farm_id)  # first: what is published meanwhile makes the plan look old
         wish = await self._wish(session, order, mission_id)
-        version = await self._map.now(session.farm_id)
         planned = _on_map(await self._parts.planner.plan(wish), version)
         now = self._parts.clock.utc()
         mission = Mission(

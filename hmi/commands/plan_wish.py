@@ -16,6 +16,7 @@ from hmi.domain.mission_plan import (
     PlanRefused,
     PlanWish,
     Rows,
+    StartPlace,
     Surroundings,
     TreatedArea,
     Treatment,
@@ -49,6 +50,7 @@ class PlanOrder:
         rows: what the rows run along; ``None`` as asked by ``row_bearing_deg``, or in the field's direction.
         headland_passes: ``None`` takes as many as turning needs.
         home_id: map feature where the robot stands; ``None`` takes its own or the nearest.
+        starts_at: ``field`` plans no way from home and back: somebody brings the robot to the first row.
         overlap: share of the width worked twice.
         treatments: ground with a dose of its own; ``rest_dose`` is that of all other ground of the field.
         lead_in_m, lead_out_m: ``None`` takes the tool's own.
@@ -62,6 +64,7 @@ class PlanOrder:
     rows: Rows | None = None
     headland_passes: int | None = None
     home_id: str | None = None
+    starts_at: StartPlace = StartPlace.HOME
     returns_home: bool = True
     is_supervised: bool = True
     pattern: Pattern = Pattern.SHORTEST
@@ -81,13 +84,15 @@ def wish_for(
     """Return the wish for a field of the map.
 
     Raises:
-        NotFound: a treatment area is not on the map.
+        NotFound: the home or a treatment area is not on the map.
         PlanRefused: a treatment area is no polygon, or the field has no such lines as the rows shall follow.
     """
     direction = row_direction(order.rows, order.row_bearing_deg, field, features)
     place = _places(field.geometry)[0]
     home = _home(features, order, place)
     origin = (sheet.datum_lon_deg, sheet.datum_lat_deg) if sheet else home or place
+    if order.starts_at is StartPlace.FIELD:
+        home = None
     return PlanWish(
         mission_id=mission_id,
         name=order.name or f"{field.title[:60]}, {order.width_m:g} m",
@@ -130,7 +135,9 @@ def _treatment(order: PlanOrder, features: Sequence[Feature]) -> Treatment:
 
 def _home(features: Sequence[Feature], order: PlanOrder, place: tuple[float, float]) -> tuple[float, float] | None:
     homes = {one.id: one for one in features if one.kind == "home"}
-    if order.home_id is not None and order.home_id in homes:
+    if order.home_id is not None:
+        if order.home_id not in homes:
+            raise NotFound(f"there is no home {order.home_id!r} on the map")
         return _places(homes[order.home_id].geometry)[0]
     near = [one for one in homes.values() if metres(_places(one.geometry)[0], place) < NEAR_HOME_M]
     own = [one for one in near if one.properties.get("robot") == order.robot_id]

@@ -90,6 +90,13 @@ class Corner(StrEnum):
     SOUTH_EAST = "south_east"
 
 
+class StartPlace(StrEnum):
+    """Where a mission begins."""
+
+    HOME = "home"
+    FIELD = "field"
+
+
 @dataclass(frozen=True, slots=True)
 class TreatedArea:
     """Ground with a treatment of its own: ``dose`` times the usual one, 0 is off, 2 the most."""

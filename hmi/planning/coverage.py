@@ -30,6 +30,10 @@ from hmi.planning.turns import Turns, way_speed
 
 _GAP_M = 0.04
 _MORE_PASSES = "Choose more headland passes."
+_NO_WAY_OUT = (
+    "No known way leads from home to this field. Draw the road under Maps, choose another home, "
+    "or let the robot start at the field: you drive it there."
+)
 _DEEPER_RADII = (0.0, 1.0, 2.0)  # a border that slants more than usual needs a deeper headland to turn in
 
 
@@ -40,7 +44,8 @@ def plan_coverage(job: Job, tell: Tell = nobody) -> Plan:
         tell: hears how far it is.
 
     Raises:
-        PlanRefused: the input is unusable or the field cannot be worked like this; says why.
+        PlanRefused: the input is unusable, the field cannot be worked like this, or no way leads there from home;
+            says why.
     """
     field = checked_field(job)
     is_wide = job.pattern is Pattern.SKIP_ROWS
@@ -133,6 +138,8 @@ class _Course:
 
     def _rows(self) -> None:
         groups = by_part([cell for cell in self.cells if cell], self.ground.turning)
+        if self.job.home is not None:
+            groups = self._from_home(groups, shapely.Point(self.job.home))
         job, span = self.job, span_for(self.job.machine, self.job.width_m)
         driven = [
             row
@@ -220,22 +227,36 @@ class _Course:
         self.legs += legs
         return True
 
+    def _with_roads(self) -> BaseGeometry:
+        """Return the ground of the field and of the ways to it."""
+        if self.job.roads is None:
+            return self.ground.allowed
+        together = shapely.union_all([self.ground.allowed, self.job.roads])
+        # neighbouring features drawn by hand leave hairline gaps; closing them costs less than the margin
+        return together.buffer(_GAP_M, join_style="mitre").buffer(-_GAP_M, join_style="mitre")
+
+    def _from_home(self, groups: list[list[list[Swath]]], home: shapely.Point) -> list[list[list[Swath]]]:
+        """Return the parts of the field with those first that are not cut off from home; narrow ways show later.
+
+        Raises:
+            PlanRefused: all of them are; said before seconds go into the rows.
+        """
+        around = shapely.union_all([one for one in shapely.get_parts(self._with_roads()) if one.intersects(home)])
+        is_cut_off = [not around.intersects(shapely.LineString(group[0][0].points)) for group in groups]
+        if all(is_cut_off):
+            raise PlanRefused("home_unreachable", _NO_WAY_OUT, "home_id")
+        return [group for _, group in sorted(zip(is_cut_off, groups, strict=True), key=lambda one: one[0])]
+
     def _home(self) -> None:
         """Put the way from home before the path, and the way back after it if it is wanted."""
         assert self.job.home is not None
-        ground, machine = self.ground, self.job.machine
-        if self.job.roads is not None:
-            together = shapely.union_all([ground.allowed, self.job.roads])
-            # neighbouring features drawn by hand leave hairline gaps; closing them costs less than the margin
-            closed = together.buffer(_GAP_M, join_style="mitre").buffer(-_GAP_M, join_style="mitre")
-            ground = Ground(closed, machine, ground.crop)
-        linker = Linker(ground)
+        machine = self.job.machine
+        linker = Linker(Ground(self._with_roads(), machine, self.ground.crop))
         first = self.legs[0]
         start: Pose = (float(first.points[0][0]), float(first.points[0][1]), first.first_heading_rad)
         away = linker.link(_standing(self.job.home, start), start)
         if away is None:
-            self.notes.append("No known way leads from home to this field. Drive the robot to the start.")
-            return
+            raise PlanRefused("home_unreachable", _NO_WAY_OUT, "home_id")
         self.legs = [Leg(LegKind.APPROACH, p, way_speed(p, machine, machine.way_mps)) for p in away] + self.legs
         if not self.job.returns_home:
             return

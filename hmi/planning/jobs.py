@@ -3,24 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from hmi.domain.mission_plan import Candidate, PlannedMission, PlanWish
 from hmi.domain.mission_rest import PlannedRest, RestWish
+from hmi.planning.progress_note import ProgressNote
 
 
-def mission(wish: PlanWish) -> PlannedMission:
-    """Plan a mission; raises ``PlanRefused``."""
+def mission(wish: PlanWish, note: str) -> PlannedMission:
+    """Plan a mission; raises ``PlanRefused``.
+
+    Args:
+        note: file that says how far it is, see ``ProgressNote``.
+    """
     from hmi.planning.mission import plan_mission
 
-    return plan_mission(wish)
+    with ProgressNote(Path(note)) as tell:
+        return plan_mission(wish, tell=tell)
 
 
-def candidate(wish: PlanWish) -> Candidate:
-    """Plan a mission to look at; raises ``PlanRefused``."""
+def candidate(wish: PlanWish, note: str) -> Candidate:
+    """Plan a mission to look at; as ``mission``."""
     from hmi.planning.mission import plan_candidate
 
-    return plan_candidate(wish)
+    with ProgressNote(Path(note)) as tell:
+        return plan_candidate(wish, tell)
 
 
 def given_mission(wish: PlanWish, segments: Sequence[Mapping[str, Any]], notes: Sequence[str] = ()) -> PlannedMission:

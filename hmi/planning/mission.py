@@ -15,7 +15,7 @@ from shapely.geometry.base import BaseGeometry
 from hmi.domain.family import Family
 from hmi.domain.ids import is_id
 from hmi.domain.mission_document import Document, canonical, mission_sha256
-from hmi.domain.mission_plan import Candidate, Geometry, PlannedMission, PlanRefused, PlanWish
+from hmi.domain.mission_plan import Candidate, Geometry, PlannedMission, PlanRefused, PlanWish, Tell, nobody
 from hmi.planning.coverage import plan_coverage
 from hmi.planning.drawing import drawing
 from hmi.planning.job import Job
@@ -37,23 +37,24 @@ MAX_LEAD_M = 10.0
 YARD_RADIUS_M = 4.0  # ground around home where a robot can turn
 
 
-def plan_mission(wish: PlanWish, machine: RobotProfile | None = None) -> PlannedMission:
+def plan_mission(wish: PlanWish, machine: RobotProfile | None = None, tell: Tell = nobody) -> PlannedMission:
     """Plan a mission over a field of the map; blocks for up to seconds.
 
     Args:
         machine: instead of the one the wish's factsheet describes.
+        tell: hears how far it is.
 
     Raises:
         PlanRefused: the input is unusable or the field cannot be worked like this; says why.
     """
     job = job_of(wish, machine)
-    return mission_of(wish, job, plan_coverage(job))
+    return mission_of(wish, job, plan_coverage(job, tell))
 
 
-def plan_candidate(wish: PlanWish) -> Candidate:
+def plan_candidate(wish: PlanWish, tell: Tell = nobody) -> Candidate:
     """Plan a mission to look at: its numbers and a drawing, no document; raises as ``plan_mission``."""
     job = job_of(wish)
-    return candidate_of(wish, job, plan_coverage(job))
+    return candidate_of(wish, job, plan_coverage(job, tell))
 
 
 def mission_of(wish: PlanWish, job: Job, plan: Plan) -> PlannedMission:

@@ -162,6 +162,8 @@ def _home(job: Job, legs: Sequence[Leg]) -> None:
             continue
         if job.home is None or math.dist(job.home, point) > HOME_M:
             raise PathUnfit("home", "Its way home does not lead to the robot's home.")
+    if job.home is not None and math.dist(job.home, legs[0].points[0]) > HOME_M:
+        raise PathUnfit("home", "It does not begin at the robot's home.")
     if legs[-1].kind is LegKind.EXIT and not job.returns_home:
         raise PathUnfit("home", "It drives home, which was not asked for.")
 

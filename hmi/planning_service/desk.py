@@ -14,8 +14,9 @@ from backend_clients.planner.messages import PlannerName, PlanPath, PlanReport, 
 from hmi import __version__
 from hmi.domain.ids import new_id
 from hmi.domain.mission_plan import PlanRefused
+from hmi.planning.progress_note import read_progress
 from hmi.planning.side_process import SideProcess, SideProcessDied
-from hmi.planning_service.work import planned, read_note
+from hmi.planning_service.work import planned
 
 PLAN_LIMIT_S = 60.0  # as the console's own planner
 WAITING_LIMIT = 8
@@ -134,7 +135,7 @@ class PlanDesk:
             PlanState.QUEUED: (0.0, "Waiting"),
             PlanState.DONE: (1.0, "Done"),
             PlanState.FAILED: (1.0, "Failed"),
-        }.get(plan.state) or read_note(plan.note)
+        }.get(plan.state) or read_progress(plan.note)
         return PlanReport(
             id=plan.id,
             wish_sha256=plan.sha256,

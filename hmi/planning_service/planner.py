@@ -43,7 +43,7 @@ class ServicePlanner:
         return await self._planned(wish, tell, jobs.given_mission, self._local.plan)
 
     async def _planned(
-        self, wish: PlanWish, tell: Tell, given: Given[P], here: Callable[[PlanWish], Awaitable[P]]
+        self, wish: PlanWish, tell: Tell, given: Given[P], here: Callable[[PlanWish, Tell], Awaitable[P]]
     ) -> P:
         why = self._why_not_asked()
         if not why:
@@ -56,7 +56,7 @@ class ServicePlanner:
                 took_s = self._clock.mono_s() - begin_s
                 return made_there(found, took_s)
         tell(0.0, f"Planning on this server: {why}")
-        return made_here(await here(wish), why)
+        return made_here(await here(wish, tell), why)
 
     async def _asked(self, wish: PlanWish, tell: Tell, given: Given[P]) -> P:
         """Return the service's plan after it was checked; raises ``ServiceError`` and, of the wish, ``PlanRefused``."""

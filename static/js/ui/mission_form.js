@@ -45,8 +45,9 @@
       const input = (name) => this.inputs.get(name);
       this.problem = el("div", { class: "h-error", role: "alert", "data-testid": "plan-error" });
       this.previewButton = el("button", { class: "h-btn op pri p-preview", type: "submit", "data-testid": "plan-preview" });
+      this.mend = el("button", { type: "button", class: "h-btn", hidden: true, "data-testid": "plan-start-at-field", onclick: () => (this.inputs.startAtField(), this.look()) }, "Start at the field");
       this.steps = {
-        robot: new Step(1, "Robot and home", "robot", ...this.inputs.where()),
+        robot: new Step(1, "Robot and home", "robot", ...this.inputs.where(), this.mend),
         field: new Step(2, "Field", "field", input("field_id")),
         treatment: new Step(3, "Treatment", "treatment", this.treatment.node),
         preview: new Step(4, "Preview", "preview", ...this.inputs.how(), this.previewButton, this.problem),
@@ -113,6 +114,7 @@
     changed() {
       this.inputs.keep();
       this.refusal = "";
+      this.mend.hidden = true;
       const pattern = this.inputs.get("pattern").value;
       if (this.planned === this.ground() && this.answers.get(pattern)?.state !== undefined) this.show(pattern, false);
       this.paint();
@@ -193,6 +195,7 @@
       if (!answer) this.planned = this.answers.size ? this.planned : null;
       text(this.problem, refusal.text || "Not planned: the server did not answer. Try again.");
       this.refusal = this.problem.textContent;
+      this.mend.hidden = refusal.code !== "home_unreachable";
       const input = refusal.field ? this.inputs.get(refusal.field) : null;
       const step = ["robot_id", "home", "home_id"].includes(refusal.field) ? this.steps.robot : refusal.field === "field_id" ? this.steps.field : refusal.field?.startsWith("treatment") ? this.steps.treatment : this.steps.preview;
       step.open();

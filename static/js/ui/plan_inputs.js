@@ -11,6 +11,7 @@
   const ALONG = { best_angle: " at the best angle", along_edge: " along the edge", ab_line: " along the A-B line", guide_line: " along the guide line", recorded_rows: " along the recorded ones" };
   const DRAWN = ["ab_line", "guide_line", "recorded_rows"];
 
+  const AT_FIELD = "@field"; // no feature of a map has such an id
   const FAR_M = 3000;
   const METRES_PER_DEGREE = 111320;
   const firstPlace = (geometry) => (geometry?.type === "Polygon" ? geometry.coordinates[0][0] : geometry?.coordinates?.[0]?.[0]?.[0]);
@@ -57,7 +58,7 @@
       this.all = {
         field_id: select("plan-field", "field_id", options(places.fields)),
         robot_id: select("plan-robot", "robot_id", options(places.robots)),
-        home_id: select("plan-home", "home_id", [el("option", { value: "" }, "Own or nearest"), ...options(places.homes)]),
+        home_id: select("plan-home", "home_id", [el("option", { value: "" }, "Own or nearest"), ...options(places.homes), el("option", { value: AT_FIELD }, "None: starts at the field")]),
         width_m: number("plan-width", "width_m", { min: "0.05", max: "50", required: true, value: "3" }),
         row_speed_mps: number("plan-speed", "row_speed_mps", { min: "0.01", max: "20", placeholder: "usual" }),
         overlap: number("plan-overlap", "overlap", { min: "0", max: "50", placeholder: "0" }),
@@ -74,6 +75,7 @@
       this.bearing = field("Row direction, ° from north", this.all.row_bearing_deg);
       this.all.rows.addEventListener("input", () => this.offerRows());
       this.all.width_m.addEventListener("input", () => this.offerLaps());
+      this.all.home_id.addEventListener("input", () => this.offerReturn());
       this.offerRows();
       this.recall();
     }
@@ -111,6 +113,16 @@
       const laps = this.all.headland_passes;
       if (laps.value !== (this.laps ?? "")) return;
       laps.value = this.laps = usualLaps(this.fieldPlace?.properties?.headland_m, Number(this.all.width_m.value));
+    }
+
+    // without a home there is no way back to it
+    offerReturn() {
+      this.all.returns_home.disabled = this.all.home_id.value === AT_FIELD;
+    }
+
+    startAtField() {
+      this.all.home_id.value = AT_FIELD;
+      this.all.home_id.dispatchEvent(new Event("input", { bubbles: true }));
     }
 
     // a field of another site is of no use to a robot: the nearest one is offered
@@ -155,6 +167,7 @@
         else if (input.type === "checkbox") input.checked = kept[key] === true;
         else if (!(input instanceof HTMLSelectElement) || [...input.options].some((option) => option.value === kept[key])) input.value = kept[key];
       }
+      this.offerReturn();
     }
 
     keep() {
@@ -167,9 +180,11 @@
 
     wish() {
       const i = this.all;
-      const body = { field_id: i.field_id.value, robot_id: i.robot_id.value, width_m: Number(i.width_m.value), returns_home: i.returns_home.checked };
+      const body = { field_id: i.field_id.value, robot_id: i.robot_id.value, width_m: Number(i.width_m.value), returns_home: i.returns_home.checked && !i.returns_home.disabled };
+      if (i.returns_home.disabled) body.starts_at = "field";
+      else if (i.home_id.value) body.home_id = i.home_id.value;
       if (i.pattern.value !== "shortest") body.pattern = i.pattern.value;
-      for (const key of ["home_id", "start_corner"]) if (i[key].value) body[key] = i[key].value;
+      if (i.start_corner.value) body.start_corner = i.start_corner.value;
       if (i.name.value.trim()) body.name = i.name.value.trim();
       if (i.rows.value) body.rows = i.rows.value;
       for (const key of ["row_bearing_deg", "row_speed_mps"]) if (i[key].value !== "" && !(key === "row_bearing_deg" && i.rows.value)) body[key] = Number(i[key].value);
@@ -183,7 +198,8 @@
     apply(wish) {
       const usual = { row_speed_mps: "", headland_passes: "", row_bearing_deg: "", rows: "", plant_spacing_m: "", name: "", start_corner: "", pattern: "shortest", returns_home: true };
       const given = Object.fromEntries(Object.entries(wish).filter(([key]) => key in this.all).map(([key, value]) => [key, typeof value === "number" ? String(value) : value ?? ""]));
-      this.fill({ ...usual, ...given, overlap: wish.overlap ? String(Number((100 * wish.overlap).toFixed(2))) : "" });
+      const home = wish.starts_at === "field" ? AT_FIELD : wish.home_id ?? (this.all.returns_home.disabled ? "" : this.all.home_id.value);
+      this.fill({ ...usual, ...given, home_id: home, overlap: wish.overlap ? String(Number((100 * wish.overlap).toFixed(2))) : "" });
     }
 
     get(name) {

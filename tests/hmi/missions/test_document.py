@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from backend_clients.edge import messages_down as down
 from backend_clients.edge.codec import mission_hash
 from backend_clients.edge.messages_up import Datum
+from hmi.commands.plan_wish import surroundings_of
 from hmi.demo.catalogue import CATALOGUE, plan
 from hmi.domain.mission_document import canonical, for_robot, mission_sha256, renamed
 from hmi.domain.mission_plan import PlanRefused, PlanWish
@@ -158,7 +159,8 @@ def test_a_wish_that_cannot_be_is_refused_with_a_reason(change: dict[str, Any], 
 
 def test_the_map_shows_every_segment_in_driving_order_between_parcel_and_home() -> None:
     home = next(one for one in farm_map() if one.kind == "home").geometry["coordinates"]
-    document = plan_mission(wish(home=tuple(home))).document
+    around = surroundings_of(farm_map(), parcel_geometry(), "field-1")
+    document = plan_mission(wish(home=tuple(home), surroundings=around)).document
     features = mission_geojson(document)["features"]
     kinds = [one["properties"]["kind"] for one in features]
     assert kinds[0] == "parcel"

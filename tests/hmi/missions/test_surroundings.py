@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,9 @@ import shapely
 
 from hmi.commands.plan_wish import PlanOrder, surroundings_of, wish_for
 from hmi.domain.mission_document import Document
+from hmi.domain.mission_plan import PlanRefused, StartPlace
 from hmi.planning.mission import plan_mission
+from hmi.store.errors import NotFound
 from hmi.store.features import Feature
 from tests.hmi.missions.rig import FARM, FRAME, farm_map, lon_lat
 
@@ -80,7 +83,8 @@ def test_a_road_drawn_across_a_ditch_is_a_bridge_and_across_a_keep_out_zone_it_i
     beside = shapely.box(-12, -30, -8, 60).difference(shapely.box(-30, 7, 4, 13))
     assert metres_over(document, beside) == 0
     zone = feature("no-go", polygon((-12, -30), (-8, -30), (-8, 60), (-12, 60), (-12, -30)))
-    assert not {"approach", "exit"} & kinds(planned(zone))
+    with pytest.raises(PlanRefused, match="No known way leads from home"):
+        planned(zone)
 
 
 def test_a_zone_counts_wherever_its_first_corner_is() -> None:
@@ -102,3 +106,16 @@ def test_a_field_at_longitude_180_has_neighbours_on_both_sides() -> None:
     across = feature("obstacle", {"type": "Point", "coordinates": [-179.9999, 10.0]}, radius_m=1.0)
     found = surroundings_of([across], {"type": "Polygon", "coordinates": [ring]}, "field-1")
     assert len(found.obstacles) == 1
+
+
+def test_a_mission_that_starts_at_the_field_has_no_way_from_home_and_back() -> None:
+    from_home = planned()
+    assert [from_home["segments"][end]["kind"] for end in (0, -1)] == ["approach", "exit"]
+    at_field = planned(order=replace(ORDER, starts_at=StartPlace.FIELD))
+    assert {one["kind"] for one in at_field["segments"]} & {"approach", "exit"} == set()
+    assert (at_field["home"], at_field["at_end"]) == (None, "stay")
+
+
+def test_a_home_that_is_not_on_the_map_is_not_replaced_by_another() -> None:
+    with pytest.raises(NotFound, match="no home 'gone'"):
+        planned(order=replace(ORDER, home_id="gone"))

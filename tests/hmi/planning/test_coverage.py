@@ -226,10 +226,31 @@ def test_a_slow_robot_drives_its_ways_no_faster_than_it_can() -> None:
         check_path(job, checked_field(job), hasty)
 
 
-def test_a_home_without_a_road_is_said_instead_of_driven_blindly() -> None:
-    plan = plan_coverage(Job(square(40), 3.0, WEEDER, home=(-35.0, 10.0), returns_home=True))
-    assert plan.legs[0].kind is LegKind.ROW
-    assert plan.notes == ("No known way leads from home to this field. Drive the robot to the start.",)
+NARROW = shapely.LineString([(-40, 10), (5, 10)]).buffer(0.4)  # wide enough for no machine
+
+
+@pytest.mark.parametrize("roads", [None, shapely.Point(-35.0, 10.0).buffer(4.0), NARROW])
+def test_a_home_that_no_way_leads_from_is_refused_with_the_way_out(roads: Polygon | None) -> None:
+    with pytest.raises(PlanRefused, match=r"Draw the road under Maps, .* start at the field") as refused:
+        plan_coverage(Job(square(40), 3.0, WEEDER, home=(-35.0, 10.0), roads=roads, returns_home=True))
+    assert (refused.value.code, refused.value.field) == ("home_unreachable", "home_id")
+
+
+def test_a_home_that_is_cut_off_is_refused_before_rows_are_ordered() -> None:
+    heard: list[str] = []
+    with pytest.raises(PlanRefused):
+        plan_coverage(Job(square(40), 3.0, WEEDER, home=(-35.0, 10.0)), lambda _share, words: heard.append(words))
+    assert heard == ["Laying rows", "Ordering rows"]
+
+
+def test_a_field_in_two_parts_begins_in_the_one_that_home_leads_to() -> None:
+    ditch = shapely.box(-1, 32, 81, 36)  # the larger part lies behind it
+    road = shapely.LineString([(-40, 6), (5, 6)]).buffer(3)
+    job = Job(square(80), 3.0, WEEDER, obstacles=(ditch,), home=(-35.0, 6.0), roads=road)
+    plan = plan_coverage(job)
+    assert plan.legs[0].kind is LegKind.APPROACH
+    assert all(shapely.LineString(leg.points).bounds[3] < 32 for leg in plan.legs)
+    assert any("cannot be reached from the others" in note for note in plan.notes)
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ import asyncio
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -35,6 +36,38 @@ async def test_a_plan_is_made_elsewhere_and_a_refusal_comes_back_whole() -> None
             await planner.plan(wish(width_m=0.0))
         assert (refused.value.code, refused.value.field) == ("width_not_positive", "width_m")
     finally:
+        await asyncio.to_thread(planner.close)
+
+
+@pytest.mark.slow
+async def test_a_plan_tells_how_far_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    planner = PlanningProcess()
+    heard: list[tuple[float, str]] = []
+    try:
+        await planner.candidate(wish(width_m=0.2), lambda share, words: heard.append((share, words)))
+    finally:
+        await asyncio.to_thread(planner.close)
+    shares = [share for share, _ in heard]
+    assert shares == sorted(set(shares))
+    assert 0 < shares[-1] <= 1
+    assert any(words.startswith("Row ") for _, words in heard)
+    assert await asyncio.to_thread(os.listdir, tmp_path) == []
+
+
+async def test_a_plan_behind_another_says_that_it_waits() -> None:
+    planner = PlanningProcess()
+    first = asyncio.create_task(planner.plan(wish()))
+    await asyncio.sleep(0)
+    heard: list[tuple[float, str]] = []
+    second = asyncio.create_task(planner.plan(wish(), lambda share, words: heard.append((share, words))))
+    await asyncio.sleep(0)
+    try:
+        assert heard == [(0.0, "Waiting for the plan before")]
+    finally:
+        for task in (first, second):
+            task.cancel()
+        await asyncio.gather(first, second, return_exceptions=True)
         await asyncio.to_thread(planner.close)
 
 

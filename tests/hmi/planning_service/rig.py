@@ -14,7 +14,7 @@ from backend_clients.service.connection import Service
 from backend_clients.simulator.faulty_http import FaultyHttp
 from hmi.clock import FakeClock
 from hmi.domain.mission_plan import Candidate, PlannedMission, PlanWish, Tell, nobody
-from hmi.planning import jobs
+from hmi.planning.mission import plan_candidate, plan_mission
 from hmi.planning.side_process import SideProcess
 from hmi.planning_service.application import make_application
 from hmi.planning_service.desk import PlanDesk
@@ -53,12 +53,12 @@ class LocalPlanner:
     async def plan(self, wish: PlanWish, tell: Tell = nobody) -> PlannedMission:
         """See ``Planner``."""
         self.planned += 1
-        return jobs.mission(wish)
+        return plan_mission(wish)
 
     async def candidate(self, wish: PlanWish, tell: Tell = nobody) -> Candidate:
         """See ``Planner``."""
         self.planned += 1
-        return jobs.candidate(wish)
+        return plan_candidate(wish)
 
     async def run(self, work: Callable[..., Any], *given: Any) -> Any:
         """See ``PlanningProcess``."""

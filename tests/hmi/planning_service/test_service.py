@@ -13,9 +13,10 @@ import pytest
 
 from backend_clients.planner.messages import MAX_REQUEST, PlanRequest, wish_sha256
 from backend_clients.planner.schema import openapi
+from hmi.planning.progress_note import read_progress
 from hmi.planning_service.desk import WAITING_LIMIT, PlanDesk
 from hmi.planning_service.form import form_of
-from hmi.planning_service.work import planned, read_note
+from hmi.planning_service.work import planned
 from tests.hmi.missions.test_document import wish
 from tests.hmi.planning_service.rig import TOKEN, ServiceRig, service_rig, until
 
@@ -145,9 +146,9 @@ async def test_plans_that_nobody_fetches_are_forgotten() -> None:
 def test_the_worker_says_how_far_it_is(tmp_path: Path) -> None:
     note = tmp_path / "note"
     note.touch()
-    assert read_note(note) == (0.0, "Starting")
+    assert read_progress(note) == (0.0, "Starting")
     planned(form_of(wish()).model_dump_json().encode(), str(note))
-    share, words = read_note(note)
+    share, words = read_progress(note)
     assert 0 < share <= 1
     assert words
 
