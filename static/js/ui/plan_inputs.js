@@ -15,6 +15,7 @@
   const FAR_M = 3000;
   const METRES_PER_DEGREE = 111320;
   const firstPlace = (geometry) => (geometry?.type === "Polygon" ? geometry.coordinates[0][0] : geometry?.coordinates?.[0]?.[0]?.[0]);
+  const byName = (a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }); // bay 2 before bay 10
   const options = (rows) => rows.map(({ id, name }) => el("option", { value: id }, name));
   const select = (hook, name, rows) => el("select", { class: "h-select", "data-testid": hook, name }, ...rows);
   const number = (hook, name, props) => el("input", { class: "h-input", "data-testid": hook, name, type: "number", inputmode: "decimal", step: "any", ...props });
@@ -56,9 +57,9 @@
     constructor(places) {
       this.places = places;
       this.all = {
-        field_id: select("plan-field", "field_id", options(places.fields)),
+        field_id: select("plan-field", "field_id", options([...places.fields].sort(byName))),
         robot_id: select("plan-robot", "robot_id", options(places.robots)),
-        home_id: select("plan-home", "home_id", [el("option", { value: "" }, "Own or nearest"), ...options(places.homes), el("option", { value: AT_FIELD }, "None: starts at the field")]),
+        home_id: select("plan-home", "home_id", [el("option", { value: "" }, "Own or nearest"), ...options([...places.homes].sort(byName)), el("option", { value: AT_FIELD }, "None: starts at the field")]),
         width_m: number("plan-width", "width_m", { min: "0.05", max: "50", required: true, value: "3" }),
         row_speed_mps: number("plan-speed", "row_speed_mps", { min: "0.01", max: "20", placeholder: "usual" }),
         overlap: number("plan-overlap", "overlap", { min: "0", max: "50", placeholder: "0" }),

@@ -116,6 +116,26 @@ def test_row_orders_are_compared_and_the_tapped_one_is_stored_and_sent(
     ]
 
 
+@pytest.mark.long
+def test_a_home_without_a_way_can_be_left_out_with_one_tap(plan: Callable[..., tuple[Page, PlayedPlans]]) -> None:
+    page, played = plan()
+    good = played.candidates
+    no_way = {"code": "home_unreachable", "text": "No known way leads from home to this field.", "field": "home_id"}
+    lines = [{"pattern": one.value, "state": "refused", **no_way} for one in Pattern]
+    played.candidates = [good[0], *lines, good[-1]]
+    page.get_by_test_id("plan-preview").click()
+    robot_step = page.get_by_test_id("plan-start-at-field").locator("xpath=..")
+    expect(robot_step).to_contain_text("No known way leads from home to this field.")
+    played.candidates = good
+    page.get_by_test_id("plan-start-at-field").click()
+    expect(page.get_by_test_id("plan-compare-shortest")).to_have_attribute("data-state", "planned")
+    expect(page.get_by_test_id("plan-start-at-field")).to_be_hidden()
+    expect(page.get_by_test_id("plan-return")).to_be_disabled()
+    page.get_by_test_id("plan-store").click()
+    stored = next(body for _, path, body in played.asked if path == "missions/plan")
+    assert (stored["starts_at"], stored["returns_home"], "home_id" in stored) == ("field", False, False)
+
+
 def planned_at(where: str, text: str) -> dict[str, Any]:
     """Return what a plan says of where it was made."""
     return {"planned_at": {"where": where, "text": text}}
