@@ -372,7 +372,10 @@
         body: body === undefined || body === null ? undefined : JSON.stringify(body),
       });
       let data = null;
-      try { data = await response.json(); } catch (error) { data = null; }
+      try { data = await response.json(); } catch (error) {
+        // an answer that was cut off is none: taken for an empty one it would say that there is nothing
+        if (response.ok && response.status !== 204) throw error;
+      }
       const answer = Object.assign({}, data && typeof data === 'object' && !Array.isArray(data) ? data : {},
         { ok: response.ok, status: response.status, data });
       if (!response.ok && !answer.text) answer.text = 'The server answered ' + response.status + '.';

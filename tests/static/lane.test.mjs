@@ -335,6 +335,10 @@ test('a refusal of the server is a rejection with its words', async () => {
 test('a server error leaves the outcome unknown', async () => {
   const w = new World();
   w.connect();
+  w.respond = async () => ({ ok: true, status: 200, json: async () => { throw new Error('cut off'); } });
+  assert.deepEqual([(await w.headland.api('GET', '/missions')).ok, (await w.headland.api('GET', '/missions')).code], [false, 'no_connection']);
+  w.respond = async () => ({ ok: true, status: 204, json: async () => { throw new Error('empty'); } });
+  assert.equal((await w.headland.api('DELETE', '/x')).ok, true);
   w.respond = async () => ({ ok: false, status: 502, json: async () => { throw new Error('no json'); } });
   assert.equal((await w.headland.command('weeder-01', 'start')).outcome, 'unknown');
 });

@@ -61,7 +61,7 @@
     try {
       const response = await fetch(HL.config.apiPath + path, { method: "POST", credentials: "same-origin", headers: { "X-Headland-CSRF": HL.config.csrf, "Content-Type": "application/zip" }, body });
       const data = await response.json().catch(() => null);
-      return { ok: response.ok, data, text: data?.text ?? `The server answered ${response.status}.` };
+      return { ok: response.ok && data !== null, data, text: data?.text ?? `The server answered ${response.status}.` };
     } catch {
       return { ok: false, data: null, text: "The server cannot be reached." };
     }
