@@ -307,7 +307,7 @@ async def test_a_clip_that_cannot_be_had_leaves_nothing_behind(
     assert not list((rig.folder / "pictures/incoming").iterdir())
 
 
-async def test_the_end_of_each_row_leaves_a_picture_of_where_it_was_taken(rig: PictureRig) -> None:
+async def test_the_end_of_each_row_leaves_a_picture_of_that_row_and_its_mission(rig: PictureRig) -> None:
     rig.show()
     for row in (1, 2, 2, 3):
         rig.stand(row=row)
@@ -316,8 +316,8 @@ async def test_the_end_of_each_row_leaves_a_picture_of_where_it_was_taken(rig: P
     rig.stand(row=3, status=OrderStatus.DONE)
     found = await pictures(rig, PictureKind.MISSION)
     assert [one.text for one in found] == ["End of the mission.", "End of row 2.", "End of row 1."]
-    assert [one.moment.row for one in found] == [None, 3, 2]
-    assert found[1].moment.mission_name == "Home field, all rows"
+    assert [one.moment.row for one in found] == [3, 2, 1]
+    assert {(one.moment.mission_id, one.moment.mission_name) for one in found} == {("m-1", "Home field, all rows")}
 
 
 async def test_short_rows_do_not_leave_a_picture_every_second(rig: PictureRig) -> None:
