@@ -292,10 +292,10 @@ class AlarmRoom:
             self.watch.report(source, "station", findings)
         self._troubled = set(found)
 
-    def _is_judged(self, source: str) -> bool:
-        """Say whether everybody who reports of a source has looked at it since the console started."""
+    def _is_judged(self, source: str, code: str) -> bool:
+        """Say whether everybody who reports this of a source has looked at it since the console started."""
         if source == CONSOLE or self._is_robot(source):
-            return True
+            return code != "audit-broken" or self._health_of.is_audit_known
         if not self._are_stations_known:
             return False
         if self.condition_of(source) is not None:

@@ -54,7 +54,12 @@ class ConsoleHealth:
         self.is_database_up = True
         self._audit: asyncio.Task[None] | None = None
         self._audit_due_s = clock.mono_s() + AUDIT_FIRST_S
-        self._audit_text = ""
+        self._audit_text: str | None = None
+
+    @property
+    def is_audit_known(self) -> bool:
+        """Whether the chain of the audit was walked since the console started."""
+        return self._audit_text is not None
 
     async def gather(self, late_s: float) -> Health:
         """Return how everything is; ``late_s`` is how late this round came."""
@@ -69,7 +74,7 @@ class ConsoleHealth:
             is_database_up=self.is_database_up,
             late_s=late_s,
             clock_jump_s=self._jump_s(),
-            audit_text=self._audit_text,
+            audit_text=self._audit_text or "",
             utc=self._clock.utc(),
         )
 

@@ -129,8 +129,12 @@ class PictureDesk:
         """Return where a robot is and what it does."""
         robot = None if robot_id == FIELD else self._fleet.robot(robot_id)
         order = None if robot is None or robot.state is None else robot.state.order
-        title = None if order is None else self._title_of(order.mission_id)
-        return moment_of(robot, at_s, "" if title is None else title.name)
+        return moment_of(robot, at_s, "" if order is None else self.mission_name(order.mission_id))
+
+    def mission_name(self, mission_id: str) -> str:
+        """Return what people call a mission, empty if it is not stored."""
+        title = self._title_of(mission_id)
+        return "" if title is None else title.name
 
     def name_of(self, robot_id: str) -> str:
         """Return what people call a robot."""
@@ -150,7 +154,7 @@ class PictureDesk:
             mode = Recording(settings.record_cameras)
         missions = MissionPictures(
             MissionPictureParts(
-                process, self.shelf, clock, farm_id, self.cameras_of, self.moment_of, on_event,
+                process, self.shelf, clock, farm_id, self.cameras_of, self.moment_of, self.mission_name, on_event,
                 MissionPicture(settings.mission_pictures), settings.mission_picture_minutes * 60.0,
                 may_open=mode is Recording.DRIVING,
             )

@@ -19,7 +19,7 @@ from hmi.store.picture_shelf import PictureShelf
 VIDEO = "video/mp4"
 MOST_AT_ONCE = 2  # a clip is read and written whole; a STOP ALL asks for dozens
 END_S = 1.0
-LATE_S = 5.0  # a clip that begins so much later than it should says it
+LATE_S = 5.0  # a clip that begins so much later than it should, or ends so much earlier, says it
 log = logging.getLogger(__name__)
 _QUIET = ("nothing_kept", "unknown_camera", "no_picture")
 
@@ -91,10 +91,16 @@ class ClipKeeper:
 def _text(incident: Incident, clip: Clip) -> str:
     told = [one if one.endswith(".") else f"{one}." for one in incident.texts]
     if clip.begins_s - incident.from_s > LATE_S:
-        before_s = round(incident.began_s - clip.begins_s)
-        told.append(f"Recorded from {abs(before_s)} s {'before' if before_s >= 0 else 'after'} it.")
+        told.append(f"Recorded from {_when(incident, clip.begins_s)}.")
+    if incident.ends_s - clip.ends_s > LATE_S:
+        told.append(f"Recorded until {_when(incident, clip.ends_s)}.")
     if clip.has_gap:
         told.append("Pictures are missing in between.")
     if not clip.is_dated:
         told.append("The camera tells no time: times are of arrival.")
     return " ".join(told)
+
+
+def _when(incident: Incident, at_s: float) -> str:
+    before_s = round(incident.began_s - at_s)
+    return f"{abs(before_s)} s {'before' if before_s >= 0 else 'after'} it"

@@ -5,9 +5,10 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import timedelta
 from enum import StrEnum
+from typing import NamedTuple
 
 from hmi.clock import Clock
 from hmi.commands.camera_ports import CameraProcess, CamerasAway, NoPicture, Still
@@ -39,6 +40,7 @@ class MissionPictureParts:
     """What it is wired to.
 
     Attributes:
+        mission_name: what people call a mission, empty if it is not stored.
         may_open: whether a camera that nobody looks at is opened for a picture.
         every_s: seconds between two pictures with ``MINUTES``.
     """
@@ -49,10 +51,19 @@ class MissionPictureParts:
     farm_id: str
     cameras_of: Callable[[str], Sequence[str]]
     moment_of: Callable[[str, float], Moment]
+    mission_name: Callable[[str], str]
     on_event: LaneEvent
     when: MissionPicture
     every_s: float
     may_open: bool
+
+
+class Work(NamedTuple):
+    """What a picture is of: by the time it is taken the robot may be done, or in the next row."""
+
+    text: str
+    mission_id: str
+    row: int
 
 
 class MissionPictures:
@@ -71,9 +82,9 @@ class MissionPictures:
         order = None if robot.state is None else robot.state.order
         if self._parts.when is MissionPicture.OFF or order is None:
             return
-        text = self._reason(robot.id, order)
-        if text and self._is_due(robot.id):
-            self._begin(robot.id, text)
+        work = self._work(robot.id, order)
+        if work is not None and self._is_due(robot.id):
+            self._begin(robot.id, work)
 
     async def close(self) -> None:
         """Give up what is waited for."""
@@ -81,24 +92,24 @@ class MissionPictures:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
 
-    def _reason(self, robot_id: str, order: Order) -> str:
-        """Return why a picture is taken now, empty for no reason."""
-        before = self._rows.get(robot_id)
+    def _work(self, robot_id: str, order: Order) -> Work | None:
+        """Return what a picture is taken of now, if one is."""
+        mission_id, row = self._rows.get(robot_id, ("", 0))
+        is_same = mission_id == order.mission_id
         if order.status is not OrderStatus.RUNNING:
             self._rows.pop(robot_id, None)
-            is_last = order.status is OrderStatus.DONE and before is not None and before[0] == order.mission_id
-            return "End of the mission." if is_last else ""
+            is_last = order.status is OrderStatus.DONE and is_same
+            return Work("End of the mission.", mission_id, row) if is_last else None
         self._rows[robot_id] = order.mission_id, order.row
         if self._parts.when is MissionPicture.MINUTES:
-            return "During the mission."
-        is_next = before is not None and before[0] == order.mission_id and order.row > before[1] > 0
-        return f"End of row {before[1]}." if is_next and before else ""
+            return Work("During the mission.", order.mission_id, order.row)
+        return Work(f"End of row {row}.", mission_id, row) if is_same and order.row > row > 0 else None
 
     def _is_due(self, robot_id: str) -> bool:
         every_s = self._parts.every_s if self._parts.when is MissionPicture.MINUTES else LEAST_S
         return self._parts.clock.mono_s() - self._taken_s.get(robot_id, float("-inf")) >= every_s
 
-    def _begin(self, robot_id: str, text: str) -> None:
+    def _begin(self, robot_id: str, work: Work) -> None:
         cameras = self._parts.cameras_of(robot_id)
         if not cameras or robot_id in self._waiting or len(self._waiting) >= MOST_WAITING:
             return
@@ -106,14 +117,14 @@ class MissionPictures:
             return
         self._taken_s[robot_id] = self._parts.clock.mono_s()
         self._waiting.add(robot_id)
-        task = asyncio.get_running_loop().create_task(self._take(robot_id, cameras[0], text), name="mission-picture")
+        task = asyncio.get_running_loop().create_task(self._take(robot_id, cameras[0], work), name="mission-picture")
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 
-    async def _take(self, robot_id: str, camera: str, text: str) -> None:
+    async def _take(self, robot_id: str, camera: str, work: Work) -> None:
         try:
             async with self._one:
-                await self._kept(robot_id, camera, text)
+                await self._kept(robot_id, camera, work)
         except (NoPicture, CamerasAway, BadPicture, StoreError) as error:
             log.info("no picture of %s/%s: %s", robot_id, camera, error)
         except Exception:  # the end of a task: nobody above would say it
@@ -121,14 +132,15 @@ class MissionPictures:
         finally:
             self._waiting.discard(robot_id)
 
-    async def _kept(self, robot_id: str, camera: str, text: str) -> None:
+    async def _kept(self, robot_id: str, camera: str, work: Work) -> None:
         parts = self._parts
         still = await parts.process.still(robot_id, camera, OPEN_S if parts.may_open else None)
         now_s = parts.clock.mono_s()
         if now_s - still.captured_s > STALE_S:
             raise NoPicture("no_picture", "Its newest picture is old.")
-        one = draft(still, PictureKind.MISSION, parts.farm_id, robot_id, camera, parts.clock,
-                    parts.moment_of(robot_id, still.captured_s), text=text)  # fmt: skip
+        moment = replace(parts.moment_of(robot_id, still.captured_s), mission_id=work.mission_id,
+                         mission_name=parts.mission_name(work.mission_id), row=work.row or None)  # fmt: skip
+        one = draft(still, PictureKind.MISSION, parts.farm_id, robot_id, camera, parts.clock, moment, text=work.text)
         kept = await parts.shelf.keep(one, still.data)
         parts.on_event({"kind": "picture", "what": "kept", "id": kept.id, "robot": robot_id})
 

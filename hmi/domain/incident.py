@@ -11,7 +11,16 @@ from hmi.domain.picture import Moment
 BEFORE_S = 60.0  # how it came to it
 AFTER_S = 15.0  # what it led to
 MOST_S = 45.0  # an incident that goes on is cut here, for the camera process keeps little more than a minute
-MOST_CAUSES = 8
+MOST_CAUSES = 8  # a node that fails in pieces says no more by the ninth; what is grave is always named
+
+
+@dataclass(slots=True)
+class Cause:
+    """One of what happened: for finding it again, in words, and whether it is worth opening a camera."""
+
+    name: str
+    text: str
+    is_grave: bool
 
 
 @dataclass(slots=True)
@@ -24,8 +33,31 @@ class Incident:
     moment: Moment
     ends_s: float
     is_grave: bool = False
-    causes: list[str] = field(default_factory=list)
-    texts: list[str] = field(default_factory=list)
+    named: list[Cause] = field(default_factory=list)
+
+    @property
+    def causes(self) -> list[str]:
+        """What it is found by, in the order of happening."""
+        return [one.name for one in self.named]
+
+    @property
+    def texts(self) -> list[str]:
+        """What happened, in words, the same ones once."""
+        return list(dict.fromkeys(one.text for one in self.named if one.text))
+
+    def add(self, cause: Cause) -> None:
+        """Name one more; a grave one takes the place of the last that is not, and comes in anyway."""
+        for one in self.named:
+            if one.name == cause.name:
+                one.is_grave = one.is_grave or cause.is_grave
+                return
+        if len(self.named) >= MOST_CAUSES:
+            if not cause.is_grave:
+                return
+            lesser = [one for one in self.named if not one.is_grave]
+            if lesser:
+                self.named.remove(lesser[-1])
+        self.named.append(cause)
 
     @property
     def from_s(self) -> float:
@@ -54,11 +86,8 @@ class IncidentBook:
         if found is None:
             found = self._open[robot_id] = Incident(robot_id, now_s, at, moment(), now_s + AFTER_S)
         found.is_grave = found.is_grave or is_grave
-        if cause not in found.causes and len(found.causes) < MOST_CAUSES:
-            found.causes.append(cause)
-            if text and text not in found.texts:
-                found.texts.append(text)
-            found.ends_s = min(now_s + AFTER_S, found.began_s + MOST_S)
+        found.add(Cause(cause, text, is_grave))
+        found.ends_s = min(now_s + AFTER_S, found.began_s + MOST_S)
         return found
 
     def over(self, now_s: float) -> list[Incident]:

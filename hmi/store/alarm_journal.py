@@ -15,7 +15,6 @@ from hmi.store.alarm_tables import AlarmJournalRow
 from hmi.store.database import Database
 
 PAGE = 1000
-EXPORT_MOST = 100_000
 TEN_MIN = timedelta(minutes=10)
 
 
@@ -45,12 +44,10 @@ class AlarmJournal:
             return [_line(row) for row in session.scalars(query)]
 
     def export(self, search: Search) -> Iterator[list[Line]]:
-        """Return all lines in pages, newest first, up to ``EXPORT_MOST``."""
+        """Return all lines in pages, newest first; no more than one page is held at a time."""
         before: int | None = None
-        for _ in range(EXPORT_MOST // PAGE):
-            page = self.page(search, PAGE, before)
-            if page:
-                yield page
+        while page := self.page(search, PAGE, before):
+            yield page
             if len(page) < PAGE:
                 return
             before = page[-1].id

@@ -5,6 +5,7 @@ Knows nothing of people. All times are seconds of one monotonic clock, handed in
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
@@ -14,6 +15,7 @@ from hmi.domain.alarm.catalogue import AlarmType
 from hmi.domain.alarm.finding import Finding
 from hmi.domain.alarm.priority import Priority
 from hmi.domain.alarm.steady import Chatter, Steady
+from hmi.domain.alarm.tuning import MOST_ON_CRITICAL_S
 
 REWORD_S = 5.0  # values move all the time; a person reads a new one every few seconds
 CALM_S = 60.0  # less urgent counts when it was so for a minute; more urgent counts at once
@@ -164,7 +166,9 @@ class Conditions:
 
     def _step(self, track: _Track, now_s: float) -> Change | None:
         was_on, steady, chatter = track.steady.is_on, track.steady, track.chatter
-        is_on = steady.see(is_so=track.is_so, now_s=now_s)
+        # a type may wait longer than what a robot itself calls critical
+        most_on_s = MOST_ON_CRITICAL_S if self._urgency(track.finding) is Priority.CRITICAL else math.inf
+        is_on = steady.see(is_so=track.is_so, now_s=now_s, most_on_s=most_on_s)
         if is_on != was_on:
             chatter.changed(is_on=is_on, now_s=now_s)
         was_chattering, is_chattering = chatter.is_chattering, chatter.pass_time(now_s)

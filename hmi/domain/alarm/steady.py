@@ -51,14 +51,18 @@ class Steady:
     is_on: bool = False
     _since: tuple[bool, float] | None = field(default=None, init=False)
 
-    def see(self, *, is_so: bool, now_s: float) -> bool:
-        """Take in the raw condition; return the steady one."""
+    def see(self, *, is_so: bool, now_s: float, most_on_s: float = math.inf) -> bool:
+        """Take in the raw condition; return the steady one.
+
+        Args:
+            most_on_s: bound of ``on_s`` this time.
+        """
         if is_so == self.is_on:
             self._since = None
             return self.is_on
         if self._since is None or self._since[0] != is_so:
             self._since = (is_so, now_s)
-        if now_s - self._since[1] >= (self.on_s if is_so else self.off_s):
+        if now_s - self._since[1] >= (min(self.on_s, most_on_s) if is_so else self.off_s):
             self.is_on, self._since = is_so, None
         return self.is_on
 

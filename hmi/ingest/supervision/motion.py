@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import NamedTuple
 
 from hmi.domain.alarm.finding import NOTHING, Finding, Findings
-from hmi.domain.robot import Mode, Pose, Robot, SafetyState
+from hmi.domain.freshness import STALE_S
+from hmi.domain.robot import Mode, Pose, Robot, SafetyState, Telemetry
 from hmi.domain.stop import STANDSTILL_LIMIT_S, StopTarget
 from hmi.ingest.supervision.view import View
 
@@ -14,6 +17,13 @@ MOVED_M, ACCURACIES = 0.3, 3.0  # a fix wanders by its own accuracy
 UNASKED_MPS = 0.2
 AT_REST = (Mode.PAUSED, Mode.IDLE, Mode.FAULT, Mode.STOPPED)
 TOOL_MUST_BE_OFF = (*AT_REST, Mode.MANUAL)
+
+
+class Sample(NamedTuple):
+    """A speed and when it was measured."""
+
+    at_s: float
+    speed_mps: float
 
 
 class Motion:
@@ -25,48 +35,50 @@ class Motion:
         self._latched_s: float | None = None
         self._speed_mps: float | None = None
         self._stood: Pose | None = None
+        self._is_tool_on = False
 
     def look(self, view: View) -> Findings | None:
-        """See ``Rule``."""
+        """See ``Rule``; what a robot measured before it fell silent says nothing of now."""
         robot, safety = view.robot, view.robot.safety
-        if safety is None:
+        if safety is None or not robot.link.is_online:
             return None
         is_stopped = safety.latched or safety.hardware_stop
-        if is_stopped and self._latched_s is None:
-            self._latched_s, self._speed_mps = safety.stamp.source_s, _speed(robot, safety)
-        elif not is_stopped:
-            self._latched_s = self._stood = None
         mode = robot.state.mode if robot.state is not None else Mode.UNKNOWN
-        if mode is Mode.AUTO and not is_stopped:
-            return NOTHING
-        tool = robot.telemetry.tool if robot.telemetry is not None else None
-        is_tool_on = tool is not None and tool.state == "on"
-        if not is_stopped and mode not in TOOL_MUST_BE_OFF:
-            return NOTHING
+        if not is_stopped:
+            self._latched_s = self._stood = None
+            if mode not in TOOL_MUST_BE_OFF:
+                self._is_tool_on = False
+                return NOTHING
+        telemetry = _fresh_telemetry(view)
+        samples = _samples(safety, telemetry, view.now_s)
+        if is_stopped and self._latched_s is None:
+            self._latched_s, self._speed_mps = safety.stamp.source_s, _fastest(samples)
+        if not samples:
+            return None
+        if telemetry is not None:
+            self._is_tool_on = telemetry.tool is not None and telemetry.tool.state == "on"
         found = []
-        if is_stopped and (text := self._moves(robot, safety, view.now_s)):
+        if is_stopped and (text := self._moves(robot, samples, telemetry)):
             found.append(Finding("moves-after-stop", text))
-        elif not is_stopped and mode in AT_REST and _speed(robot, safety) > UNASKED_MPS:
-            speed = _speed(robot, safety)
+        elif not is_stopped and mode in AT_REST and (speed := _fastest(samples) or 0.0) > UNASKED_MPS:
             found.append(Finding("moves-unasked", f"It says {mode.value} and moves at {speed:.1f} m/s."))
-        if is_tool_on and (is_stopped or mode in TOOL_MUST_BE_OFF):
+        if self._is_tool_on:
             said = "a STOP is latched" if is_stopped else f"it says {mode.value}"
             found.append(Finding("tool-on-unasked", f"Its tool is on while {said}."))
         return tuple(found)
 
-    def _moves(self, robot: Robot, safety: SafetyState, now_s: float) -> str:
-        """Return how it moves although it should stand, empty while it may still brake."""
+    def _moves(self, robot: Robot, samples: Sequence[Sample], telemetry: Telemetry | None) -> str:
+        """Return how it moves although it should stand, empty for what was measured while it might still brake."""
         assert self._latched_s is not None
         decel = robot.factsheet.decel_mps2 if robot.factsheet is not None else None
-        limit_s = StopTarget(robot.id, robot.name, decel, standstill_limit_s=STANDSTILL_LIMIT_S)
-        if now_s - self._latched_s < limit_s.braking_limit_s(self._speed_mps):
-            return ""
-        speed = _speed(robot, safety)
+        target = StopTarget(robot.id, robot.name, decel, standstill_limit_s=STANDSTILL_LIMIT_S)
+        stands_s = self._latched_s + target.braking_limit_s(self._speed_mps)
+        speed = _fastest([one for one in samples if one.at_s >= stands_s]) or 0.0
         if speed > MOVING_MPS:
             return f"It is stopped and moves at {speed:.1f} m/s."
-        if robot.telemetry is None:
+        if telemetry is None or telemetry.pose.stamp.source_s < stands_s:
             return ""
-        pose, gnss = robot.telemetry.pose, robot.telemetry.gnss
+        pose, gnss = telemetry.pose, telemetry.gnss
         if self._stood is None:
             self._stood = pose
         moved_m = math.hypot(pose.x_m - self._stood.x_m, pose.y_m - self._stood.y_m)
@@ -86,7 +98,18 @@ class OldStop:
         return NOTHING if is_proved else None
 
 
-def _speed(robot: Robot, safety: SafetyState) -> float:
-    """Return the faster of what the controller and the position say."""
-    by_pose = abs(robot.telemetry.pose.speed_mps) if robot.telemetry is not None else 0.0
-    return max(abs(safety.speed_mps), by_pose)
+def _fresh_telemetry(view: View) -> Telemetry | None:
+    telemetry = view.robot.telemetry
+    return telemetry if telemetry is not None and view.now_s - telemetry.pose.stamp.source_s < STALE_S else None
+
+
+def _samples(safety: SafetyState, telemetry: Telemetry | None, now_s: float) -> list[Sample]:
+    """Return what the controller and the position say of its speed, as far as that is fresh."""
+    found = [Sample(safety.stamp.source_s, abs(safety.speed_mps))] if now_s - safety.stamp.source_s < STALE_S else []
+    if telemetry is not None:
+        found.append(Sample(telemetry.pose.stamp.source_s, abs(telemetry.pose.speed_mps)))
+    return found
+
+
+def _fastest(samples: Sequence[Sample]) -> float | None:
+    return max((one.speed_mps for one in samples), default=None)

@@ -123,11 +123,17 @@ class Watch:
                 return
         watched.told[RESTORED] = (*watched.told.get(RESTORED, NOTHING), finding)
 
-    def let_go_restored(self, is_judged: Callable[[str], bool]) -> None:
-        """Let go what was restored and no rule watches, where all reporters have looked since: they told what holds."""
+    def let_go_restored(self, is_judged: Callable[[str, str], bool]) -> None:
+        """Let go what was restored and no rule watches, where all who report it have looked since.
+
+        Args:
+            is_judged: whether they have, by source and type.
+        """
         for source in [one for one, watched in self._watched.items() if RESTORED in watched.told]:
-            if is_judged(source):
-                self.report(source, RESTORED, NOTHING)
+            held = self._watched[source].told[RESTORED]
+            open_ones = tuple(one for one in held if not is_judged(source, one.code))
+            if len(open_ones) < len(held):
+                self.report(source, RESTORED, open_ones)
 
     def _of(self, source: str) -> _Watched:
         watched = self._watched.get(source)

@@ -64,6 +64,39 @@ async def test_robots_that_all_fall_silent_at_once_are_one_alarm_about_the_netwo
         assert rig.states() == {"all-silent.console": "returned"}
 
 
+async def test_when_the_network_is_back_those_still_silent_are_told_one_by_one() -> None:
+    fleet = FLEET[:10]
+    async with AlarmRig(*fleet) as rig:
+        rig.run(3, *fleet)
+        rig.run(10)
+        assert rig.states() == {"all-silent.console": "unacknowledged"}
+        rig.run(12, *fleet[:3])  # fewer than half of them, and the network carries them
+        assert rig.states()["all-silent.console"] == "returned"
+        assert {one for one in rig.states() if one != "all-silent.console"} == {f"link-lost.{one}" for one in fleet[3:]}
+        rig.run(6, *fleet[:3], *fleet[4:])
+        assert {rig.states()[f"link-lost.{one}"] for one in fleet[4:]} == {"returned"}
+
+
+async def test_robots_that_went_off_together_and_stay_off_hide_no_loss_of_those_at_work() -> None:
+    shed, field = FLEET[:10], FLEET[10:12]
+    async with AlarmRig(*shed, *field) as rig:
+        rig.run(3, *shed)
+        rig.run(70, *field)  # the shed's switch was thrown; two others work, too few to prove a network
+        assert rig.states() == {"all-silent.console": "unacknowledged"}
+        rig.run(12, field[0])
+        assert rig.states()["all-silent.console"] == "returned"
+        assert rig.states()[f"link-lost.{field[1]}"] == "unacknowledged"
+
+
+async def test_robots_taken_out_of_the_registry_are_not_waited_for() -> None:
+    async with AlarmRig(*FLEET[:4]) as rig:
+        rig.run(3, *FLEET[:4])
+        rig.run(10)
+        rig.store.set_registry([])
+        rig.run(8)
+        assert rig.states() == {"all-silent.console": "returned"}
+
+
 async def test_two_of_many_robots_that_fall_silent_are_two_alarms() -> None:
     async with AlarmRig(*FLEET[:10]) as rig:
         rig.run(3, *FLEET[:10])

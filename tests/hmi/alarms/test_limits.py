@@ -15,6 +15,7 @@ from hmi.commands.alarm_limits_desk import AlarmLimitsDesk, LimitsParts
 from hmi.domain.alarm.catalogue import catalogue
 from hmi.domain.alarm.conditions import Conditions, Turn
 from hmi.domain.alarm.finding import Finding
+from hmi.domain.alarm.priority import Priority
 from hmi.domain.alarm.tuning import BadTuning, Tuning, shipped, tuned
 from hmi.domain.role import Role
 from hmi.store.alarm_settings import AlarmSettings
@@ -159,3 +160,21 @@ def test_a_critical_alarm_cannot_be_made_to_wait() -> None:
         tuned(kind, Tuning(6.0, 2.0))
     with pytest.raises(BadTuning, match="no limit"):
         tuned(kind, Tuning(1.0, 2.0, at=1.0))
+
+
+@pytest.mark.parametrize(("level", "waited_s"), [(Priority.CRITICAL, 5), (Priority.HIGH, 600)])
+def test_what_a_robot_calls_critical_waits_no_longer_than_priority_1(level: Priority, waited_s: int) -> None:
+    types = {"robot-fault": tuned(catalogue()["robot-fault"], Tuning(600.0, 2.0))}
+    conditions = Conditions(types.__getitem__)
+    fault = Finding("robot-fault", "Brake failed.", "brake", level)
+    turns = [[change.turn for change in conditions.see("w", (fault,), float(second))] for second in range(601)]
+    assert turns.index([Turn.COMES]) == waited_s
+
+
+def test_a_fault_that_becomes_critical_while_it_waits_counts_at_once() -> None:
+    types = {"robot-fault": tuned(catalogue()["robot-fault"], Tuning(600.0, 2.0))}
+    conditions = Conditions(types.__getitem__)
+    for now_s in (0.0, 60.0):
+        assert conditions.see("w", (Finding("robot-fault", "Oil.", "oil", Priority.MEDIUM),), now_s) == []
+    (change,) = conditions.see("w", (Finding("robot-fault", "Oil.", "oil", Priority.CRITICAL),), 61.0)
+    assert (change.turn, change.finding.priority) == (Turn.COMES, Priority.CRITICAL)

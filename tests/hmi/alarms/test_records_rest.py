@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from hmi.domain.alarm.alarm import AlarmKey
 from hmi.domain.alarm.catalogue import catalogue
 from hmi.domain.alarm.conditions import Change, Turn
 from hmi.domain.alarm.finding import Finding
+from hmi.domain.alarm.journal import Line
 from hmi.domain.alarm.priority import Priority
 from hmi.domain.role import Role
 from hmi.notifications.address import AddressRules
@@ -28,11 +30,12 @@ from hmi.notifications.message import Message
 from hmi.notifications.post import PostOffice
 from hmi.notifications.secret_box import SecretBox
 from hmi.presenters.scene import Scene
-from hmi.store.alarm_journal import AlarmJournal
+from hmi.store.alarm_journal import AlarmJournal, Search
 from hmi.store.alarm_records import AlarmRecords
 from hmi.store.alarm_settings import AlarmSettings
 from hmi.store.alarms import AlarmStore
 from hmi.store.audit_chain import AuditEntry
+from hmi.store.database import Database
 from hmi.store.history import History
 from tests.hmi.api.conftest import migrated as migrated
 from tests.hmi.api.console import Console
@@ -144,6 +147,27 @@ async def test_the_journal_is_searched_and_exported(console: RecordConsole) -> N
     assert table.text.splitlines()[0].lstrip("\ufeff").startswith("utc,what,priority")
     assert len(table.text.splitlines()) == 3
     assert (await viewer.get("/alarms/journal?from=2026-01-01T00:00:00")).status_code == 422
+
+
+class LongJournal(AlarmJournal):
+    """A journal of so many lines, that are made when they are asked for."""
+
+    def __init__(self, database: Database, count: int) -> None:
+        super().__init__(database, FARM)
+        self._count = count
+
+    def page(self, _search: Search, limit: int, before: int | None = None) -> list[Line]:
+        """See ``AlarmJournal``."""
+        newest = self._count if before is None else before - 1
+        at = datetime(2026, 5, 4, tzinfo=UTC)
+        return [Line(number, at, STOP, "stop-not-confirmed", "weeder-01", "", "", "raised", 1, "", "", "")
+                for number in range(newest, max(newest - limit, 0), -1)]  # fmt: skip
+
+
+@pytest.mark.parametrize("count", [0, 1000, 1001, 150_000])
+def test_an_export_ends_with_the_oldest_line_however_many_there_are(console: RecordConsole, count: int) -> None:
+    pages = list(LongJournal(console.database, count).export(Search()))
+    assert [line.id for page in pages for line in page] == list(range(count, 0, -1))
 
 
 async def test_the_figures_of_two_alarms(console: RecordConsole) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from datetime import timedelta
@@ -10,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from hmi.app.alarms import GRACE_S, AlarmRoom
+from hmi.app.console_health import AUDIT_FIRST_S
 from hmi.app.records import Records
 from hmi.clock import FakeClock
 from hmi.domain.alarm import life
@@ -24,13 +26,14 @@ from tests.hmi.ingest.wire import Entry
 
 MARTHA = Person("Martha Keller", "Tablet 3")
 STATION = "station-3"
-PLANNER, BATTERY, SILENT, LINK = (
+PLANNER, BATTERY, SILENT, LINK, AUDIT = (
     "planner-away.console",
     "station-battery.station-3",
     "all-silent.console",
     "link-lost.w",
+    "audit-broken.console",
 )
-OURS = {PLANNER, BATTERY, SILENT, LINK}
+OURS = {PLANNER, BATTERY, SILENT, LINK, AUDIT}
 
 
 class Farm:
@@ -108,6 +111,20 @@ async def test_what_stations_say_is_waited_for_until_they_are_read(farm: Farm) -
         room.stations = lambda: None
         await farm.pass_time(room, 3600, step_s=40)
         assert _states(room) == {BATTERY: "acknowledged"}
+
+
+async def test_a_broken_audit_stays_broken_over_a_restart_until_its_chain_was_walked(farm: Farm) -> None:
+    await farm.leave(("audit-broken", CONSOLE), ("planner-away", CONSOLE))
+    async with farm.room() as room:
+        await farm.pass_time(room, AUDIT_FIRST_S - 2)
+        assert _states(room) == {AUDIT: "acknowledged"}
+        await farm.pass_time(room, 2)
+        for _ in range(500):  # it is walked in a thread
+            if _states(room)[AUDIT] != "acknowledged":
+                break
+            await asyncio.sleep(0.01)
+            await farm.pass_time(room, 1)
+        assert _states(room) == {AUDIT: "latched"}  # this farm's chain is whole: it was restored
 
 
 async def test_what_was_silent_by_design_stays_silent_until_its_cause_ends(farm: Farm) -> None:

@@ -72,8 +72,9 @@ async def test_a_mission_that_stands_still_is_stalled_and_says_what_it_waits_for
         work(rig, 118, moves=False)
         assert codes(rig) == set()
         hold = up.Hold(code="rtk_float", text="Its position is not exact.", clears="Wait.", who="operator")
-        rig.say(rig.wire().state(mode="auto", path=["Mission"], order=order(), hold=hold))
-        rig.run(5, ROBOT)
+        for _ in range(5):
+            rig.say(rig.wire().state(mode="auto", path=["Mission"], order=order(), hold=hold))
+            rig.run(1, ROBOT)
         assert "Its position is not exact." in rig.one("stalled.weeder-01").alarm.text
 
 
@@ -85,8 +86,9 @@ async def test_a_planter_that_stands_and_goes_from_state_to_state_is_not_stalled
             head = robot.head()
             step = LastTransition(source=states[number % 2], target=states[1 - number % 2], event="next",
                                   at_ms=head["mono_ms"])  # fmt: skip
-            rig.say(robot.state(mode="auto", path=["Mission"], order=order(), last_transition=step))
-            rig.run(10, ROBOT)
+            for _ in range(10):
+                rig.say(robot.state(mode="auto", path=["Mission"], order=order(), last_transition=step))
+                rig.run(1, ROBOT)
         assert "stalled.weeder-01" not in rig.states()
         work(rig, 130, moves=False)
         assert "stalled.weeder-01" in rig.states()
@@ -99,13 +101,55 @@ async def test_a_paused_mission_is_not_stalled() -> None:
         assert codes(rig) == set()
 
 
+def _work_slowly(rig: AlarmRig, seconds: int) -> None:
+    for second in range(seconds):
+        minute = second // 60
+        rig.say(rig.wire().state(mode="auto", path=["Mission"],
+                                 order=order(row=minute, area_done_m2=100.0 + 10 * minute)))  # fmt: skip
+        rig.run(1, ROBOT)
+
+
+async def test_a_mission_that_is_not_heard_is_not_called_stalled_and_silence_does_not_count() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        work(rig, 60, moves=False)
+        rig.run(600)
+        assert codes(rig) == {"link-lost"}
+        work(rig, 50, moves=False)
+        assert codes(rig) == {"link-lost"}
+        work(rig, 20, moves=False)
+        assert rig.states()["stalled.weeder-01"] == "unacknowledged"
+
+
+@pytest.mark.parametrize("moves", [False, True])
+async def test_what_stood_still_before_the_restart_stays_until_it_is_seen_to_move(moves: bool) -> None:
+    async with AlarmRig(ROBOT) as rig:
+        work(rig, 130, moves=False)
+        before = rig.one("stalled.weeder-01").alarm
+    async with AlarmRig(ROBOT) as rig:
+        rig.alarms.restore(before)
+        rig.watch.restore(before)
+        work(rig, 130, moves=moves)
+        assert rig.states() == {"stalled.weeder-01": "returned" if moves else "unacknowledged"}
+        assert len(rig.steps) == (1 if moves else 0)
+
+
+async def test_what_was_slow_before_the_restart_stays_until_a_quarter_of_an_hour_was_seen() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        rig.watch.report(ROBOT, "test", (Finding("behind-plan", "15.0 % of the field."),))
+        before = rig.one("behind-plan.weeder-01").alarm
+    async with AlarmRig(ROBOT) as rig:
+        rig.missions["m-1"] = Stored(battery_share=None, duration_s=1800.0)
+        rig.alarms.restore(before)
+        rig.watch.restore(before)
+        _work_slowly(rig, 910)
+        assert rig.states() == {"behind-plan.weeder-01": "unacknowledged"}
+        assert rig.steps == []
+
+
 async def test_half_as_fast_as_planned_over_a_quarter_of_an_hour_is_told_with_both_figures() -> None:
     async with AlarmRig(ROBOT) as rig:
         rig.missions["m-1"] = Stored(battery_share=None, duration_s=1800.0)
-        for minute in range(17):
-            rig.say(rig.wire().state(mode="auto", path=["Mission"],
-                                     order=order(row=minute, area_done_m2=100.0 + 10 * minute)))  # fmt: skip
-            rig.run(60, ROBOT)
+        _work_slowly(rig, 910)
         assert rig.one("behind-plan.weeder-01").alarm.text.startswith(
             "15.0 % of the field in the last 15 min; planned 50"
         )
@@ -195,6 +239,45 @@ async def test_what_says_it_is_stopped_may_brake_and_then_must_not_move() -> Non
         rig.run(3, ROBOT, speed_mps=0.0, tool=OFF)
         rig.alarms.acknowledge("moves-after-stop.weeder-01", MARTHA)
         assert rig.states() == {"moves-after-stop.weeder-01": "latched"}
+
+
+@pytest.mark.parametrize("heard", [(), (ROBOT,)])
+async def test_a_stopped_machine_last_heard_while_it_braked_is_not_said_to_move(heard: tuple[str, ...]) -> None:
+    async with AlarmRig(ROBOT) as rig:
+        rig.say(rig.wire().factsheet())
+        work(rig, 2, speed_mps=1.0)
+        rig.say(rig.wire().safety(latched=True, standstill=False, speed_mps=0.8))
+        rig.beat(speed_mps=0.8, tool=OFF)
+        for _ in range(60):  # nothing more, or its voice alone
+            rig.clock.advance(0.5)
+            for robot_id in heard:
+                rig.say(rig.wire(robot_id).heartbeat())
+            rig.edge.look_after()
+            rig.round()
+        assert codes(rig) == {"values-old" if heard else "link-lost"}
+
+
+async def test_a_stopped_machine_that_moved_on_before_it_fell_silent_keeps_its_alarm() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        work(rig, 2, speed_mps=1.0)
+        for _ in range(6):
+            rig.say(rig.wire().safety(latched=True, standstill=False, speed_mps=0.6))
+            rig.run(1, ROBOT, speed_mps=0.6, tool=OFF)
+        assert rig.states() == {"moves-after-stop.weeder-01": "unacknowledged"}
+        rig.run(30)
+        assert rig.states()["moves-after-stop.weeder-01"] == "unacknowledged"
+
+
+async def test_a_tool_last_seen_on_before_its_values_grew_old_is_not_called_a_contradiction() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        work(rig, 3, speed_mps=0.4, tool=up.ToolState(state="on"))
+        for half in range(12):
+            rig.clock.advance(0.5)
+            state = rig.wire().state(mode="auto" if half < 4 else "idle", order=order(segment_s_m=float(half)))
+            for message in (rig.wire().heartbeat(), state, rig.wire().safety()):
+                rig.say(message)
+            rig.round()
+        assert codes(rig) == {"values-old"}
 
 
 async def test_a_stopped_machine_that_is_carried_off_without_speed_is_seen_by_its_place() -> None:

@@ -28,9 +28,12 @@ LATE = "Recorded from 45 s before it."
 VIDEO = b"\x00\x00\x00\x18ftypmp42" + b"v" * 500
 
 
-def alarm(rig: PictureRig, code: str = "link-lost", *, what: What = What.RAISED, level: Priority | None = None) -> Step:
+def alarm(
+    rig: PictureRig, code: str = "link-lost", *, what: What = What.RAISED, level: Priority | None = None,
+    detail: str = "",
+) -> Step:  # fmt: skip
     """Return a step of an alarm of the weeder."""
-    key = AlarmKey(code, WEEDER)
+    key = AlarmKey(code, WEEDER, detail)
     one = replace(Alarm(key, is_latching=False), text="Nothing heard for 4 s.", priority=level)
     return Step(what, LiveAlarm(one, TYPES[code], rig.clock.mono_s()), rig.clock.utc())
 
@@ -131,6 +134,24 @@ async def test_alarms_that_come_together_make_one_clip_that_names_them(rig: Pict
     assert clip.text.count("Nothing heard for 4 s.") == 2
 
 
+@pytest.mark.parametrize("level", [Priority.MEDIUM, Priority.HIGH])
+async def test_a_stop_after_many_alarms_is_in_its_clip_with_what_it_led_to(rig: PictureRig, level: Priority) -> None:
+    rig.cameras.kept = {FRONT: VIDEO}
+    began_s = rig.clock.mono_s()
+    for number in range(9):
+        rig.recorder.alarm(alarm(rig, "node-failed", level=level, detail=f"n-{number}"))
+    await rig.seconds(14)
+    rig.recorder.stopped(WEEDER, "Martha Keller")
+    rig.latch()
+    rig.latch("stop-4711")
+    await rig.seconds(16)
+    (clip,) = await pictures(rig)
+    assert "Martha Keller pressed STOP." in clip.text
+    assert "stop.stop-4711" in clip.cause.split()
+    assert clip.cause.startswith(f"alarm.node-failed.{WEEDER}.n-0 ")
+    assert (WEEDER, "front", began_s - 60, began_s + 14 + 15) in rig.cameras.cut
+
+
 async def test_an_incident_that_goes_on_is_cut_before_the_camera_process_forgets_its_beginning(rig: PictureRig) -> None:
     rig.cameras.kept = {FRONT: VIDEO}
     for number in range(20):
@@ -216,6 +237,32 @@ async def test_a_clip_that_begins_late_says_from_when_it_is(
     assert clip.text == f"Martha Keller pressed STOP.{told}"
 
 
+@pytest.mark.parametrize(
+    ("ends_s", "told"),
+    [
+        (0.0, ""),
+        (-4.0, ""),
+        (-7.0, " Recorded until 8 s after it."),
+        (-40.0, " Recorded until 25 s before it."),
+    ],
+)
+async def test_a_clip_that_ends_early_says_until_when_it_is(
+    rig: PictureRig, monkeypatch: pytest.MonkeyPatch, ends_s: float, told: str
+) -> None:
+    rig.cameras.kept = {FRONT: VIDEO}
+    plain = rig.cameras.clip
+
+    async def short(robot_id: str, camera: str, from_s: float, to_s: float, path: Path) -> Clip:
+        clip = await plain(robot_id, camera, from_s, to_s, path)
+        return replace(clip, begins_s=from_s, ends_s=to_s + ends_s)
+
+    monkeypatch.setattr(rig.cameras, "clip", short)
+    rig.recorder.stopped(WEEDER, "Martha Keller")
+    await rig.seconds(20)
+    (clip,) = await pictures(rig)
+    assert clip.text == f"Martha Keller pressed STOP.{told}"
+
+
 async def test_a_camera_process_that_comes_back_is_told_again(rig: PictureRig) -> None:
     rig.stand(speed_mps=1.0)
     rig.cameras.is_away = True
@@ -260,7 +307,7 @@ async def test_a_clip_that_cannot_be_had_leaves_nothing_behind(
     assert not list((rig.folder / "pictures/incoming").iterdir())
 
 
-async def test_the_end_of_each_row_leaves_a_picture_of_where_it_was_taken(rig: PictureRig) -> None:
+async def test_the_end_of_each_row_leaves_a_picture_of_that_row_and_its_mission(rig: PictureRig) -> None:
     rig.show()
     for row in (1, 2, 2, 3):
         rig.stand(row=row)
@@ -269,8 +316,8 @@ async def test_the_end_of_each_row_leaves_a_picture_of_where_it_was_taken(rig: P
     rig.stand(row=3, status=OrderStatus.DONE)
     found = await pictures(rig, PictureKind.MISSION)
     assert [one.text for one in found] == ["End of the mission.", "End of row 2.", "End of row 1."]
-    assert [one.moment.row for one in found] == [None, 3, 2]
-    assert found[1].moment.mission_name == "Home field, all rows"
+    assert [one.moment.row for one in found] == [3, 2, 1]
+    assert {(one.moment.mission_id, one.moment.mission_name) for one in found} == {("m-1", "Home field, all rows")}
 
 
 async def test_short_rows_do_not_leave_a_picture_every_second(rig: PictureRig) -> None:

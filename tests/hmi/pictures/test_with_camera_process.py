@@ -16,7 +16,7 @@ from hmi.app.camera_rule import CameraRule
 from hmi.clock import SystemClock
 from hmi.commands.camera_ports import NoPicture
 from hmi.commands.clip_keeper import ClipKeeper
-from hmi.domain.incident import Incident
+from hmi.domain.incident import Cause, Incident
 from hmi.domain.picture import Moment, Picture
 from hmi.domain.role import Role
 from hmi.store.pictures import PictureFilter
@@ -62,9 +62,8 @@ async def test_snapshots_clips_and_frames_pass_through_a_real_camera_process(tmp
             await asyncio.sleep(4.0)  # another process records in real time
             clips = ClipKeeper(process, rig.shelf, clock, FARM, rig.events.append)
             now_s = clock.mono_s()
-            incident = Incident(
-                WEEDER, now_s - 1.0, datetime.now(UTC), Moment(), now_s, causes=["stop"], texts=["STOP."]
-            )
+            cause = Cause("stop", "STOP.", is_grave=True)
+            incident = Incident(WEEDER, now_s - 1.0, datetime.now(UTC), Moment(), now_s, named=[cause])
             clips.cut(incident, ["front", "rear"])
             await clips.close()
             (clip,) = await rig.records.database.run(rig.records.pictures.some, FARM, PictureFilter(cause="stop"), 9)
