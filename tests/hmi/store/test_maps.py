@@ -11,6 +11,7 @@ from hmi.clock import FakeClock
 from hmi.domain.map_log import ChangedMeanwhile, FeatureChange, Transaction
 from hmi.store.database import Database
 from hmi.store.errors import NotFound
+from hmi.store.farms import Farms
 from hmi.store.features import Feature, Features
 from hmi.store.maps import LOCK, MapLocked, MapOutdated, Maps
 from tests.hmi.store.conftest import FARM
@@ -190,6 +191,25 @@ def test_nobody_publishes_over_a_version_that_the_draft_does_not_know(
     with pytest.raises(MapOutdated) as refused:
         maps.publish(FARM, "anna", "Anna", "")
     assert refused.value.number == 1
+
+
+def test_two_farms_publish_features_of_the_same_id_and_each_keeps_its_own(
+    maps: Maps, database: Database, clock: FakeClock
+) -> None:
+    Farms(database, clock).ensure("neighbour", "The neighbour's farm")
+    for farm_id, name in ((FARM, "Ours"), ("neighbour", "Theirs")):
+        maps.open(farm_id, "anna", "Anna")
+        drawn = FeatureChange("north", None, raw("north", name))
+        maps.append(farm_id, "anna", step(clock, f"ref-{farm_id}", drawn))
+        maps.publish(farm_id, "anna", "Anna", "")
+    features = Features(database, clock)
+    features.put([Feature("east", FARM, "parcel", "East", SQUARE), Feature("east", "neighbour", "parcel", "O", SQUARE)])
+    assert [features.get(farm, "north").name for farm in (FARM, "neighbour")] == ["Ours", "Theirs"]
+    assert [one.name for one in features.all("neighbour")] == ["O", "Theirs"]
+    maps.open(FARM, "anna", "Anna")
+    maps.append(FARM, "anna", step(clock, "ref-9", FeatureChange("north", raw("north", "Ours"), None)))
+    maps.publish(FARM, "anna", "Anna", "")
+    assert [one.name for one in features.all("neighbour")] == ["O", "Theirs"]
 
 
 def test_without_a_draft_nothing_can_be_changed(maps: Maps, clock: FakeClock) -> None:
