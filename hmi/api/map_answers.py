@@ -47,6 +47,8 @@ def state_json(draft: MapDraft, session: SessionInfo) -> dict[str, Any]:
         "is_mine": draft.editor_id == session.user_id,
         "undo": undo.label if undo else None,
         "redo": redo.label if redo else None,
+        "undo_id": undo.ref if undo else None,
+        "redo_id": redo.ref if redo else None,
         "log": [
             {
                 "id": one.ref,
@@ -91,7 +93,7 @@ async def tried(work: Callable[[], Any], shown: Callable[[Any], Any]) -> Any:
         text = f"{error.by} edits this map until {error.until:%H:%M} UTC. Ask, or wait."
         return _with(423, "locked", text, by=error.by, until_utc=utc(error.until))
     except ChangedMeanwhile as error:
-        text = "The draft is not what was shown here any more. It is loaded again; make the change once more."
+        text = "The draft is not what was shown here any more. It is loaded again: look at it, then do it once more."
         return _with(409, "changed", text, ids=list(error.ids))
     except MapOutdated as error:
         text = f"Version {error.number} was published meanwhile. Discard this draft or restore from it."

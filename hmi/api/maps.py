@@ -56,6 +56,15 @@ class OperationBody(Body):
     args: Annotated[dict[str, Any], Field(default_factory=dict)]
 
 
+class StepBody(Body):
+    """Which step of the log is meant; without one, the next."""
+
+    id: Ref | None = None
+
+
+NEXT = StepBody()
+
+
 class TrialBody(Body):
     """An operation to look at before it is done."""
 
@@ -86,6 +95,7 @@ class PublishBody(Body):
 
     note: Line = ""
     is_shrinking_ok: bool = False
+    last_id: Annotated[Ref | None, Field(description="the newest step that was seen; another one is refused")] = None
 
 
 def map_routes(book: MapBook, review: MapReview, exchange: MapExchange) -> APIRouter:
@@ -136,12 +146,12 @@ def _add_editing(router: APIRouter, book: MapBook) -> None:
         return await tried(lambda: work, lambda r: step_json(r, session))
 
     @router.post("/map/draft/undo", summary="Take the newest change back")
-    async def undo(session: SignedIn) -> Any:
-        return await tried(lambda: book.undo(session), lambda r: step_json(r, session))
+    async def undo(session: SignedIn, body: StepBody = NEXT) -> Any:
+        return await tried(lambda: book.undo(session, body.id), lambda r: step_json(r, session))
 
     @router.post("/map/draft/redo", summary="Make again what was taken back")
-    async def redo(session: SignedIn) -> Any:
-        return await tried(lambda: book.redo(session), lambda r: step_json(r, session))
+    async def redo(session: SignedIn, body: StepBody = NEXT) -> Any:
+        return await tried(lambda: book.redo(session, body.id), lambda r: step_json(r, session))
 
     @router.delete("/map/draft", status_code=204, summary="Throw the draft away")
     async def discard(session: SignedIn) -> None:
@@ -151,7 +161,8 @@ def _add_editing(router: APIRouter, book: MapBook) -> None:
 def _add_versions(router: APIRouter, book: MapBook) -> None:
     @router.post("/map/draft/publish", summary="Make the draft what everybody sees")
     async def publish(body: PublishBody, session: SignedIn) -> Any:
-        work = book.publish(session, " ".join(body.note.split()), is_shrinking_ok=body.is_shrinking_ok)
+        note = " ".join(body.note.split())
+        work = book.publish(session, note, is_shrinking_ok=body.is_shrinking_ok, ref=body.last_id)
         return await tried(lambda: work, version_json)
 
     @router.get("/map/versions", summary="All versions, newest first")

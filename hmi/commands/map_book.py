@@ -113,28 +113,33 @@ class MapBook:
         clean = await asyncio.to_thread(_clean, changes, draft.features)
         return await self._append(session, ref, label, clean)
 
+    async def made(self, session: SessionInfo, ref: str) -> tuple[MapDraft, tuple[FeatureChange, ...]] | None:
+        """Return the draft and what a transaction changed that it has already: asked again, nothing is done twice."""
+        draft = await self.draft(session)
+        known = await self._run(self._maps.changes_of, session.farm_id, ref)
+        return None if draft is None or known is None else (draft, known)
+
     async def operate(
         self, session: SessionInfo, ref: str, op: str, ids: Sequence[str], args: Mapping[str, Any]
     ) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
         """Let an operation of ``hmi.mapping`` change the draft; raises ``OperationRefused`` and as ``change``."""
         self._parts.authorize(session, Permission.EDIT_MAP)
+        if (made := await self.made(session, ref)) is not None:
+            return made
         draft = await self._needed(session)
-        known = await self._run(self._maps.changes_of, session.farm_id, ref)
-        if known is not None:
-            return draft, known
         outcome = await asyncio.to_thread(lambda: apply(op, parsed(draft.features), ids, args))
         changes = [FeatureChange(one.id, draft.features.get(one.id), _json(one.after)) for one in outcome.changes]
         return await self._append(session, ref, outcome.label, changes)
 
-    async def undo(self, session: SessionInfo) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
-        """Take the newest transaction back; raises as ``change``."""
+    async def undo(self, session: SessionInfo, ref: str | None = None) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
+        """Take the newest transaction back, which is ``ref`` if one is named; raises as ``change``."""
         self._parts.authorize(session, Permission.EDIT_MAP)
-        return await self._run(self._maps.undo, session.farm_id, session.user_id)
+        return await self._run(self._maps.undo, session.farm_id, session.user_id, ref)
 
-    async def redo(self, session: SessionInfo) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
-        """Make again what was taken back; raises as ``change``."""
+    async def redo(self, session: SessionInfo, ref: str | None = None) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
+        """Make again what was taken back, which is ``ref`` if one is named; raises as ``change``."""
         self._parts.authorize(session, Permission.EDIT_MAP)
-        return await self._run(self._maps.redo, session.farm_id, session.user_id)
+        return await self._run(self._maps.redo, session.farm_id, session.user_id, ref)
 
     async def findings(self, session: SessionInfo, robot_id: str | None = None) -> list[Finding]:
         """Check the draft, or what is published when there is none.
@@ -156,13 +161,18 @@ class MapBook:
         found = await asyncio.to_thread(lambda: compare(parsed(base).values(), parsed(draft.features).values()))
         return draft.base_version, found
 
-    async def publish(self, session: SessionInfo, note: str, *, is_shrinking_ok: bool) -> MapVersion:
+    async def publish(
+        self, session: SessionInfo, note: str, *, is_shrinking_ok: bool, ref: str | None = None
+    ) -> MapVersion:
         """Make the draft what everybody sees. Missions that run keep the map they were planned on.
+
+        Args:
+            ref: the newest transaction that the editor saw: nothing goes out that was not on the screen.
 
         Raises:
             MapBlocked: findings of level 2 are open.
             MapShrinks: it would be empty or much smaller, and ``is_shrinking_ok`` is not said.
-            NotFound, MapLocked, MapOutdated: see ``Maps.publish``.
+            NotFound, MapLocked, MapOutdated, ChangedMeanwhile: see ``Maps.publish``.
         """
         self._parts.authorize(session, Permission.EDIT_MAP)
         draft = await self._needed(session)
@@ -174,7 +184,7 @@ class MapBook:
             lost = await asyncio.to_thread(lambda: shrinking(parsed(base).values(), parsed(draft.features).values()))
             if lost:
                 raise MapShrinks(lost)
-        version = await self._run(self._maps.publish, session.farm_id, session.user_id, session.user_name, note)
+        version = await self._run(self._maps.publish, session.farm_id, session.user_id, session.user_name, note, ref)
         self._audit(session, "published", f"Map version {version.number} published.", {"note": note})
         self._told("published", version=version.number)
         return version
@@ -202,8 +212,7 @@ class MapBook:
         self, session: SessionInfo, ref: str, label: str, changes: Sequence[FeatureChange]
     ) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
         one = Transaction(ref, label, session.user_name, self._parts.clock.utc(), tuple(changes))
-        draft = await self._run(self._maps.append, session.farm_id, session.user_id, one)
-        return draft, one.changes
+        return await self._run(self._maps.append, session.farm_id, session.user_id, one)
 
     async def _needed(self, session: SessionInfo) -> MapDraft:
         draft = await self._run(self._maps.draft, session.farm_id)

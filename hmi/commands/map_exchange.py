@@ -127,13 +127,15 @@ class MapExchange:
         self, session: SessionInfo, import_id: str, ref: str, chosen: Sequence[int], kinds: Mapping[str, str]
     ) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
         """Put the chosen items into the draft as one step; an id that the map has already gets a number,
-        and what names it in the same take names it by its new id.
+        and what names it in the same take names it by its new id. The same ``ref`` again changes nothing.
 
         Raises:
             NotFound: this import is not there any more, or there is no draft.
             BadFeature, MapLocked, ChangedMeanwhile: see ``MapBook.change``.
         """
         self._authorize(session, Permission.EDIT_MAP)
+        if (made := await self._book.made(session, ref)) is not None:
+            return made
         waiting = self._waiting.get(import_id)
         draft = await self._book.draft(session)
         if waiting is None or waiting.farm_id != session.farm_id or draft is None:

@@ -74,7 +74,7 @@ class MapProposals:
     async def take(
         self, session: SessionInfo, proposal_id: str, ref: str
     ) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
-        """Put one into the draft as one step that can be undone.
+        """Put one into the draft as one step that can be undone; the same ``ref`` again changes nothing.
 
         Raises:
             NotFound: there is no such proposal any more, or no draft.
@@ -82,6 +82,8 @@ class MapProposals:
             MapLocked, ChangedMeanwhile: see ``MapBook.change``.
         """
         self._authorize(session, Permission.EDIT_MAP)
+        if (made := await self._book.made(session, ref)) is not None:
+            return made
         one = self._needed(proposal_id)
         if one.problem:
             raise BadFeature("not_takeable", one.problem, proposal_id)

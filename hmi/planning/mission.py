@@ -24,7 +24,7 @@ from hmi.planning.plan import Leg, Plan
 from hmi.planning.projection import LocalFrame
 from hmi.planning.recorded import CropRow
 from hmi.planning.statistics import statistics
-from hmi.planning.surroundings import area_of, closed_areas, limits_of, way_areas
+from hmi.planning.surroundings import area_of, closed_areas, limits_of, rings_of, way_areas
 from hmi.planning.treatment import DoseMap
 
 MAX_SEGMENTS = 20_000  # of the edge contract
@@ -155,7 +155,7 @@ def _document(wish: PlanWish, job: Job, plan: Plan) -> Document:
         "datum": {"lat_deg": wish.datum_lat_deg, "lon_deg": wish.datum_lon_deg, "height_m": 0.0},
         "width_m": wish.width_m,
         "area_m2": round(plan.figures.covered_m2, 1),
-        "parcel": _rings(wish.parcel),
+        "parcel": rings_of(wish.parcel),
         "segments": segments,
         "note": " ".join(plan.notes)[:400],
         "at_end": "return_home" if is_home_at_end else "stay",
@@ -253,9 +253,3 @@ def _positions(ring: Sequence[Sequence[float]]) -> list[tuple[float, float]]:
 
 def _parts(area: BaseGeometry) -> list[Polygon]:
     return [part for part in shapely.get_parts(area) if isinstance(part, Polygon)]
-
-
-def _rings(geometry: Geometry) -> list[list[list[float]]]:
-    coordinates = geometry["coordinates"]
-    rings = coordinates[0] if geometry["type"] == "MultiPolygon" else coordinates
-    return [[[round(float(p[0]), 9), round(float(p[1]), 9)] for p in ring] for ring in rings]

@@ -308,6 +308,7 @@ class _Rest:
         whole: Document = {
             **self.base,
             "revision": self.wish.revision,
+            "parcel": self.ground.outline,
             "segments": [*head, *rest],
             "area_m2": round(self.base["area_m2"] * tool_after / tool_before, 1) if tool_before else 0.0,
             "at_end": "return_home" if is_home else "stay",

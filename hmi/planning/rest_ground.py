@@ -18,7 +18,7 @@ from hmi.planning.links import Linker
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import Leg, LegKind
 from hmi.planning.projection import Floats, LocalFrame
-from hmi.planning.surroundings import area_of, closed_areas, limits_of, way_areas
+from hmi.planning.surroundings import area_of, closed_areas, limits_of, rings_of, way_areas
 from hmi.planning.treatment import DoseMap
 from hmi.planning.turns import Turns, way_speed
 
@@ -61,6 +61,14 @@ class RestGround:
         self._near_new = self._new.buffer(reach_m)
         shapely.prepare(self._near)
         self._field = self._parcel.difference(self.obstacles)
+
+    @property
+    def outline(self) -> list[list[list[float]]]:
+        """Return the field's rings, longitude and latitude: those of the map that the rest was planned on."""
+        now = self._wish.field_now
+        if now is None or now["type"] != "Polygon":  # several parts have no one outline
+            return [[list(p) for p in ring] for ring in self._wish.base["parcel"]]
+        return rings_of(now)
 
     def turn(self, start: Pose, end: Pose) -> list[Leg] | None:
         """Return a turn on the field, or ``None``."""

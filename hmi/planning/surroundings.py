@@ -39,6 +39,13 @@ def limits_of(around: Surroundings, frame: LocalFrame, machine: RobotProfile) ->
     return SpeedLimits(tuple((area.buffer(machine.reach_m), most) for area, most in areas))
 
 
+def rings_of(geometry: Geometry) -> list[list[list[float]]]:
+    """Return the outline of a field as a mission carries it: of several parts the first."""
+    coordinates = geometry["coordinates"]
+    rings = coordinates[0] if geometry["type"] == "MultiPolygon" else coordinates
+    return [[[round(float(p[0]), 9), round(float(p[1]), 9)] for p in ring] for ring in rings]
+
+
 def area_of(geometry: Geometry, width_m: float, frame: LocalFrame) -> BaseGeometry:
     """Return a map feature as ground: polygons as they are, lines and points with their width.
 

@@ -10,7 +10,7 @@ from sqlalchemy import select
 
 from hmi.clock import Clock
 from hmi.store.database import Database
-from hmi.store.errors import AlreadyExists, NotFound
+from hmi.store.errors import NotFound
 from hmi.store.tables import FeatureRow
 
 
@@ -53,22 +53,16 @@ class Features:
             NotFound: there is none of this id in this farm.
         """
         with self._database.read() as session:
-            row = session.get(FeatureRow, feature_id)
-            if row is None or row.farm_id != farm_id:
+            row = session.get(FeatureRow, (farm_id, feature_id))
+            if row is None:
                 raise NotFound(f"there is no map feature {feature_id!r}")
             return _feature(row)
 
     def put(self, features: Iterable[Feature]) -> None:
-        """Store features, replacing those of the same id, in one transaction.
-
-        Raises:
-            AlreadyExists: an id is used by another farm.
-        """
+        """Store features, replacing those of the same farm and id, in one transaction."""
         with self._database.write() as session:
             for one in features:
-                row = session.get(FeatureRow, one.id)
-                if row is not None and row.farm_id != one.farm_id:
-                    raise AlreadyExists(f"map feature {one.id!r} belongs to another farm")
+                row = session.get(FeatureRow, (one.farm_id, one.id))
                 if row is None:
                     row = FeatureRow(id=one.id, farm_id=one.farm_id, created_at=self._clock.utc())
                     session.add(row)

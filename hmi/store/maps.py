@@ -5,6 +5,7 @@ Features are GeoJSON objects by id. Blocking; call through ``Database.run``.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any
@@ -14,6 +15,7 @@ from sqlalchemy.orm import Session
 
 from hmi.clock import Clock
 from hmi.domain.map_log import (
+    ChangedMeanwhile,
     FeatureChange,
     MapFeatures,
     Transaction,
@@ -152,8 +154,10 @@ class Maps:
             session.flush()
             return self._draft(session, row)
 
-    def append(self, farm_id: str, editor_id: str, transaction: Transaction) -> MapDraft:
-        """Make one transaction; the same ``ref`` again changes nothing.
+    def append(
+        self, farm_id: str, editor_id: str, transaction: Transaction
+    ) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
+        """Make one transaction; return the draft and what is stored under its ``ref``, which changes nothing again.
 
         Raises:
             NotFound: there is no draft.
@@ -162,22 +166,30 @@ class Maps:
         """
         with self._database.write() as session:
             row = self._held(session, farm_id, editor_id)
-            known = session.scalar(select(MapChangeRow.id).filter_by(farm_id=farm_id, ref=transaction.ref))
+            known = _changes(session, farm_id, transaction.ref)
             if known is None:
                 row.features = applied(row.features, transaction.changes)
                 session.execute(delete(MapChangeRow).filter_by(farm_id=farm_id, is_undone=True))
                 session.add(_change_row(farm_id, transaction))
                 self._saved(row)
             session.flush()
-            return self._draft(session, row)
+            return self._draft(session, row), transaction.changes if known is None else known
 
-    def undo(self, farm_id: str, editor_id: str) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
-        """Take the newest transaction back; nothing changes when there is none. Raises as ``append``."""
-        return self._walk(farm_id, editor_id, is_back=True)
+    def undo(self, farm_id: str, editor_id: str, ref: str | None = None) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
+        """Take the newest transaction back; nothing changes when there is none.
 
-    def redo(self, farm_id: str, editor_id: str) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
-        """Make the transaction again that was taken back last. Raises as ``append``."""
-        return self._walk(farm_id, editor_id, is_back=False)
+        Args:
+            ref: the transaction that is meant; once it is taken back, the same again changes nothing.
+
+        Raises:
+            NotFound, MapLocked: as ``append``.
+            ChangedMeanwhile: ``ref`` is not the newest.
+        """
+        return self._walk(farm_id, editor_id, ref, is_back=True)
+
+    def redo(self, farm_id: str, editor_id: str, ref: str | None = None) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
+        """Make the transaction again that was taken back last; ``ref`` and errors as in ``undo``."""
+        return self._walk(farm_id, editor_id, ref, is_back=False)
 
     def discard(self, farm_id: str, editor_id: str) -> None:
         """Throw the draft away; raises as ``append``."""
@@ -185,11 +197,15 @@ class Maps:
             self._held(session, farm_id, editor_id)
             self._end(session, farm_id)
 
-    def publish(self, farm_id: str, editor_id: str, by: str, note: str) -> MapVersion:
+    def publish(self, farm_id: str, editor_id: str, by: str, note: str, ref: str | None = None) -> MapVersion:
         """Make the draft the newest version and what every screen shows, and end it.
+
+        Args:
+            ref: the newest transaction that the editor saw.
 
         Raises:
             NotFound, MapLocked: as ``append``.
+            ChangedMeanwhile: ``ref`` is not the newest.
             MapOutdated: somebody published since the draft was begun.
         """
         now = self._clock.utc()
@@ -199,6 +215,8 @@ class Maps:
             number = newest.number if newest else 0
             if number != row.base_version:
                 raise MapOutdated(number)
+            if ref is not None:
+                _check_newest(self._log(session, farm_id), ref)
             features = dict(row.features)
             version = MapVersionRow(
                 farm_id=farm_id, number=number + 1, by=by, note=note, published_at=now, features=features
@@ -210,15 +228,17 @@ class Maps:
             session.flush()
             return _version(version)
 
-    def _walk(self, farm_id: str, editor_id: str, *, is_back: bool) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
+    def _walk(
+        self, farm_id: str, editor_id: str, ref: str | None, *, is_back: bool
+    ) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
         with self._database.write() as session:
             row = self._held(session, farm_id, editor_id)
-            log = self._log(session, farm_id)
-            step = next_undo(log) if is_back else next_redo(log)
+            step = _meant(self._log(session, farm_id), ref, is_back=is_back)
             changes: tuple[FeatureChange, ...] = ()
             if step is not None:
                 made = _changes(session, farm_id, step.ref) or ()
                 changes = taken_back(made) if is_back else made
+            if step is not None and step.is_undone is not is_back:
                 row.features = applied(row.features, changes)
                 change = session.scalars(select(MapChangeRow).filter_by(farm_id=farm_id, ref=step.ref)).one()
                 change.is_undone = is_back
@@ -306,6 +326,23 @@ def _latest(session: Session, farm_id: str) -> MapVersionRow | None:
 def _check_lock(row: MapDraftRow, editor_id: str, now: datetime) -> None:
     if row.editor_id != editor_id and row.locked_until > now:
         raise MapLocked(row.editor_name, row.locked_until)
+
+
+def _check_newest(log: Sequence[Transaction], ref: str) -> None:
+    newest = next_undo(log)
+    if newest is None or newest.ref != ref:
+        raise ChangedMeanwhile(())
+
+
+def _meant(log: Sequence[Transaction], ref: str | None, *, is_back: bool) -> Transaction | None:
+    """Return what a walk along the log is about: what is next, or what was walked over when that was asked before."""
+    following = next_undo(log) if is_back else next_redo(log)
+    if ref is None or (following is not None and following.ref == ref):
+        return following
+    before = next((one for one in log if one.ref == ref), None)
+    if before is None or before.is_undone is not is_back:
+        raise ChangedMeanwhile(())
+    return before
 
 
 def _version(row: MapVersionRow | None) -> MapVersion:

@@ -113,11 +113,14 @@ class RobotRow(Base):
 
 
 class FeatureRow(Base):
-    """A published map feature: parcel, road, building, home, obstacle; GeoJSON geometry, lon/lat."""
+    """A published map feature: parcel, road, building, home, obstacle; GeoJSON geometry, lon/lat.
+
+    Its id is the farm's own: a map that is imported on another farm keeps the ids of its file.
+    """
 
     __tablename__ = "feature"
+    farm_id: Mapped[str] = mapped_column(ForeignKey("farm.id"), primary_key=True)
     id: Mapped[str] = mapped_column(String(64), primary_key=True)
-    farm_id: Mapped[str] = mapped_column(ForeignKey("farm.id"), index=True)
     kind: Mapped[str] = mapped_column(String(24))
     name: Mapped[str] = mapped_column(String(80))
     properties: Mapped[dict[str, Any]] = mapped_column(JSON, default=dict)

@@ -7,18 +7,22 @@
   const RETRY_MS = 2000;
   const KEPT = "headland.map.kept";
   const MOST_KEPT = 1500000; // characters; browsers keep 5 MB for a whole site
-  const STATE = ["base_version", "saved_utc", "editor", "until_utc", "is_mine", "undo", "redo", "log"];
+  const STATE = ["base_version", "saved_utc", "editor", "until_utc", "is_mine", "undo", "redo", "undo_id", "redo_id", "log"];
   const NO_LINK = "No connection. Your changes are kept here and go out when it is back.";
+  const UNSURE = "An answer was lost: the last step may be done or not. The map is loaded again when the link is back.";
+  const LOOKED = "An answer was lost, so the map was loaded again. Look at it, then go on.";
 
-  const isLost = (answer) => answer.status === 0 || answer.status >= 500 || answer.status === 429;
+  const isUnknown = (answer) => answer.status === 0 || answer.status >= 500; // the server may have done it
+  const isLost = (answer) => isUnknown(answer) || answer.status === 429;
   const byId = (collection) => new Map((collection?.features ?? []).map((one) => [one.id ?? one.properties.id, one]));
 
-  // on: {changed(), replaced(), patched(changes), refused(labels, text)}
+  // on: {changed(), replaced(), patched(changes), refused(labels, text), looked(text)}
   class MapClient {
     constructor(on) {
       this.on = on;
       this.queue = new Queue();
-      this.undone = []; // taken back before it was sent
+      this.undone = new Queue("undone"); // taken back before it was sent; under: the step it stood on
+      this.unsure = null; // what was asked of the draft without an answer: {isDone(draft), known(isDone)}
       this.published = null;
       this.draft = null;
       this.features = new Map();
@@ -39,20 +43,24 @@
       return this.draft?.base_version ?? this.published?.version ?? 0;
     }
     get undoLabel() {
-      return this.queue.items.at(-1)?.label ?? this.draft?.undo ?? null;
+      return this.queue.last?.label ?? this.draft?.undo ?? null;
     }
     get redoLabel() {
-      return this.undone.at(-1)?.label ?? this.draft?.redo ?? null;
+      return this.ownRedo?.label ?? this.draft?.redo ?? null;
+    }
+    // the newest step of the draft as it is shown
+    get newest() {
+      return this.queue.last?.id ?? this.draft?.undo_id ?? null;
+    }
+    get ownRedo() {
+      const { last } = this.undone;
+      return last?.under === this.newest ? last : null;
     }
 
     async load() {
-      const answer = await HL.port.api("GET", "/map", null, LOAD_MS);
+      const answer = await this.load0();
       if (!answer.ok) return this.recall(answer);
-      this.isKept = false;
-      this.published = { version: answer.version ?? 0, published_utc: answer.published_utc, by: answer.by, note: answer.note };
-      this.base = byId(answer.features);
       this.keep(answer);
-      this.take(answer.draft);
       this.flush();
       return answer;
     }
@@ -114,7 +122,7 @@
     }
 
     commit(label, changes) {
-      this.undone = [];
+      this.undone.clear();
       this.apply(changes);
       this.queue.add({ id: window.headland.uuid(), label: String(label).slice(0, 120), changes });
       this.on.changed();
@@ -132,8 +140,10 @@
       while (this.queue.length && this.isEditing) {
         const one = this.queue.first;
         this.isSending = one;
+        this.queue.tried(one);
         this.on.changed();
-        const answer = await HL.port.api("POST", "/map/draft/transactions", one);
+        const { id, label, changes } = one;
+        const answer = await HL.port.api("POST", "/map/draft/transactions", { id, label, changes });
         this.isSending = null;
         this.isOffline = !answer.ok && isLost(answer);
         if (this.isOffline) {
@@ -145,7 +155,7 @@
           break;
         }
         this.queue.remove(one);
-        if (answer.ok) this.state(answer.draft);
+        if (answer.ok) await this.stepped(answer.draft);
         else {
           refused.push(one.label);
           why = answer.text;
@@ -153,7 +163,7 @@
       }
       this.on.changed();
       if (refused.length) {
-        this.undone = [];
+        this.undone.clear();
         await this.load0();
         this.on.refused(refused, why);
       }
@@ -162,10 +172,49 @@
     // the draft as the server holds it, without sending again
     async load0() {
       const answer = await HL.port.api("GET", "/map", null, LOAD_MS);
-      if (!answer.ok) return;
+      if (!answer.ok) return answer;
+      const { unsure } = this;
+      this.isKept = false;
+      this.unsure = null;
+      if (!answer.draft) this.undone.clear();
       this.published = { version: answer.version ?? 0, published_utc: answer.published_utc, by: answer.by, note: answer.note };
       this.base = byId(answer.features);
       this.take(answer.draft);
+      unsure?.known(Boolean(answer.draft && unsure.isDone(answer.draft)));
+      return answer;
+    }
+
+    // after a step of ours; one that this screen never saw may have got in before it: asked here long ago, or on another page
+    async stepped(draft) {
+      const seen = this.draft?.undo_id;
+      this.state(draft);
+      const [newest, before] = (draft?.log ?? []).filter((one) => !one.is_undone).map((one) => one.id);
+      if (draft?.undo_id && seen !== newest && (seen ?? undefined) !== before) await this.load0();
+    }
+
+    // how the draft is, after an answer that was lost
+    async look() {
+      clearTimeout(this.looking);
+      if (!this.unsure) return true;
+      const answer = await this.load0();
+      if (!answer.ok && isLost(answer)) this.looking = setTimeout(() => this.serial(() => this.look()), RETRY_MS);
+      return answer.ok;
+    }
+
+    // why nothing can be asked of the draft now: null if it can
+    async unready() {
+      if (this.queue.length) return { ok: false, status: 0, text: NO_LINK };
+      if (!this.unsure) return null;
+      return { ok: false, status: 0, isUnsure: true, text: (await this.look()) ? LOOKED : UNSURE };
+    }
+
+    // later: resolves to whether it was done after all
+    lost(isDone) {
+      const later = new Promise((known) => (this.unsure = { isDone, known }));
+      later.then((done) => this.on.looked(done ? "The step whose answer was lost is done." : "The step whose answer was lost is not done. Do it again."));
+      this.looking = setTimeout(() => this.serial(() => this.look()), 0);
+      this.on.changed();
+      return { ok: false, status: 0, isUnsure: true, text: UNSURE, later };
     }
 
     async lockLost(answer) {
@@ -177,46 +226,53 @@
 
     dropUnsaved() {
       this.queue.clear();
-      this.undone = [];
+      this.undone.clear();
       return this.load0();
     }
 
     undo() {
-      const last = this.queue.items.at(-1);
-      if (last && last !== this.isSending) {
-        this.queue.remove(last);
-        this.undone.push(last);
-        return this.done(inverse(last.changes));
-      }
-      return this.walk("undo");
+      const { last } = this.queue;
+      if (!last) return this.walk("undo");
+      if (last.isTried) return this.walk("undo", last.id); // the server may have it: only there it can be taken back
+      this.queue.remove(last);
+      this.undone.add({ ...last, under: this.newest });
+      return this.done(inverse(last.changes));
     }
 
     redo() {
-      const last = this.undone.pop();
+      const last = this.ownRedo;
       if (!last) return this.walk("redo");
+      this.undone.remove(last);
       this.queue.add(last);
       this.flush();
       return this.done(last.changes);
     }
 
-    walk(way) {
-      return this.ask(`/map/draft/${way}`, {});
+    // names the step, so that no other one is taken back or made again
+    walk(way, id = null) {
+      return this.ask(`/map/draft/${way}`, () => ({ id: id ?? this.draft?.[`${way}_id`] ?? null }), undefined, way);
     }
 
     operate(op, features, args = {}) {
       return this.ask("/map/draft/operations", { id: window.headland.uuid(), op, features, args }, OPERATION_MS);
     }
 
-    // what the server does to the draft: only when it has all of ours
-    ask(path, body, limitMs) {
+    // what the server does to the draft: only when it has all of ours. way: of a walk along the log, whose body is made then
+    ask(path, body, limitMs, way = null) {
       this.flush();
       return this.serial(async () => {
-        if (this.queue.length) return { ok: false, status: 0, text: NO_LINK };
-        const answer = await HL.port.api("POST", path, body, limitMs);
+        const why = await this.unready();
+        if (why) return why;
+        const isBack = way === "undo";
+        const sent = way ? body() : body;
+        const answer = await HL.port.api("POST", path, sent, limitMs);
+        if (isUnknown(answer)) return this.lost((draft) => (draft.undo_id === sent.id) !== isBack);
         if (answer.status === 423) await this.lockLost(answer);
+        if (answer.code === "changed") await this.load0();
         if (!answer.ok) return answer;
-        this.undone = [];
-        this.state(answer.draft);
+        if (!way) this.undone.clear();
+        if (isBack) this.state(answer.draft);
+        else await this.stepped(answer.draft);
         this.done(answer.changes ?? []);
         return answer;
       });
@@ -235,9 +291,13 @@
     }
 
     async publish(note, isShrinkingOk) {
-      await this.flush();
-      if (this.queue.length) return { ok: false, status: 0, text: NO_LINK };
-      return this.closing(() => HL.port.api("POST", "/map/draft/publish", { note, is_shrinking_ok: isShrinkingOk }, OPERATION_MS), () => this.load0());
+      this.flush();
+      const why = await this.serial(() => this.unready());
+      if (why) return why;
+      const body = { note, is_shrinking_ok: isShrinkingOk, last_id: this.draft?.undo_id ?? null };
+      const answer = await this.closing(() => HL.port.api("POST", "/map/draft/publish", body, OPERATION_MS), () => this.load0());
+      if (answer.code === "changed") await this.load0();
+      return answer;
     }
 
     discard() {
@@ -257,11 +317,16 @@
     }
 
     async restore(version) {
+      const seen = this.draft?.undo_id ?? null;
       const answer = await HL.port.api("POST", `/map/versions/${version}/restore`, {}, OPERATION_MS);
+      if (isUnknown(answer)) return this.lost((draft) => draft.undo_id !== seen);
       if (answer.ok) this.take(answer.data);
       return answer;
     }
   }
 
-  HL.maps.MapClient = MapClient;
+  // what a lost answer leaves open is not said to be not done
+  const notDone = (words, { text, isUnsure }) => (isUnsure ? text : `${words}: ${text || "the server did not answer"}`);
+
+  Object.assign(HL.maps, { MapClient, notDone });
 })();

@@ -49,7 +49,8 @@
         if (!opened.ok) return HL.toast(`Not taken: ${opened.text || "no answer"}`, "block");
       }
       const answer = await client.ask(`/map/proposals/${encodeURIComponent(one.id)}/take`, { id: window.headland.uuid() });
-      HL.toast(answer.ok ? `${one.name} is in your draft. Undo takes it back.` : `Not taken: ${answer.text || "no answer"}`, answer.ok ? "check" : "block");
+      HL.toast(answer.ok ? `${one.name} is in your draft. Undo takes it back.` : HL.maps.notDone("Not taken", answer), answer.ok ? "check" : "block");
+      answer.later?.then(() => this.load());
       return this.load();
     }
 

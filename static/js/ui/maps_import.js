@@ -92,7 +92,9 @@
       const kinds = Object.fromEntries(taken.map((one) => [one.n, list.kindOf(one)]));
       const answer = await act.take(found.id, taken.map((one) => one.n), kinds, TAKE_MS);
       if (answer.ok) return close();
-      text(said, answer.text || "The server did not answer. Try again.");
+      text(said, answer.text);
+      if (await answer.later) return close(); // it was taken, its answer was lost: a second time it would come twice
+      if (answer.later) text(said, "Not taken. Try again.");
       return paint();
     }
   }

@@ -1,11 +1,12 @@
-// Changes that are not saved yet: kept in this browser, in order, until the server has taken each of them.
+// Changes that are not saved yet: kept in this browser, in order, until the server has taken each of them;
+// and those that were taken back before they went out, until they are made again or something else is done.
 (() => {
   "use strict";
-  const KEY = `headland.map.queue.${HL.config.user?.id ?? "-"}`;
 
   class Queue {
-    constructor() {
-      const kept = HL.keep.read(KEY, []);
+    constructor(name = "queue") {
+      this.key = `headland.map.${name}.${HL.config.user?.id ?? "-"}`;
+      const kept = HL.keep.read(this.key, []);
       this.items = Array.isArray(kept) ? kept.filter((one) => one?.id && Array.isArray(one.changes)) : [];
     }
     get length() {
@@ -13,6 +14,9 @@
     }
     get first() {
       return this.items[0] ?? null;
+    }
+    get last() {
+      return this.items.at(-1) ?? null;
     }
     add(transaction) {
       this.items.push(transaction);
@@ -22,12 +26,18 @@
       this.items = this.items.filter((one) => one !== transaction);
       this.keep();
     }
+    // it goes to the server now, which may have it from here on, whatever comes back
+    tried(transaction) {
+      if (transaction.isTried) return;
+      transaction.isTried = true;
+      this.keep();
+    }
     clear() {
       this.items = [];
       this.keep();
     }
     keep() {
-      HL.keep.write(KEY, this.items);
+      HL.keep.write(this.key, this.items);
     }
   }
 

@@ -13,7 +13,7 @@
       this.chosen = [];
       this.tool = "select";
       this.checks = null;
-      this.client = new M.MapClient({ changed: () => this.changed(), replaced: () => this.replaced(), patched: (changes) => this.patched(changes), refused: (labels, why) => this.refused(labels, why) });
+      this.client = new M.MapClient({ changed: () => this.changed(), replaced: () => this.replaced(), patched: (changes) => this.patched(changes), refused: (labels, why) => this.refused(labels, why), looked: (words) => HL.toast(words, "info") });
       const act = this.actions();
       this.tools = new M.Tools(act);
       this.bar = new M.Bar(act, { mayEdit: this.may.edit });
@@ -209,6 +209,7 @@
       const { client, checks } = this;
       const isNew = (client.draft?.log ?? []).some((one) => !one.is_undone);
       if (client.queue.length && !client.isSending) return `Not saved yet: ${M.count(client.queue.length, "change")}.`;
+      if (client.unsure) return "An answer was lost. The map is loaded again first.";
       if (checks?.blocks) return M.blockedWords(checks.blocks);
       if (!isNew && !client.queue.length) return "Nothing is changed yet.";
       return checks?.error ? "Not checked yet." : "";
@@ -233,7 +234,7 @@
 
     async restore(version) {
       const answer = await this.client.restore(version);
-      if (!answer.ok) return HL.toast(`Not restored: ${answer.text || "no answer"}`, "block");
+      if (!answer.ok) return HL.toast(M.notDone("Not restored", answer), "block");
       HL.closeSheet();
       return HL.toast(`The draft has the content of v${version}. Publish it to use it.`, "history");
     }
@@ -259,7 +260,7 @@
     }
 
     tell(answer, words) {
-      if (answer && !answer.ok) HL.toast(`${words}: ${answer.text || "the server did not answer"}`, "block");
+      if (answer && !answer.ok) HL.toast(M.notDone(words, answer), "block");
       else this.checkSoon();
     }
 

@@ -16,6 +16,7 @@ from hmi.domain.mission_document import Document
 from hmi.domain.mission_plan import MissionRefused, PlanRefused
 from hmi.domain.robot import Mode, OrderStatus
 from hmi.domain.role import Role
+from hmi.planning.mission_map import mission_geojson
 from hmi.planning.projection import LocalFrame
 from hmi.store.maps import Maps
 from tests.hmi.missions.rig import FARM, FRAME, Rig, lon_lat
@@ -47,6 +48,14 @@ def narrower(raw: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+def split(raw: dict[str, Any]) -> dict[str, Any]:
+    parts = [shapely.box(0, 0, 40, 36), shapely.box(0, 38, 40, 40)]
+    return {
+        **raw,
+        "geometry": {"type": "MultiPolygon", "coordinates": [[lon_lat(*one.exterior.coords)] for one in parts]},
+    }
+
+
 @pytest.fixture
 async def desk(rig: Rig) -> Desk:
     """Return a desk whose mission was planned on the rig's map."""
@@ -72,9 +81,42 @@ async def test_what_is_resumed_later_stays_on_the_field_as_it_is_now(desk: Desk)
     assert any("left out, something stands there" in note for note in planned.difference["notes"])
 
 
+async def test_it_carries_the_field_of_the_map_it_was_planned_on_and_so_does_its_picture(desk: Desk) -> None:
+    desk.reports(OrderStatus.ABORTED, Mode.IDLE)
+    before = await desk.rests.preview(desk.supervisor, desk.id, RestOrder("later"))
+    assert before.document["parcel"] == desk.rig.missions.document(FARM, desk.id)["parcel"]
+    published(desk.rig, "field-1", smaller)
+    planned = await desk.rests.preview(desk.supervisor, desk.id, RestOrder("later"))
+    shown = mission_geojson(planned.document)["features"][0]["geometry"]
+    rings = [FRAME.to_local([(p[0], p[1]) for p in ring]) for ring in shown["coordinates"]]
+    assert (
+        shapely.Polygon(rings[0], rings[1:]).symmetric_difference(NEW).area < 1
+    )  # the map of these tests is flat to half a centimetre
+
+
+async def test_a_field_in_several_parts_has_no_one_outline_and_keeps_the_planned_one(desk: Desk) -> None:
+    desk.reports(OrderStatus.ABORTED, Mode.IDLE)
+    planned = desk.rig.missions.document(FARM, desk.id)["parcel"]
+    published(desk.rig, "field-1", split)
+    rest = await desk.rests.preview(desk.supervisor, desk.id, RestOrder("later"))
+    assert rest.document["parcel"] == planned
+
+
 async def test_a_change_of_the_rest_stays_on_it_too(desk: Desk) -> None:
     published(desk.rig, "field-1", smaller)
     assert off_the_field_m((await desk.change()).document) == 0
+
+
+async def test_the_rest_of_a_rest_stays_on_it_as_well(desk: Desk) -> None:
+    published(desk.rig, "field-1", smaller)
+    planned = await desk.change()
+    sent = await desk.rests.send(desk.supervisor, desk.id, planned.sha256, "tick")
+    assert sent.outcome.value == "accepted"
+    for status, mode in ((OrderStatus.RUNNING, Mode.AUTO), (OrderStatus.PAUSED, Mode.IDLE)):
+        desk.reports(status, mode)
+        again = await desk.change(leave_out=(desk.row(5),))
+        assert 5 not in {one["row"] for one in again.document["segments"]}
+        assert off_the_field_m(again.document) == 0
 
 
 async def test_a_robot_that_would_leave_the_field_before_the_new_path_is_paused_first(desk: Desk) -> None:

@@ -224,7 +224,9 @@ class StageMap:
             "base_version": draft.base, "saved_utc": draft.saved.isoformat(),
             "editor": {"user": draft.user, "name": draft.name}, "until_utc": draft.until.isoformat(),
             "is_mine": draft.user == session.user_id, "undo": done[-1].label if done else None,
-            "redo": undone[0].label if undone else None, "log": [one.shown() for one in draft.log[::-1]],
+            "redo": undone[0].label if undone else None,
+            "undo_id": done[-1].id if done else None, "redo_id": undone[0].id if undone else None,
+            "log": [one.shown() for one in draft.log[::-1]],
         }  # fmt: skip
 
     def held(self) -> Draft:

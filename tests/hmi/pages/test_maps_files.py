@@ -65,6 +65,20 @@ def test_an_import_is_looked_through_before_it_is_taken(show: Show, theatre: The
 
 
 @pytest.mark.long
+def test_an_import_that_was_taken_without_an_answer_is_not_offered_again(show: Show, theatre: Theatre) -> None:
+    page = show()
+    page.route("**/imports/*/take", lambda route: (route.fetch(), route.abort()))
+    with page.expect_file_chooser() as chooser:
+        page.get_by_test_id("editor-import").click()
+    chooser.value.set_files({"name": "nordfeld.geojson", "mimeType": "application/json", "buffer": b"{}" * 400})
+    page.get_by_test_id("import-take").click()
+    expect(page.get_by_test_id("import-sheet")).not_to_be_visible()
+    expect(page.locator("hl-toasts")).to_contain_text("The step whose answer was lost is done.")
+    saved(page, theatre, "Imported 5 shapes")
+    expect(page.get_by_test_id("map-editor")).to_have_attribute("data-features", "13")
+
+
+@pytest.mark.long
 def test_a_file_dropped_on_the_map_is_imported_and_an_unreadable_one_is_explained(show: Show) -> None:
     page = editing(show())
     drop = """() => {

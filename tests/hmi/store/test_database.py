@@ -12,13 +12,14 @@ from alembic import command
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
-from sqlalchemy import text
+from sqlalchemy import inspect, text
 
 from hmi.clock import FakeClock
 from hmi.store.counters import Counters
 from hmi.store.database import Database
 from hmi.store.errors import AlreadyExists, DatabaseTooNew, DatabaseUnavailable
 from hmi.store.farms import Farms
+from hmi.store.features import Feature, Features
 from hmi.store.migrations.upgrade import alembic_config, newest_version
 from hmi.store.tables import Base, FarmRow
 from tests.hmi.store.conftest import FARM
@@ -50,6 +51,23 @@ def test_migrations_can_be_taken_back_and_applied_again(tmp_path: Path) -> None:
     assert set(names) <= {"alembic_version", "sqlite_sequence"}
     assert database.is_reachable()
     database.close()
+
+
+def test_the_features_of_a_map_stay_when_their_key_changes_and_changes_back(
+    database: Database, clock: FakeClock
+) -> None:
+    Features(database, clock).put([Feature("north", FARM, "parcel", "North", {"type": "Point"}, {"crop": "Maize"})])
+    with database.connect_writing() as connection:
+        command.downgrade(alembic_config(connection), "0012")
+        keys = inspect(connection).get_pk_constraint("feature")["constrained_columns"]
+        indexes = [one["column_names"] for one in inspect(connection).get_indexes("feature")]
+    assert (keys, indexes) == (["id"], [["farm_id"]])
+    database.migrate()
+    with database.connect_writing() as connection:
+        keys = inspect(connection).get_pk_constraint("feature")["constrained_columns"]
+    assert keys == ["farm_id", "id"]
+    [kept] = Features(database, clock).all(FARM)
+    assert (kept.id, kept.name, kept.properties) == ("north", "North", {"crop": "Maize"})
 
 
 def test_the_newest_version_is_that_of_the_last_step(database: Database) -> None:

@@ -11,6 +11,7 @@ from hmi.clock import FakeClock
 from hmi.domain.map_log import ChangedMeanwhile, FeatureChange, Transaction
 from hmi.store.database import Database
 from hmi.store.errors import NotFound
+from hmi.store.farms import Farms
 from hmi.store.features import Feature, Features
 from hmi.store.maps import LOCK, MapLocked, MapOutdated, Maps
 from tests.hmi.store.conftest import FARM
@@ -76,7 +77,7 @@ def test_the_log_of_a_draft_carries_names_and_no_shapes_and_undo_still_has_them(
     maps.open(FARM, "anna", "Anna")
     maps.append(FARM, "anna", add(clock, "ref-1", "north"))
     moved = raw("north", crop="Maize")
-    draft = maps.append(FARM, "anna", step(clock, "ref-2", FeatureChange("north", raw("north"), moved)))
+    draft, _ = maps.append(FARM, "anna", step(clock, "ref-2", FeatureChange("north", raw("north"), moved)))
     named = {"properties": {"name": "North"}}
     assert [one.changes for one in draft.log] == [
         (FeatureChange("north", None, named),),
@@ -101,7 +102,7 @@ def test_undo_and_redo_survive_and_a_new_step_cuts_off_what_was_undone(maps: Map
     draft, changes = maps.redo(FARM, "anna")
     assert set(draft.features) == {"field-1", "field-2"}
     assert [one.id for one in changes] == ["field-2"]
-    draft = maps.append(FARM, "anna", add(clock, "ref-4", "field-4"))
+    draft, _ = maps.append(FARM, "anna", add(clock, "ref-4", "field-4"))
     assert [one.ref for one in draft.log] == ["ref-1", "ref-2", "ref-4"]
     draft, changes = maps.redo(FARM, "anna")
     assert changes == ()
@@ -110,15 +111,52 @@ def test_undo_and_redo_survive_and_a_new_step_cuts_off_what_was_undone(maps: Map
 def test_the_same_step_twice_is_one_and_a_stale_one_is_refused_whole(maps: Maps, clock: FakeClock) -> None:
     maps.open(FARM, "anna", "Anna")
     maps.append(FARM, "anna", add(clock, "ref-1", "north"))
-    assert len(maps.append(FARM, "anna", add(clock, "ref-1", "north")).log) == 1
+    other = step(clock, "ref-1", FeatureChange("west", None, raw("west")))
+    draft, stored = maps.append(FARM, "anna", other)
+    assert (len(draft.log), stored) == (1, (FeatureChange("north", None, raw("north")),))
     stale = step(
         clock, "ref-2", FeatureChange("south", None, raw("south")), FeatureChange("north", raw("north", "Old"), None)
     )
     with pytest.raises(ChangedMeanwhile):
         maps.append(FARM, "anna", stale)
-    draft = maps.draft(FARM)
-    assert draft is not None
-    assert set(draft.features) == {"north"}
+    there = maps.draft(FARM)
+    assert there is not None
+    assert set(there.features) == {"north"}
+
+
+def test_a_walk_that_names_its_step_is_made_once_however_often_it_is_asked(maps: Maps, clock: FakeClock) -> None:
+    maps.open(FARM, "anna", "Anna")
+    for number in (1, 2, 3):
+        maps.append(FARM, "anna", add(clock, f"ref-{number}", f"field-{number}"))
+    once, twice = maps.undo(FARM, "anna", "ref-3"), maps.undo(FARM, "anna", "ref-3")
+    assert once[1] == twice[1] == (FeatureChange("field-3", raw("field-3"), None),)
+    assert set(twice[0].features) == {"field-1", "field-2"}
+    maps.undo(FARM, "anna", "ref-2")
+    once, twice = maps.redo(FARM, "anna", "ref-2"), maps.redo(FARM, "anna", "ref-2")
+    assert once[1] == twice[1] == (FeatureChange("field-2", None, raw("field-2")),)
+    assert set(twice[0].features) == {"field-1", "field-2"}
+
+
+def test_a_walk_over_another_step_than_the_named_one_is_refused(maps: Maps, clock: FakeClock) -> None:
+    maps.open(FARM, "anna", "Anna")
+    for number in (1, 2):
+        maps.append(FARM, "anna", add(clock, f"ref-{number}", f"field-{number}"))
+    for work in (lambda: maps.undo(FARM, "anna", "ref-1"), lambda: maps.undo(FARM, "anna", "ref-9")):
+        with pytest.raises(ChangedMeanwhile):
+            work()
+    maps.undo(FARM, "anna")
+    maps.undo(FARM, "anna")
+    with pytest.raises(ChangedMeanwhile):
+        maps.redo(FARM, "anna", "ref-2")
+
+
+def test_only_the_draft_that_the_editor_saw_is_published(maps: Maps, clock: FakeClock) -> None:
+    maps.open(FARM, "anna", "Anna")
+    maps.append(FARM, "anna", add(clock, "ref-1", "north"))
+    maps.append(FARM, "anna", add(clock, "ref-2", "south"))
+    with pytest.raises(ChangedMeanwhile):
+        maps.publish(FARM, "anna", "Anna", "", "ref-1")
+    assert maps.publish(FARM, "anna", "Anna", "", "ref-2").size == 2
 
 
 def test_one_person_edits_and_the_lock_is_renewed_by_each_step(maps: Maps, clock: FakeClock) -> None:
@@ -153,6 +191,25 @@ def test_nobody_publishes_over_a_version_that_the_draft_does_not_know(
     with pytest.raises(MapOutdated) as refused:
         maps.publish(FARM, "anna", "Anna", "")
     assert refused.value.number == 1
+
+
+def test_two_farms_publish_features_of_the_same_id_and_each_keeps_its_own(
+    maps: Maps, database: Database, clock: FakeClock
+) -> None:
+    Farms(database, clock).ensure("neighbour", "The neighbour's farm")
+    for farm_id, name in ((FARM, "Ours"), ("neighbour", "Theirs")):
+        maps.open(farm_id, "anna", "Anna")
+        drawn = FeatureChange("north", None, raw("north", name))
+        maps.append(farm_id, "anna", step(clock, f"ref-{farm_id}", drawn))
+        maps.publish(farm_id, "anna", "Anna", "")
+    features = Features(database, clock)
+    features.put([Feature("east", FARM, "parcel", "East", SQUARE), Feature("east", "neighbour", "parcel", "O", SQUARE)])
+    assert [features.get(farm, "north").name for farm in (FARM, "neighbour")] == ["Ours", "Theirs"]
+    assert [one.name for one in features.all("neighbour")] == ["O", "Theirs"]
+    maps.open(FARM, "anna", "Anna")
+    maps.append(FARM, "anna", step(clock, "ref-9", FeatureChange("north", raw("north", "Ours"), None)))
+    maps.publish(FARM, "anna", "Anna", "")
+    assert [one.name for one in features.all("neighbour")] == ["O", "Theirs"]
 
 
 def test_without_a_draft_nothing_can_be_changed(maps: Maps, clock: FakeClock) -> None:
