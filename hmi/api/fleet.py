@@ -14,6 +14,7 @@ from hmi.api.body import Body, Id, Name, Ref, Tick
 from hmi.api.errors import ApiError
 from hmi.commands.fleet_actions import MOST_ROBOTS, FleetActions, RobotResult
 from hmi.commands.fleet_groups import FleetGroupBook
+from hmi.commands.lease_words import owner_of
 from hmi.commands.refusal import ACTION_PERMISSION
 from hmi.domain.command import Action, Outcome
 from hmi.domain.fleet_day import DayFigures
@@ -141,10 +142,12 @@ def _add_groups(router: APIRouter, book: FleetGroupBook) -> None:
 
 def _results(results: list[RobotResult]) -> dict[str, Any]:
     accepted = sum(one.outcome is Outcome.ACCEPTED for one in results)
-    rows = [
-        {"robot": one.robot_id, "outcome": one.outcome.value, "code": one.code, "text": one.text} for one in results
-    ]
-    return {"results": rows, "accepted": accepted, "total": len(rows)}
+    return {"results": [_result(one) for one in results], "accepted": accepted, "total": len(results)}
+
+
+def _result(one: RobotResult) -> dict[str, Any]:
+    told = {"robot": one.robot_id, "outcome": one.outcome.value, "code": one.code, "text": one.text}
+    return told if one.lease is None else {**told, "owner": owner_of(one.lease)}
 
 
 def _group(one: FleetGroup) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
@@ -30,7 +31,11 @@ Row = dict[str, Any]
 
 @dataclass(frozen=True, slots=True)
 class ViewParts:
-    """What the view reads."""
+    """What the view reads.
+
+    Args:
+        may_replace: as in ``QueueHandover``.
+    """
 
     store: QueueStore
     missions: Missions
@@ -38,6 +43,7 @@ class ViewParts:
     fleet: FleetReader
     book: ArmingBook
     runner: QueueRunner
+    may_replace: Callable[[str, str], bool]
     weather: WeatherBoard
     authorize: Authorize
     clock: Clock
@@ -91,13 +97,21 @@ class QueueView:
         }
 
     def _holds(self, robot_id: str) -> Row | None:
-        """Return the mission a person sent that keeps this queue waiting."""
+        """Return the unstarted mission that the queue does not replace; its own entry waits for nobody but itself."""
         parts, robot = self._parts, self._parts.fleet.robot(robot_id)
         held = None if robot is None else held_unstarted(robot)
-        if held is None or held.mission_id in parts.store.mission_ids(robot_id):
+        if held is None or parts.may_replace(robot_id, held.sha256):
+            return None
+        entries = parts.store.entries(robot_id)
+        is_queued = any(one.mission_id == held.mission_id for one in entries)
+        if is_queued and not any(self._waits_for_held(one) for one in entries):
             return None
         mission = parts.missions.known(held.mission_id)
         return {"mission_id": held.mission_id, "name": held.mission_id if mission is None else mission.name}
+
+    def _waits_for_held(self, entry: Entry) -> bool:
+        shown = self._parts.runner.shown(entry.id)
+        return shown is not None and shown.verdict.waiting.code == "holds_other"
 
     def _now(self, robot_id: str) -> Row | None:
         robot = self._parts.fleet.robot(robot_id)

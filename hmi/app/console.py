@@ -314,13 +314,12 @@ class Console:
         for robot_id in robot_ids:
             self.alarms.stop_moved(robot_id, self.stops.service.attempts_at(robot_id))
 
-    def _safety(self, robot_id: str, safety: SafetyState) -> None:
+    def _safety(self, robot_id: str, _safety: SafetyState) -> None:
         robot = self.edge.fleet.robot(robot_id)
         if robot is None:
             return
         self.queue.see(robot)
-        if safety.latched:
-            self.desk.leases.observe(robot)
+        self.desk.leases.observe(robot)  # each time: a button that is pressed again must have been seen released
 
     def _robot_event(self, event: RobotEvent) -> None:
         told = {"kind": "robot", "robot": event.robot_id, "name": event.name, "text": event.text, "what": event.kind}

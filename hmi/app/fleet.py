@@ -57,7 +57,7 @@ class FleetDesk:
         self._zone = farm_zone(settings.time_zone)
         self._kept, self._kept_s = settings.data / DAY_FILE, clock.mono_s()
         self.day = FleetDay()
-        self.actions = FleetActions(desk.commands, desk.missions, records.audit)
+        self.actions = FleetActions(desk.commands, desk.missions, desk.leases.of, records.audit)
         self.groups = FleetGroupBook(records.fleet_groups, records.database, records.audit, authorize, on_event)
         self.duty = DutyDesk(
             DutyParts(

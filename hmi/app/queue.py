@@ -138,7 +138,7 @@ class QueueDesk:
             clock=self._clock,
             zone=self._zone,
             weather=lambda: self.weather.latest,
-            is_given_up=self.handover.is_given_up,
+            may_replace=self.handover.may_replace,
             treatment=lambda: self.treatment(),
             forecast=lambda: self.forecast(),
         )
@@ -154,6 +154,7 @@ class QueueDesk:
             on_event=self._on_event,
             farm_id=self._farm_id,
             may_still_start=self._may_still_start,
+            on_sent=self.handover.sent_by_queue,
         )
         return QueueRunner(parts)
 
@@ -170,6 +171,7 @@ class QueueDesk:
                 clock=self._clock,
                 zone=self._zone,
                 on_event=self._on_event,
+                may_replace=self.handover.may_replace,
             )
         )
 
@@ -182,6 +184,7 @@ class QueueDesk:
                 fleet=self._fleet,
                 book=self.arming.book,
                 runner=self.runner,
+                may_replace=self.handover.may_replace,
                 weather=self.weather,
                 authorize=self._authorize,
                 clock=self._clock,

@@ -91,6 +91,7 @@ class CommandDesk:
             self.commands.close_drive,
         )
         self.ledger.when_settled(self.drive.command_settled)
+        self.ledger.when_revoked(self.leases.revoked_by_robot)
         self._task: asyncio.Task[None] | None = None
 
     def start(self) -> None:

@@ -175,8 +175,9 @@ class DriveRelay:
 
     async def tend(self) -> None:
         """End manual control where nothing was pressed for 5:00; call every second or so."""
-        due = [(i, d.actor) for i, d in self._driving.items() if self.ends_in_s(i) <= 0]
-        for robot_id, actor in due:
+        # asked anew each time: while one is closed, a hand may press elsewhere, or driving may end there
+        while (robot_id := next((i for i in self._driving if self.ends_in_s(i) <= 0), None)) is not None:
+            actor = self._driving[robot_id].actor
             self._rest(robot_id)
             del self._driving[robot_id]
             text = "Driving by hand ended: nothing was pressed for 5:00."

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import hashlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -16,8 +16,9 @@ from hmi.commands.ledger import CommandResult
 from hmi.commands.mission_send import MissionSent
 from hmi.commands.ports import AuditSink
 from hmi.commands.service import CommandRequest
-from hmi.domain.command import Action, Outcome
+from hmi.domain.command import LEASED_ACTIONS, Action, Outcome
 from hmi.domain.ids import new_id
+from hmi.domain.lease import Lease
 from hmi.security.session_info import SessionInfo
 from hmi.store.audit_chain import AuditEntry
 
@@ -44,19 +45,30 @@ class MissionSending(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class RobotResult:
-    """What became of a group's order at one robot."""
+    """What became of a group's order at one robot; ``lease`` is the one in force, after an order that needs control."""
 
     robot_id: str
     outcome: Outcome
     code: str
     text: str
+    lease: Lease | None = None
 
 
 class FleetActions:
-    """Sends to several robots and gathers what each of them answered."""
+    """Sends to several robots and gathers what each of them answered.
 
-    def __init__(self, commands: Commands, missions: MissionSending, audit: AuditSink) -> None:
-        self._commands, self._missions, self._audit = commands, missions, audit
+    Args:
+        lease_of: the lease in force of a robot.
+    """
+
+    def __init__(
+        self,
+        commands: Commands,
+        missions: MissionSending,
+        lease_of: Callable[[str], Lease | None],
+        audit: AuditSink,
+    ) -> None:
+        self._commands, self._missions, self._lease_of, self._audit = commands, missions, lease_of, audit
 
     async def act(
         self, actor: SessionInfo, action: Action, robots: Sequence[str], tick_id: str, group_id: str = ""
@@ -71,7 +83,8 @@ class FleetActions:
         async def one(robot_id: str) -> RobotResult:
             request = CommandRequest(robot_id, action, _command_id(ref, robot_id), tick_id)
             result = await self._commands.submit(actor, request)
-            return RobotResult(robot_id, result.outcome, result.code, result.text)
+            lease = self._lease_of(robot_id) if action in LEASED_ACTIONS else None
+            return RobotResult(robot_id, result.outcome, result.code, result.text, lease)
 
         # All at once: behind silent ones, each of which takes two seconds, the tick would be too old for the rest.
         results = list(await asyncio.gather(*(one(robot_id) for robot_id in dict.fromkeys(robots))))

@@ -70,6 +70,7 @@ class LeaseService:
         self._next_epoch, self._is_signed_in = next_epoch, is_signed_in
         self._on_ended: list[LeaseEnded] = []
         self._presses: dict[str, dict[str, None]] = {}
+        self._buttons: set[str] = set()  # robots whose button on the machine is pressed
         self._farms: dict[str, str] = {}
 
     def when_ended(self, callback: LeaseEnded) -> None:
@@ -164,7 +165,11 @@ class LeaseService:
         return self._book.renew(robot_id, session_id, self._clock.mono_s())
 
     def observe(self, robot: Robot) -> None:
-        """Revoke the lease if the robot reports a STOP press not seen before."""
+        """Revoke the lease if the robot reports a STOP press or a press of its own button not seen before.
+
+        Control taken while the button is still pressed is newer than what the robot has ended, and stays.
+        """
+        self._observe_button(robot)
         known = self._presses.get(robot.id, {})
         for press in robot.safety.presses if robot.safety is not None else ():
             if not press.is_reset and press.stop_id not in known:
@@ -178,10 +183,16 @@ class LeaseService:
         known[stop_id] = None
         while len(known) > MAX_KNOWN_PRESSES:
             del known[next(iter(known))]
-        lease = self._book.revoke(robot_id)
-        if lease is not None:
-            name = lease.holder.user_name
-            self._end(lease, "revoked", f"STOP by {by or 'somebody'} ended the control of {name}.")
+        self._revoke(robot_id, f"STOP by {by or 'somebody'}")
+
+    def revoked_by_robot(self, robot_id: str, token: int) -> None:
+        """Revoke the lease with this token because the robot says that a STOP ended it.
+
+        The press was not told here, or came to the robot after control was taken anew; a newer lease stays.
+        """
+        lease = self.of(robot_id)
+        if lease is not None and lease.token == token:
+            self._revoke(robot_id, "A STOP")
 
     def end_session(self, session_id: str) -> None:
         """Give back everything a browser held, because it signed out or was signed out."""
@@ -202,6 +213,21 @@ class LeaseService:
             self._on_event(lease_event(lease.robot_id, "unanswered", text, lease, by=lease.holder.user_name))
         if self._book.is_low_on_tokens:
             self._book.begin_epoch(await self._next_epoch())
+
+    def _observe_button(self, robot: Robot) -> None:
+        if robot.safety is None:
+            return
+        was_pressed, is_pressed = robot.id in self._buttons, robot.safety.hardware_stop
+        if is_pressed and not was_pressed:
+            self._buttons.add(robot.id)
+            self._revoke(robot.id, "The red button on the machine")
+        elif was_pressed and not is_pressed:
+            self._buttons.discard(robot.id)
+
+    def _revoke(self, robot_id: str, by: str) -> None:
+        lease = self._book.revoke(robot_id)
+        if lease is not None:
+            self._end(lease, "revoked", f"{by} ended the control of {lease.holder.user_name}.")
 
     def _admit(self, actor: SessionInfo, robot_id: str, op: LeaseOp, tick_id: str, reason: str) -> Robot:
         permission = Permission.TAKE_LEASE if op is LeaseOp.TAKE else Permission.LEASE

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 
 from hmi.clock import Clock
 from hmi.commands.ports import AuditSink, FleetReader, LaneEvent
-from hmi.commands.refusal import BUSY, ID_REUSED, NOT_CONNECTED, OrderRefused
-from hmi.domain.command import Acknowledgement, Order, OrderSender, Outcome
+from hmi.commands.refusal import BUSY, ID_REUSED, LEASE_REVOKED, NOT_CONNECTED, OrderRefused
+from hmi.domain.command import Acknowledgement, CommandOrder, Order, OrderSender, Outcome, ResetOrder
 from hmi.security.session_info import SessionInfo
 from hmi.store.audit_chain import AuditEntry
 
@@ -77,9 +77,11 @@ class _Entry:
     result: CommandResult
     answer: asyncio.Future[Acknowledgement]
     final: asyncio.Future[CommandResult]
+    lease_token: int
 
 
 ResultHook = Callable[[Ticket, CommandResult], None]
+RevokedHook = Callable[[str, int], None]
 
 
 class OrderLedger:
@@ -105,10 +107,15 @@ class OrderLedger:
         self._refusals: OrderedDict[str, tuple[tuple[str, ...], CommandResult]] = OrderedDict()
         self._tasks: set[asyncio.Task[None]] = set()
         self._hooks: list[ResultHook] = []
+        self._revoked_hooks: list[RevokedHook] = []
 
     def when_settled(self, hook: ResultHook) -> None:
         """Call ``hook`` with every result, ``pending`` ones and late corrections included."""
         self._hooks.append(hook)
+
+    def when_revoked(self, hook: RevokedHook) -> None:
+        """Call ``hook`` with robot and lease token of each order that its robot refused because a STOP ended that."""
+        self._revoked_hooks.append(hook)
 
     async def place(self, ticket: Ticket, prepare: Callable[[], Order]) -> CommandResult:
         """Send what ``prepare`` makes, once, and return what became of it.
@@ -188,6 +195,7 @@ class OrderLedger:
             result=_result(ticket, Outcome.PENDING, "pending", "Waiting for the robot."),
             answer=loop.create_future(),
             final=loop.create_future(),
+            lease_token=order.lease_token if isinstance(order, CommandOrder | ResetOrder) else 0,
         )
         if not self._sender.send(order):
             del self._entries[ticket.ref]
@@ -216,6 +224,9 @@ class OrderLedger:
         entry.result = result
         entry.final.set_result(result)  # first, so that nothing below can leave a caller waiting
         self._report(entry.ticket, result, is_late=is_late)
+        if result.code == LEASE_REVOKED and entry.lease_token:
+            for hook in self._revoked_hooks:
+                hook(entry.ticket.robot_id, entry.lease_token)
 
     def _make_room(self, ticket: Ticket) -> None:
         now_s = self._clock.mono_s()

@@ -37,7 +37,7 @@ class FactSources:
     clock: Clock
     zone: ZoneInfo
     weather: Callable[[], Weather | None]
-    is_given_up: Callable[[str, str], bool] = lambda _robot_id, _sha256: False
+    may_replace: Callable[[str, str], bool] = lambda _robot_id, _sha256: False
     treatment: Callable[[], Gate | None] = lambda: None
     forecast: Callable[[], Forecast | None] = lambda: None
 
@@ -62,8 +62,7 @@ class FactDesk:
             mission=None if mission is None else _mission(mission),
             ahead="" if ahead is None else ahead.name,
             is_ahead_running=ahead is not None and ahead.status.value in ("running", "resuming"),
-            queued_ids=source.store.mission_ids(entry.robot_id),
-            is_given_up=robot is not None and source.is_given_up(entry.robot_id, robot.held_sha256),
+            may_replace=robot is not None and source.may_replace(entry.robot_id, robot.held_sha256),
             frozen=self.frozen(),
             armed_until=None if arming is None else arming.until,
             disarmed="" if ended is None else ended[0],

@@ -1,9 +1,10 @@
-"""A mission that a person sent and nobody started gives way to the queue, because a person says so.
+"""What lies unstarted on a robot and may be replaced: what the queue itself sent, else what a person gives up.
 
-Nothing goes to the robot for it. The edge contract has no message that empties a robot, and needs none: a mission that
-was never started is replaced by the next one that is sent, and a start names mission and hash, so that nothing old can
-begin in between. A message of its own would be one more order that robots must know, and would leave them without a
-mission while the queue waits for daylight. So the queue is only allowed to send its own mission over this one.
+A mission that a person sent and nobody started gives way to the queue because a person says so. Nothing goes to the
+robot for it. The edge contract has no message that empties a robot, and needs none: a mission that was never started
+is replaced by the next one that is sent, and a start names mission and hash, so that nothing old can begin in between.
+A message of its own would be one more order that robots must know, and would leave them without a mission while the
+queue waits for daylight. So the queue is only allowed to send its own mission over this one.
 """
 
 from __future__ import annotations
@@ -41,19 +42,26 @@ class HandoverParts:
 
 
 class QueueHandover:
-    """Remembers which missions may be replaced; forgets it at a restart, when a person is asked again."""
+    """Remembers which missions may be replaced; forgets it at a restart, when a person is asked again.
+
+    That a mission stands or stood in a queue says nothing: a person may have sent it all the same, and is on the way.
+    """
 
     def __init__(self, parts: HandoverParts) -> None:
         self._parts = parts
-        self._given: dict[str, str] = {}  # robot: hash of what may be replaced
+        self._replaceable: dict[str, str] = {}  # robot: hash
 
-    def is_given_up(self, robot_id: str, sha256: str) -> bool:
-        """Say whether the queue may send its own mission over the one with this hash; from memory."""
-        return bool(sha256) and self._given.get(robot_id) == sha256
+    def may_replace(self, robot_id: str, sha256: str) -> bool:
+        """Say whether the queue may send its next mission over the one with this hash; from memory."""
+        return bool(sha256) and self._replaceable.get(robot_id) == sha256
 
     def sent(self, robot_id: str) -> None:
         """Forget it: a robot took a mission again, and what was sent last is wanted."""
-        self._given.pop(robot_id, None)
+        self._replaceable.pop(robot_id, None)
+
+    def sent_by_queue(self, robot_id: str, sha256: str) -> None:
+        """Note what the queue itself has just sent, after ``sent``."""
+        self._replaceable[robot_id] = sha256
 
     async def take_off(self, session: SessionInfo, robot_id: str, mission_id: str) -> str:
         """Let the queue replace a mission that a person sent and nobody started; returns what comes now.
@@ -77,7 +85,7 @@ class QueueHandover:
         if mission is not None:
             why = f"Taken off {robot.name}: the queue may send its own over it. Nothing moved."
             await parts.database.run(parts.missions.note, session.farm_id, mission_id, session.user_name, why)
-        self._given[robot_id] = held.sha256
+        self._replaceable[robot_id] = held.sha256
         parts.on_changed(robot_id, session.user_name)
         self._audit(session, robot, mission, name)
         return f"{name} gives way. It stays on {robot.name} until the queue sends the next; nothing moves."

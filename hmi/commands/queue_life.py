@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import Any
@@ -34,7 +34,11 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class LifeParts:
-    """What the life of entries is wired to."""
+    """What the life of entries is wired to.
+
+    Args:
+        may_replace: as in ``QueueHandover``.
+    """
 
     store: QueueStore
     missions: Missions
@@ -46,6 +50,7 @@ class LifeParts:
     clock: Clock
     zone: ZoneInfo
     on_event: LaneEvent
+    may_replace: Callable[[str, str], bool]
 
 
 class QueueLife:
@@ -151,7 +156,7 @@ class QueueLife:
         """The robot lost it, or a person gave it another one: it waits again, and nothing starts by itself."""
         robot = self._parts.fleet.robot(entry.robot_id)
         order = robot.state.order if robot is not None and robot.state is not None else None
-        if order is None or order.mission_id not in self._parts.store.mission_ids(entry.robot_id):
+        if order is None or not self._parts.may_replace(entry.robot_id, order.sha256):
             self._parts.arming.end(entry.robot_id, f"The robot does not have {mission.name} any more.")
         why = "Back in the queue: the robot does not have it any more."
         await self._move(mission, MissionStatus.QUEUED, why, Mover.PERSON, entry.added_by, entry.robot_id)

@@ -45,6 +45,7 @@ class RunnerParts:
 
     Args:
         may_still_start: whether the person who armed is still somebody who may; asked before each start.
+        on_sent: told of the robot and the hash of each mission the queue itself has sent.
     """
 
     store: QueueStore
@@ -58,6 +59,7 @@ class RunnerParts:
     on_event: LaneEvent
     farm_id: str
     may_still_start: Callable[[str], Awaitable[bool]]
+    on_sent: Callable[[str, str], None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,6 +183,7 @@ class QueueRunner:
         actor = system_session(self._parts.farm_id, f"queue-{entry.robot_id}", "Queue", self._parts.clock)
         sent = await self._parts.sender.send(actor, entry.robot_id, entry.mission_id)
         if sent.outcome is Outcome.ACCEPTED:
+            self._parts.on_sent(entry.robot_id, str(sent.sha256))
             self._pauses.pop(entry.id, None)
             self._sent[entry.id] = self._parts.clock.mono_s()
             return

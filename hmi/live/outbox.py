@@ -13,7 +13,10 @@ from collections.abc import Callable
 from hmi.live import frames
 
 DELTA_LIMIT = 32  # about a second of one robot; beyond it a snapshot is cheaper than the backlog
-EVENT_LIMIT = 256
+# Of hundreds of robots that are ordered or stopped at once each tells something in the same moment: many events are
+# no sign of a slow browser before its writer had the time to take them.
+EVENT_LIMIT, EVENT_AGE_S = 256, 2.0
+EVENT_CHARS = 4_000_000  # bounds memory within that time; a thousand robots ordered at once tell a third of it
 BEHIND_S = 2.0  # a browser that shows ticks this old gets no more deltas until it has caught up
 
 Frame = str | bytes
@@ -35,6 +38,7 @@ class Outbox:
         self._mono_s = mono_s
         self._deltas: list[Frame] = []
         self._events: deque[str] = deque()
+        self._events_chars, self._events_since_s = 0, 0.0
         self._tick: str | None = None
         self._needs_snapshot = False
         self._is_behind = False
@@ -62,11 +66,15 @@ class Outbox:
         self._ready.set()
 
     def event(self, text: str) -> None:
-        """Queue an event; too many of them end the lane."""
-        if len(self._events) >= EVENT_LIMIT:
+        """Queue an event; too many that wait too long, or more than memory has room for, end the lane."""
+        if not self._events:
+            self._events_since_s = self._mono_s()
+        is_late = len(self._events) >= EVENT_LIMIT and self._mono_s() - self._events_since_s > EVENT_AGE_S
+        if is_late or self._events_chars + len(text) > EVENT_CHARS:
             self.is_overrun = True
-        else:
+        if not self.is_overrun:
             self._events.append(text)
+            self._events_chars += len(text)
         self._ready.set()
 
     def wants_snapshot(self) -> None:
@@ -96,6 +104,7 @@ class Outbox:
         self._ready.clear()
         taken: list[Frame] = list(self._events)
         self._events.clear()
+        self._events_chars = 0
         if self._needs_snapshot and not self._is_behind:
             self._needs_snapshot = False
             self.snapshots += 1

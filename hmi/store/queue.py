@@ -82,10 +82,6 @@ class QueueStore:
             raise NotFound(f"there is no entry {entry_id!r} in the queue")
         return entry
 
-    def mission_ids(self, robot_id: str) -> frozenset[str]:
-        """Return the missions of a robot's queue, open or ended lately."""
-        return frozenset(one.mission_id for one in tuple(self._entries.values()) if one.robot_id == robot_id)
-
     def revision(self, robot_id: str) -> int:
         """Return how often people changed a robot's queue."""
         return self._revisions.get(robot_id, 0)

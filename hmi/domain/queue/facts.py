@@ -80,8 +80,7 @@ class Facts:
     Args:
         ahead: name of the mission before it in the queue, empty if it is its turn.
         is_ahead_running: that one is driven now.
-        queued_ids: missions of this robot's queue, open or ended: what the queue itself has sent it may replace.
-        is_given_up: a person said that the queue may replace what the robot holds.
+        may_replace: the queue itself sent what the robot holds, or a person said that it may be replaced.
         frozen: why the whole queue stands still, empty if it does not.
         armed_until: until when this queue is armed, ``None`` if it is not.
         disarmed: why it is not armed any more, empty if it never was.
@@ -98,8 +97,7 @@ class Facts:
     mission: MissionFacts | None
     ahead: str = ""
     is_ahead_running: bool = False
-    queued_ids: frozenset[str] = frozenset()
-    is_given_up: bool = False
+    may_replace: bool = False
     frozen: str = ""
     armed_until: datetime | None = None
     disarmed: str = ""

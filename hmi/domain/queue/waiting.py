@@ -109,10 +109,10 @@ def _robot_cannot(entry: Entry, facts: Facts, mission: MissionFacts) -> Waiting 
     if robot.state_age_s is None or robot.state_age_s > FRESH_S:
         text = f"What {robot.name} is doing is not known right now."
         return Waiting("state_unknown", text, "Look at the machine.", Who.SITE)
-    return _robot_busy(facts, robot)
+    return _robot_busy(entry, facts, robot)
 
 
-def _robot_busy(facts: Facts, robot: RobotFacts) -> Waiting | None:
+def _robot_busy(entry: Entry, facts: Facts, robot: RobotFacts) -> Waiting | None:
     held = robot.held_name or robot.held_id or "another mission"
     if robot.mode is Mode.MANUAL:
         return Waiting("manual", f"Waits for {robot.name}: a person drives it by hand.", "End manual.", Who.OPERATOR)
@@ -128,9 +128,9 @@ def _robot_busy(facts: Facts, robot: RobotFacts) -> Waiting | None:
         known = {Mode.UNKNOWN: "its state is not known", Mode.STOPPED: "it is stopped"}
         words = known.get(robot.mode, "it is moving")
         return Waiting("busy", f"Waits for {robot.name}: {words}.", "It stands idle.", Who.ITSELF)
-    is_foreign = robot.order is OrderStatus.LOADED and robot.held_id not in facts.queued_ids
-    if is_foreign and not facts.is_given_up:
-        text = f"{robot.name} holds {held}, which a person sent and nobody started. Start it there, or take it off."
+    is_other = robot.order is OrderStatus.LOADED and robot.held_id != entry.mission_id
+    if is_other and not facts.may_replace:
+        text = f"{robot.name} holds {held}, which nobody started. Start it there, or take it off."
         return Waiting("holds_other", text, "Start that one, or take it off the robot.", Who.OPERATOR)
     return None
 

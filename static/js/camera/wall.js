@@ -118,7 +118,7 @@
     // of the robot that is chosen also what it detects is heard, and drawn in its pictures
     follow(robot) {
       HL.looksInside = robot;
-      HL.port.follow(robot);
+      HL.port.follow(robot, "wall");
     }
 
     add(key, one) {

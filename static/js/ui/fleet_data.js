@@ -48,9 +48,9 @@
   const told = { of: null, count: -1, found: [] };
   function noticed(robots) {
     const alarms = window.headland.state("fleet") ? window.headland.state("alarms")?.alarms : null;
-    if (told.of === alarms && told.count === HL.port.ids.length) return told.found;
+    if (told.of === alarms && told.count === HL.port.ids.size) return told.found;
     const before = JSON.stringify(told.found);
-    Object.assign(told, { of: alarms, count: HL.port.ids.length, found: HL.fleetOrder.notices(alarms, robots) });
+    Object.assign(told, { of: alarms, count: HL.port.ids.size, found: HL.fleetOrder.notices(alarms, robots) });
     if (JSON.stringify(told.found) !== before) data.order += 1;
     return told.found;
   }

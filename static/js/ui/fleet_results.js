@@ -24,7 +24,10 @@
   // one REST call for all; what no answer came for is unknown, never done
   async function order(path, body, robots, limitMs = 8000) {
     const answer = await HL.port.api("POST", path, body, limitMs);
-    if (answer.ok) return answer.results;
+    if (answer.ok) {
+      for (const one of answer.results) if (one.owner) HL.port.noteLease(one.robot, one.owner); // kept alive from now on, whatever the lane tells
+      return answer.results;
+    }
     const isRefused = answer.status >= 400 && answer.status < 500;
     const words = isRefused ? answer.text : "No answer. It may have taken effect; look at the robot.";
     return robots.map((robot) => ({ robot, outcome: isRefused ? "rejected" : "unknown", text: words }));

@@ -58,7 +58,7 @@
     }
 
     start() {
-      HL.port.follow(this.id);
+      HL.port.follow(this.id, "walk");
     }
 
     get pose() {
@@ -72,7 +72,7 @@
     }
 
     stop() {
-      HL.port.follow(null);
+      HL.port.follow(null, "walk");
     }
   }
 

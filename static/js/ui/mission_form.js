@@ -262,7 +262,7 @@
       this.inputs.offerSpacing();
       this.inputs.offerRows();
       this.strip.follow(this.inputs.robot, this.drawn?.statistics ?? null);
-      HL.port.follow(this.inputs.get("robot_id").value || null);
+      HL.port.follow(this.inputs.get("robot_id").value, "plan");
     }
 
     paint() {
@@ -317,7 +317,7 @@
       this.cancel();
       this.scrubber.pause();
       this.strip.leave();
-      HL.port.follow(null);
+      HL.port.follow(null, "plan");
     }
   }
 

@@ -50,7 +50,8 @@
     else held.delete(id);
     HL.keep.write(`headland.held.${config.session}`, [...held]);
     watch();
-    if (isMine) here();
+    // of more the next round tells: the console takes so many frames at once and no more
+    if (isMine && held.size < MOST_TOPICS) here();
   }
 
   function here() {
@@ -61,18 +62,18 @@
 
   function watch() {
     if (!config.user) return;
-    const looked = INSIDE.includes(HL.view?.screen) || HL.looksInside === true ? HL.view.robot : HL.looksInside || null;
-    const wanted = ["fleet", "alarms", ...new Set([HL.view?.robot, followed, ...held].filter(Boolean).map((id) => `robot/${id}`)), ...(looked ? [`inside/${looked}`] : [])].slice(0, MOST_TOPICS);
+    const looked = INSIDE.includes(HL.view?.screen) || HL.looksInside === true ? HL.view.robot : HL.looksInside;
+    const wanted = ["fleet", "alarms", ...(looked ? [`inside/${looked}`] : []), ...new Set([HL.view?.robot, ...Object.values(followed), ...held].filter(Boolean).map((id) => `robot/${id}`))].slice(0, MOST_TOPICS);
     if (wanted.join() === topics) return;
     topics = wanted.join();
     lane.sub(wanted);
     for (const topic of wanted) listenTo(topic);
   }
 
-  // a robot that is watched without being the one on the screen; null ends it
-  let followed = null;
-  function follow(id) {
-    followed = id;
+  // robots that are watched without being the one on the screen, by who watches; null ends it
+  const followed = {};
+  function follow(id, who) {
+    followed[who] = id;
     watch();
   }
 
@@ -150,7 +151,6 @@
     HL.repaint();
   });
   lane.on("link", HL.repaint);
-  lane.on("tick", () => {}); // ages repaint on their own clock
   window.addEventListener("headland:bye", () => config.user && location.reload());
   window.addEventListener("headland:dropped", () => HL.toast("Not sent: no connection. Try again when it is back.", "cloud_off"));
   setInterval(here, HERE_MS);
@@ -166,5 +166,5 @@
   const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
   const hasValues = () => !config.user || (server().isKnown && (!HL.view?.robot || robot(HL.view.robot) !== EMPTY));
 
-  HL.port = { firstPicture, robot, inside, fleet, ids, age, server, delayMs, watch, follow, command, lease, reset, seen, sendMission, drive, api, tickInfo: () => lane.state("tick") };
+  HL.port = { firstPicture, robot, inside, fleet, ids, age, server, delayMs, watch, follow, command, lease, noteLease, reset, seen, sendMission, drive, api, tickInfo: () => lane.state("tick") };
 })();

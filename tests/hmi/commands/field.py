@@ -128,6 +128,11 @@ class FakeRobot:
         self.rates = {}
         self.mode = Mode.STOPPED
 
+    def push_button(self) -> None:
+        """Press the red button on the machine."""
+        self.hardware_stop, self.mode = True, Mode.STOPPED
+        self._revoked = max(self._revoked, self._token)
+
     @property
     def is_latched(self) -> bool:
         """Whether a press is not reset."""
@@ -221,7 +226,9 @@ class FakeRobot:
     def _judge(self, challenge: str, token: int, seq: int, kind: str) -> str:
         if self._age_s(challenge) > CHALLENGE_LIFE_S:
             return "stale_challenge"
-        if token <= self._revoked or token < self._token:
+        if token <= self._revoked:
+            return "lease_revoked"
+        if token < self._token:
             return "old_lease"
         if token > self._token:
             self._token, self._seq = token, {}

@@ -8,8 +8,9 @@ import pytest
 
 from hmi.commands.drive import DriveFrame, DriveVerdict
 from hmi.commands.lease_service import LeaseOp
+from hmi.commands.ledger import CommandResult, Ticket
 from hmi.commands.service import CommandRequest
-from hmi.domain.command import Acknowledgement, Action, CommandOrder, DriveOrder
+from hmi.domain.command import Acknowledgement, Action, CommandOrder, DriveOrder, Outcome
 from hmi.domain.robot import Mode
 from hmi.security.session_info import SessionInfo
 from tests.hmi.commands.field import ANNA, JONAS, MARTHA, Field, factsheet
@@ -199,6 +200,42 @@ async def test_five_minutes_without_input_end_driving() -> None:
     closes = [o for o in field.weeder.orders if isinstance(o, CommandOrder) and o.action is Action.DRIVE_CLOSE]
     assert len(closes) == 1
     assert field.events_of("drive")[-1]["text"] == "Driving by hand ended: nothing was pressed for 5:00."
+
+
+async def test_a_hand_that_presses_while_another_robot_is_closed_goes_on_driving() -> None:
+    field = await driving()
+    field.add("weeder-02", "Weeder 02").factsheet = factsheet()
+    asked = CommandRequest("weeder-02", Action.DRIVE_OPEN, "open-0002", field.tick())
+    assert (await field.desk.commands.submit(MARTHA, asked)).is_accepted
+    for _ in range(301):
+        field.wait(1.0)
+        for robot_id in ("weeder-01", "weeder-02"):
+            field.desk.pulse.here(MARTHA, robot_id, field.tick())
+    closed: list[str] = []
+
+    def press(ticket: Ticket, result: CommandResult) -> None:
+        if ticket.what == Action.DRIVE_CLOSE.value and result.outcome is Outcome.PENDING:
+            closed.append(ticket.robot_id)
+            field.desk.drive.setpoint(MARTHA, "lane-1", DriveFrame("weeder-02", 0.2, 0.0, field.tick()))
+
+    field.desk.ledger.when_settled(press)
+    await field.desk.tend()
+    assert closed == ["weeder-01"]
+    assert field.desk.drive.ends_in_s("weeder-02") == 300.0
+
+
+async def test_driving_that_ends_while_another_robot_is_closed_is_no_error() -> None:
+    field = await driving()
+    field.add("weeder-02", "Weeder 02").factsheet = factsheet()
+    asked = CommandRequest("weeder-02", Action.DRIVE_OPEN, "open-0002", field.tick())
+    assert (await field.desk.commands.submit(JONAS, asked)).is_accepted
+    for _ in range(301):
+        field.wait(1.0)
+        field.desk.pulse.here(MARTHA, "weeder-01", field.tick())
+        field.desk.pulse.here(JONAS, "weeder-02", field.tick())
+    field.desk.ledger.when_settled(lambda _ticket, _result: field.desk.leases.end_session(JONAS.session_id))
+    await field.desk.tend()
+    assert [event["robot"] for event in field.events_of("drive")] == ["weeder-01"]
 
 
 async def test_every_input_starts_the_five_minutes_anew() -> None:

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from hmi.commands.lease_service import LeaseOp, LeaseResult
+from hmi.commands.ledger import CommandResult
+from hmi.commands.service import CommandRequest
+from hmi.domain.command import Action
 from hmi.domain.lease import ASK_TTL_S
 from hmi.security.session_info import SessionInfo
 from tests.hmi.commands.field import ANNA, JONAS, MARTHA, VERA, Field
@@ -20,6 +23,12 @@ def owner(field: Field) -> str | None:
     """Return who has control."""
     lease = field.desk.leases.of("weeder-01")
     return lease.holder.user_name if lease is not None else None
+
+
+async def home(field: Field, command_id: str) -> CommandResult:
+    """Let Martha send the weeder home, which takes control if nobody has it."""
+    asked = CommandRequest("weeder-01", Action.RETURN_HOME, command_id, field.tick())
+    return await field.desk.commands.submit(MARTHA, asked)
 
 
 def test_control_is_asked_for_and_given() -> None:
@@ -119,6 +128,51 @@ def test_a_stop_by_the_second_path_ends_control_before_the_robot_says_so() -> No
     field.weeder.press("stop-00001", "Jonas Weber")
     field.desk.leases.observe(field.weeder.known())
     assert owner(field) == "Martha Keller"
+
+
+def test_the_button_on_the_machine_ends_control_once_and_leaves_what_was_taken_after_it() -> None:
+    field = Field()
+    operate(field, MARTHA, LeaseOp.REQUEST)
+    field.weeder.push_button()
+    field.desk.leases.observe(field.weeder.known())
+    assert owner(field) is None
+    told = field.events_of("lease")[-1]
+    assert told["op"] == "revoked"
+    assert told["text"] == "The red button on the machine ended the control of Martha Keller."
+    operate(field, MARTHA, LeaseOp.REQUEST)
+    field.desk.leases.observe(field.weeder.known())
+    field.weeder.hardware_stop = False
+    field.desk.leases.observe(field.weeder.known())
+    assert owner(field) == "Martha Keller"
+    field.weeder.push_button()
+    field.desk.leases.observe(field.weeder.known())
+    assert owner(field) is None
+
+
+async def test_control_that_the_robot_says_is_over_ends_here_too_and_is_taken_anew() -> None:
+    field = Field(ack_limit_s=1.0)
+    assert (await home(field, "home-0001")).is_accepted
+    field.weeder.push_button()
+    field.weeder.hardware_stop = False  # pressed and released while the radio was gone: nobody told the console
+    assert (await home(field, "home-0002")).code == "lease_revoked"
+    assert owner(field) is None
+    assert field.events_of("lease")[-1]["text"] == "A STOP ended the control of Martha Keller."
+    assert (await home(field, "home-0003")).is_accepted
+    assert owner(field) == "Martha Keller"
+
+
+async def test_a_late_word_about_old_control_leaves_the_new_one() -> None:
+    field = Field()
+    await home(field, "home-0001")
+    field.weeder.push_button()
+    field.weeder.hardware_stop = False
+    field.weeder.is_silent = True
+    await home(field, "home-0002")
+    operate(field, MARTHA, LeaseOp.RELEASE)
+    operate(field, JONAS, LeaseOp.REQUEST)
+    assert [one.code for one in field.wire.held_answers] == ["lease_revoked"]
+    field.desk.ledger.acknowledged(field.wire.held_answers[0])
+    assert owner(field) == "Jonas Weber"
 
 
 def test_signing_out_gives_control_back() -> None:

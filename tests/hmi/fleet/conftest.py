@@ -55,7 +55,8 @@ class FleetConsole(Console):
         )
         self.duty = DutyDesk(parts)
         self.accounts.on_changed.append(self.duty.let_go)
-        actions = FleetActions(self.field.desk.commands, self.field.desk.missions, self.audit)
+        desk = self.field.desk
+        actions = FleetActions(desk.commands, desk.missions, desk.leases.of, self.audit)
         self.api.include_router(fleet_routes(FleetRoutes(actions, groups, self.day.figures)))
         self.api.include_router(duty_routes(DutyRoutes(self.duty, self.walls, self.tokens)))
         self.field.add("weeder-02", "Weeder 02")

@@ -23,7 +23,7 @@ def field() -> Field:
 
 def fleet(field: Field) -> FleetActions:
     """Return group orders on the desk of a field."""
-    return FleetActions(field.desk.commands, field.desk.missions, field.audit)
+    return FleetActions(field.desk.commands, field.desk.missions, field.desk.leases.of, field.audit)
 
 
 def by_robot(results: list[RobotResult]) -> dict[str, tuple[str, str]]:

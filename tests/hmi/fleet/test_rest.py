@@ -7,9 +7,10 @@ from typing import Any
 
 import httpx
 
+from hmi.commands.lease_service import LeaseOp
 from hmi.domain.role import Role
 from hmi.store.duty import Duties
-from tests.hmi.commands.field import FARM
+from tests.hmi.commands.field import FARM, JONAS
 from tests.hmi.fleet.conftest import FleetConsole
 
 BOTH = ["weeder-01", "weeder-02"]
@@ -31,6 +32,17 @@ async def test_a_group_order_answers_for_each_robot(console: FleetConsole) -> No
         {"robot": "weeder-01", "outcome": "accepted", "code": "ok", "text": ""},
         {"robot": "weeder-02", "outcome": "rejected", "code": "busy", "text": "It is busy."},
     ]
+
+
+async def test_an_order_that_needs_control_answers_who_has_it_at_each_robot(console: FleetConsole) -> None:
+    martha = await console.browser(Role.OPERATOR)
+    console.field.desk.leases.operate(JONAS, "weeder-02", LeaseOp.REQUEST, tick_id=console.field.tick())
+    results = (await order(console, martha, "return_home")).json()["results"]
+    assert [one["outcome"] for one in results] == ["accepted", "rejected"]
+    owners = [one["owner"] for one in results]
+    holders = [lease.holder for robot in BOTH if (lease := console.field.desk.leases.of(robot)) is not None]
+    assert [one["session"] for one in owners] == [holder.session_id for holder in holders]
+    assert owners[1]["name"] == "Jonas Weber"
 
 
 async def test_what_starts_machines_cannot_be_asked_of_several(console: FleetConsole) -> None:

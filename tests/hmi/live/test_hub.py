@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from hmi.live.hub import FLEET_S
-from hmi.live.outbox import DELTA_LIMIT, EVENT_LIMIT
+from hmi.live.outbox import DELTA_LIMIT, EVENT_AGE_S, EVENT_CHARS, EVENT_LIMIT
 from hmi.presenters.operate import PRESENTERS
 from tests.hmi.live.rig import HubRig
 
@@ -156,13 +156,45 @@ def test_events_are_never_conflated() -> None:
     assert [f["d"]["n"] for f in rig.take(lane)] == list(range(100))
 
 
-def test_too_many_events_end_the_lane_instead_of_filling_the_memory() -> None:
+def test_what_a_thousand_robots_tell_in_one_moment_ends_no_lane() -> None:
     rig = HubRig(ID)
     lane = rig.lane()
-    for number in range(EVENT_LIMIT + 1):
+    for number in range(3000):
+        rig.hub.event({"kind": "lease", "n": number, "text": "x" * 400})
+    assert not lane.is_overrun
+    assert [f["d"]["n"] for f in rig.take(lane)] == list(range(3000))
+
+
+def test_events_that_nobody_takes_for_long_end_the_lane() -> None:
+    rig = HubRig(ID)
+    lane = rig.lane()
+    for number in range(EVENT_LIMIT):
         rig.hub.event({"n": number})
+    rig.clock.advance(EVENT_AGE_S + 0.1)
+    assert not lane.is_overrun
+    rig.hub.event({"n": EVENT_LIMIT})
     assert lane.is_overrun
     assert len(rig.take(lane)) == EVENT_LIMIT
+
+
+def test_a_lane_that_takes_its_events_lives_however_many_come() -> None:
+    rig = HubRig(ID)
+    lane = rig.lane()
+    for number in range(10 * EVENT_LIMIT):
+        rig.hub.event({"n": number})
+        if number % EVENT_LIMIT == 0:
+            rig.clock.advance(EVENT_AGE_S)
+            rig.take_all(lane)
+    assert not lane.is_overrun
+
+
+def test_events_never_fill_the_memory() -> None:
+    rig = HubRig(ID)
+    lane = rig.lane()
+    for _ in range(100):
+        rig.hub.event({"text": "x" * 60_000})
+    assert lane.is_overrun
+    assert sum(len(frame) for frame in lane.take(rig.hub.snapshot)) <= EVENT_CHARS
 
 
 def test_an_event_can_be_for_one_session_only() -> None:

@@ -38,7 +38,6 @@ GOOD = Facts(
     zone=ZONE,
     robot=ROBOT,
     mission=MISSION,
-    queued_ids=frozenset({"wheat-1"}),
     armed_until=NOW + timedelta(hours=2),
     weather=Weather(NOW - timedelta(minutes=3), 0.0, 2.1, "Yard"),
 )
