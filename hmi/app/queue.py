@@ -124,6 +124,7 @@ class QueueDesk:
                 audit=self._records.audit,
                 authorize=self._authorize,
                 on_changed=self._changed,
+                clock=self._clock,
             )
         )
 
@@ -139,6 +140,7 @@ class QueueDesk:
             zone=self._zone,
             weather=lambda: self.weather.latest,
             may_replace=self.handover.may_replace,
+            sent_s=self.handover.sent_s,
             treatment=lambda: self.treatment(),
             forecast=lambda: self.forecast(),
         )

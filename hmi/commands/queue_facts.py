@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
@@ -26,7 +27,11 @@ from hmi.store.robots import Robots
 
 @dataclass(frozen=True, slots=True)
 class FactSources:
-    """Where facts come from; all answer from memory."""
+    """Where facts come from; all answer from memory.
+
+    Args:
+        sent_s: when a robot last took a mission from a person: what it told before says nothing about what it holds.
+    """
 
     store: QueueStore
     missions: Missions
@@ -38,6 +43,7 @@ class FactSources:
     zone: ZoneInfo
     weather: Callable[[], Weather | None]
     may_replace: Callable[[str, str], bool] = lambda _robot_id, _sha256: False
+    sent_s: Callable[[str], float] = lambda _robot_id: -math.inf
     treatment: Callable[[], Gate | None] = lambda: None
     forecast: Callable[[], Forecast | None] = lambda: None
 
@@ -95,6 +101,7 @@ class FactDesk:
 def _robot(robot: Robot, source: FactSources, *, is_allowed: bool) -> RobotFacts:
     now_s = source.clock.mono_s()
     state, safety, telemetry = robot.state, robot.safety, robot.telemetry
+    is_known = state is not None and state.stamp.source_s > source.sent_s(robot.id)
     order = state.order if state is not None else None
     held = source.missions.known(order.mission_id) if order is not None else None
     fault = next((f for f in state.faults if f.level in ("critical", "high")), None) if state is not None else None
@@ -103,7 +110,7 @@ def _robot(robot: Robot, source: FactSources, *, is_allowed: bool) -> RobotFacts
         is_unattended_allowed=is_allowed,
         link_age_s=None if robot.link.challenge_s is None else now_s - robot.link.challenge_s,
         safety_age_s=None if safety is None else now_s - safety.stamp.source_s,
-        state_age_s=None if state is None else now_s - state.stamp.source_s,
+        state_age_s=now_s - state.stamp.source_s if state is not None and is_known else None,
         stop=_stop(robot),
         mode=Mode.UNKNOWN if state is None else state.mode,
         order=OrderStatus.NONE if order is None else order.status,

@@ -9,9 +9,11 @@ queue waits for daylight. So the queue is only allowed to send its own mission o
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from hmi.clock import Clock
 from hmi.commands.audit_line import audit_line
 from hmi.commands.ports import AuditSink, FleetReader
 from hmi.commands.refusal import UNKNOWN_ROBOT, OrderRefused
@@ -39,6 +41,7 @@ class HandoverParts:
     audit: AuditSink
     authorize: Authorize
     on_changed: Callable[[str, str], None]
+    clock: Clock
 
 
 class QueueHandover:
@@ -50,6 +53,7 @@ class QueueHandover:
     def __init__(self, parts: HandoverParts) -> None:
         self._parts = parts
         self._replaceable: dict[str, str] = {}  # robot: hash
+        self._sent_s: dict[str, float] = {}  # robot: when a person's mission was taken
 
     def may_replace(self, robot_id: str, sha256: str) -> bool:
         """Say whether the queue may send its next mission over the one with this hash; from memory."""
@@ -58,10 +62,16 @@ class QueueHandover:
     def sent(self, robot_id: str) -> None:
         """Forget it: a robot took a mission again, and what was sent last is wanted."""
         self._replaceable.pop(robot_id, None)
+        self._sent_s[robot_id] = self._parts.clock.mono_s()
+
+    def sent_s(self, robot_id: str) -> float:
+        """Return when a robot last took a mission from a person, on the monotonic clock; long ago if it never did."""
+        return self._sent_s.get(robot_id, -math.inf)
 
     def sent_by_queue(self, robot_id: str, sha256: str) -> None:
         """Note what the queue itself has just sent, after ``sent``."""
         self._replaceable[robot_id] = sha256
+        self._sent_s.pop(robot_id, None)
 
     async def take_off(self, session: SessionInfo, robot_id: str, mission_id: str) -> str:
         """Let the queue replace a mission that a person sent and nobody started; returns what comes now.

@@ -91,6 +91,19 @@ async def test_what_a_person_sent_stays_although_it_stands_or_stood_in_the_queue
     assert robot["holds"] == {"mission_id": "wheat-3", "name": "Wheat 3"}
 
 
+async def test_what_the_robot_told_before_it_took_a_persons_mission_says_nothing_of_what_it_holds(
+    farm: QueueFarm,
+) -> None:
+    entry = await farm.add("wheat-1", earliest=MORNING + timedelta(seconds=10))
+    await farm.arm()
+    await farm.step(9)
+    await farm.desk.missions.send(PIETER, "weeder-01", "wheat-3")
+    await farm.step(1, hears=False)
+    assert farm.code(entry) == "state_unknown"
+    await farm.step(1)
+    assert (farm.weeder.holds, farm.code(entry)) == ("wheat-3", "holds_other")
+
+
 async def test_what_the_queue_sent_it_replaces_until_somebody_sends_it_once_more(farm: QueueFarm) -> None:
     first, second = await farm.add("wheat-1", is_unattended=False), await farm.add("wheat-2", is_unattended=False)
     await farm.step(2)
