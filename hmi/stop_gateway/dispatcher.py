@@ -94,26 +94,28 @@ class StopDispatcher:
         return self.book.steps(self._clock.mono_s(), stop_id)
 
     def heartbeat(self) -> dict[str, Any]:
-        """Return the robots of the ``hb`` frame: whom ``all`` means, and those with an open press."""
+        """Return the robots of the ``hb`` frame: whom ``all`` means."""
         now_s = self._clock.mono_s()
         names = {robot_id: entry.name or robot_id for robot_id, entry in self.registry.robots.items()}
+        for attempt in self.book.attempts():
+            names.setdefault(attempt.robot_id, attempt.target.name)
         for robot_id in self._everyone(now_s):
             if robot_id not in names:
                 names[robot_id] = self.registry.target(robot_id).name
-        for attempt in self.book.attempts():
-            names.setdefault(attempt.robot_id, attempt.target.name)
         return {robot_id: self.watch.line(robot_id, name, now_s) for robot_id, name in names.items()}
 
     def _everyone(self, now_s: float) -> list[str]:
-        """Return what ``all`` means: the registered robots and whoever else was heard lately.
+        """Return what ``all`` means: the registered robots, whoever else was heard lately, and who has an open press.
 
-        Before the first list it means whoever was heard.
+        Before the first list it means whoever was heard. A browser expects an answer from every robot of ``hb``:
+        one that is listed there and not sent to would stay NOT CONFIRMED for good.
         """
+        pressed = [attempt.robot_id for attempt in self.book.attempts()]
         registered = self.registry.robots
         if not self.registry.is_known:
-            return self.watch.known()
+            return list(dict.fromkeys([*self.watch.known(), *pressed]))
         strangers = [r for r in self.watch.lately(now_s, STRANGER_HEARD_S) if r not in registered]
-        return [*registered, *strangers[:MAX_STRANGERS]]
+        return list(dict.fromkeys([*registered, *strangers[:MAX_STRANGERS], *pressed]))
 
     def _admitted(self, robots: Iterable[str]) -> list[str]:
         asked = list(robots)
