@@ -61,3 +61,13 @@ async def test_before_the_first_list_stop_all_goes_to_presses_of_before_a_restar
     before.press("stop-all-1")
     after.gateway.restore(before.gateway.book.attempts())
     assert after.press("stop-all-2") == set(after.gateway.heartbeat()) == {"weeder-01"}
+
+
+async def test_the_heartbeat_tells_how_old_the_safety_report_is_beside_the_newest_sign_of_life(farm: Farm) -> None:
+    farm.hear("weeder-01")
+    assert farm.gateway.heartbeat()["weeder-01"]["safety_ms"] is None
+    farm.report("weeder-01", live="stop-1")
+    farm.clock.advance(12)
+    farm.hear("weeder-01")
+    line = farm.gateway.heartbeat()["weeder-01"]
+    assert (line["heard_ms"], line["safety_ms"], line["standstill"]) == (0, 12_000, True)
