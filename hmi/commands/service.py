@@ -156,7 +156,9 @@ class CommandService:
         if mission is not None and self._rules is not None:
             self._rules.check(actor, robot, mission, request.checklist_id)
         order = self._build(actor, robot, request.action, request.command_id, mission=mission)
-        return replace(order, node=request.node, place=request.place)
+        # a robot refuses what it does not know: the target goes only to those that say they understand it
+        is_told = robot.factsheet is not None and robot.factsheet.skips_by_name
+        return replace(order, node=request.node, place=request.place, target=request.target if is_told else None)
 
     def _build(
         self, actor: SessionInfo, robot: Robot, action: Action, command_id: str, *, mission: Order | None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -178,3 +179,13 @@ async def test_only_skipping_names_a_target() -> None:
     field = on_the_field()
     assert (await submit(field, Action.TOOL_RETRACT, target="tree-1")).code == "incomplete"
     assert orders(field) == []
+
+
+@pytest.mark.parametrize("does_know", [True, False])
+async def test_a_robot_is_told_the_target_only_if_it_says_that_it_understands(does_know: bool) -> None:
+    field = on_the_field()
+    assert field.weeder.factsheet is not None
+    field.weeder.factsheet = replace(field.weeder.factsheet, skips_by_name=does_know)
+    at_tree(field, "tree-1")
+    assert (await submit(field, Action.SKIP_TARGET, target="tree-1")).is_accepted
+    assert orders(field)[-1].target == ("tree-1" if does_know else None)
