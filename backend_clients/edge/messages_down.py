@@ -49,7 +49,8 @@ class Command(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
     ``node`` names the node of ``node_*``; ``place`` is where ``go_to`` drives and ``tool_go_to`` moves the tool's tip:
     east and north are ENU metres of the factsheet's datum, the third is metres above the ground at that place. A
-    ``go_to`` orders no height.
+    ``go_to`` orders no height. ``target`` is the point that ``skip_target`` is about, for robots whose factsheet says
+    ``skips_by_name``: one that works at another point refuses with ``other_target``.
     """
 
     command_id: Ref
@@ -64,6 +65,7 @@ class Command(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
     is_supervised: bool = True
     node: Id | UnsetType = UNSET
     place: Point3 | UnsetType = UNSET
+    target: Id | UnsetType = UNSET
 
 
 class Stop(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):

@@ -158,6 +158,7 @@ class Factsheet(Header, frozen=True, kw_only=True):
     functions: list[Function] = field(default_factory=list)
     chart: Chart | None = None
     behaviour: Behaviour = field(default_factory=Behaviour)
+    skips_by_name: Annotated[bool, Meta(description="understands the target of skip_target; left out: no")] = False
 
 
 class Heartbeat(Header, frozen=True, kw_only=True):

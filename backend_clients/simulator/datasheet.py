@@ -43,6 +43,7 @@ def factsheet_fields(config: RobotConfig) -> dict[str, Any]:
             keep_out_m=profile.keep_out_m,
             link_lost_pause_s=config.link_lost_pause_s,
         ),
+        "skips_by_name": True,
     }
 
 

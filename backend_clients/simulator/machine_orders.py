@@ -65,7 +65,7 @@ class MachineOrders:
             case "tool_go_to":
                 return self._send_tip(order)
             case "skip_target":
-                return self._skip()
+                return self._skip(order)
             case _:
                 return self._refilled()
 
@@ -153,10 +153,10 @@ class MachineOrders:
 
     # ---- seedlings ---------------------------------------------------------------------------------------
 
-    def _skip(self) -> Verdict:
+    def _skip(self, order: down.Command) -> Verdict:
         work = self._brain.work
         assert isinstance(work, Sites)
-        verdict = work.skip()
+        verdict = work.skip(None if order.target is UNSET else str(order.target))
         if verdict.is_accepted:
             self._helped()
             self._brain.note("mission", "Tree skipped", verdict.text)

@@ -97,8 +97,11 @@ class Planting:
         self.cycle.forget()
         self._settle_left_s, self._map_left_s = SETTLE_S, MAP_S
 
-    def skip(self) -> Verdict:
+    def skip(self, target_id: str | None = None) -> Verdict:
         """Leave the current point for the next one, its seedling still held."""
+        site = self.rig.site
+        if target_id is not None and site is not None and site.current is not None and site.current.id != target_id:
+            return refused("other_target")
         if "plant" in self.states.active:
             return refused("too_late")
         target = self.cycle.give_up("skipped", "Skipped by a person.")

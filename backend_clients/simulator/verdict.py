@@ -56,6 +56,7 @@ REFUSALS: dict[str, str] = {
     "out_of_reach": "The crane cannot reach that place from here.",
     "unknown_joint": "The machine has no such joint.",
     "no_target": "There is no tree to skip now.",
+    "other_target": "It works at another tree now. Look at it and skip again.",
     "too_late": "The head plants already. Wait until it is done.",
     "unknown_node": "The robot has no such node. Look at the list again.",
     "starts_after": "Another node has to be started first.",

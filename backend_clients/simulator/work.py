@@ -25,8 +25,8 @@ CREEP_MPS = 0.1
 class Sites(Protocol):
     """A work that goes from site to site, where people may help."""
 
-    def skip(self) -> Verdict:
-        """Leave the point that is worked at."""
+    def skip(self, target_id: str | None = None) -> Verdict:
+        """Leave the point that is worked at; where a target is named, only that one."""
         ...
 
     def person_helped(self) -> None:

@@ -43,6 +43,7 @@ class CommandBody(Body):
         tuple[Metres, Metres, Metres] | None,
         Field(description="for go_to and tool_go_to: east, north, height above the ground there; metres", strict=False),
     ] = None
+    target: Annotated[Id | None, Field(description="for skip_target: the point that was shown as worked at")] = None
 
 
 class LeaseBody(Body):
@@ -94,6 +95,7 @@ def order_routes(desk: CommandDesk) -> APIRouter:
             checklist_id=body.checklist_id,
             node=body.node,
             place=body.place,
+            target=body.target,
         )
         result = await desk.commands.submit(session, request)
         return {"command_id": body.command_id, **outcome_of(result)}

@@ -19,6 +19,7 @@ from hmi.commands.refusal import (
     FUNCTION_OFF,
     INCOMPLETE,
     NO_LEASE,
+    OTHER_TARGET,
     UNKNOWN_NODE,
     WRONG_MISSION,
     OrderRefused,
@@ -37,7 +38,8 @@ class CommandRequest:
     """What a screen asks for; ``tick_id`` is the newest tick the screen had when the person decided.
 
     ``mission_id`` and ``mission_sha256`` are what the robot reported when the person began to confirm.
-    ``node`` is for ``NODE_ACTIONS``, ``place`` (ENU metres of the robot's datum) for ``PLACE_ACTIONS``.
+    ``node`` is for ``NODE_ACTIONS``, ``place`` (ENU metres of the robot's datum) for ``PLACE_ACTIONS``, ``target`` for
+    ``SKIP_TARGET``: the point that the screen showed as worked at.
     """
 
     robot_id: str
@@ -49,6 +51,7 @@ class CommandRequest:
     checklist_id: str | None = None
     node: str | None = None
     place: Point3 | None = None
+    target: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +87,7 @@ class CommandService:
                 request.mission_sha256 or "",
                 request.node or "",
                 str(request.place or ""),
+                request.target or "",
             ),
             is_urgent=action not in LEASED_ACTIONS | NODE_ACTIONS,  # the room of pausing is for pausing alone
             about=_about(request),
@@ -147,11 +151,14 @@ class CommandService:
         if request.action in (Action.START, Action.RESUME):
             self._gate.knows_state(robot)
         _is_able(robot, request.action)
+        _is_at_target(robot, request)
         mission = _mission(robot, request)
         if mission is not None and self._rules is not None:
             self._rules.check(actor, robot, mission, request.checklist_id)
         order = self._build(actor, robot, request.action, request.command_id, mission=mission)
-        return replace(order, node=request.node, place=request.place)
+        # a robot refuses what it does not know: the target goes only to those that say they understand it
+        is_told = robot.factsheet is not None and robot.factsheet.skips_by_name
+        return replace(order, node=request.node, place=request.place, target=request.target if is_told else None)
 
     def _build(
         self, actor: SessionInfo, robot: Robot, action: Action, command_id: str, *, mission: Order | None
@@ -186,6 +193,8 @@ def _is_complete(robot: Robot, request: CommandRequest) -> None:
         raise OrderRefused(INCOMPLETE, "Starting, stopping and restarting name a node; nothing else does.")
     if (request.place is not None) != (request.action in PLACE_ACTIONS):
         raise OrderRefused(INCOMPLETE, "Sending it somewhere names a place; nothing else does.")
+    if request.target is not None and request.action is not Action.SKIP_TARGET:
+        raise OrderRefused(INCOMPLETE, "Skipping names the point that is skipped; nothing else does.")
     if request.place is not None and not all(math.isfinite(one) for one in request.place):
         raise OrderRefused(INCOMPLETE, "The place is not a number.")
     declared = robot.factsheet.nodes if robot.factsheet is not None else ()
@@ -199,10 +208,17 @@ def _is_able(robot: Robot, action: Action) -> None:
         raise OrderRefused(FUNCTION_OFF, reason)
 
 
+def _is_at_target(robot: Robot, request: CommandRequest) -> None:
+    """Refuse to skip another point than the one that was looked at: the robot may have gone on to the next."""
+    targets = robot.worksite.targets if robot.worksite is not None else ()
+    if request.target is not None and request.target not in {one.id for one in targets if one.status == "current"}:
+        raise OrderRefused(OTHER_TARGET, f"{robot.name} works at another point now. Look at it and skip again.")
+
+
 def _about(request: CommandRequest) -> str:
     if request.place is not None:
         return ", ".join(f"{one:.2f}" for one in request.place)
-    return request.node or ""
+    return request.node or request.target or ""
 
 
 def _mission(robot: Robot, request: CommandRequest) -> Order | None:

@@ -44,7 +44,7 @@ class StopService:
     Args:
         sender: puts orders on the wire.
         clock: where the time comes from.
-        registry: names and limits; ``all`` means its robots and those heard lately.
+        registry: names and limits; ``all`` means its robots, those heard lately and those with an open press.
         on_press: told robot id, stop id and person of each new press, after it was sent: a stop revokes the lease.
         on_move: told the robots at which a press moved on, such as to NOT CONFIRMED, at once.
     """
@@ -168,11 +168,12 @@ class StopService:
         await asyncio.gather(*tasks, return_exceptions=True)
 
     def _everyone(self, registered: Mapping[str, StopTarget]) -> list[str]:
-        """Return what ``all`` means: the registered robots and whoever else was heard lately, as for the gateway."""
+        """Return what ``all`` means, as for the gateway: registered, heard lately, or with an open press."""
         now_s = self._clock.mono_s()
         heard = [robot_id for robot_id, (at_s, _) in self._speeds.items() if now_s - at_s <= STRANGER_HEARD_S]
         strangers = [robot_id for robot_id in heard if robot_id not in registered]
-        return [*registered, *strangers[:MAX_STRANGERS]]
+        pressed = [attempt.robot_id for attempt in self._book.attempts()]
+        return list(dict.fromkeys([*registered, *strangers[:MAX_STRANGERS], *pressed]))
 
     def _send(self, attempt: StopAttempt, now_s: float) -> None:
         order = StopOrder(attempt.robot_id, attempt.stop_id, attempt.by, attempt.device)

@@ -70,6 +70,7 @@ class CommandOrder:
     is_supervised: bool = True
     node: str | None = None
     place: Point3 | None = None
+    target: str | None = None
 
 
 @dataclass(frozen=True, slots=True)

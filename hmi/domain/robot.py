@@ -237,6 +237,8 @@ class Factsheet:
     charge_w: float | None = None
     path_reverse_mps: float | None = None
     """Speed at which it follows a path backwards in a turn; ``None``: never."""
+    skips_by_name: bool = False
+    """Whether it understands which point an order to skip is about."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -241,6 +241,7 @@ def _command(order: CommandOrder) -> down.Command:
         is_supervised=order.is_supervised,
         node=UNSET if order.node is None else order.node,
         place=UNSET if order.place is None else order.place,
+        target=UNSET if order.target is None else order.target,
     )
 
 

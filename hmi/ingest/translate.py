@@ -126,6 +126,7 @@ def factsheet(m: up.Factsheet) -> domain.Factsheet:
         cameras=translate_machine.cameras(m),
         battery_wh=m.battery.capacity_wh if m.battery else None,
         charge_w=m.battery.charge_w if m.battery else None,
+        skips_by_name=m.skips_by_name,
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import math
 import secrets
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
@@ -24,6 +25,7 @@ from hmi.stop_gateway.wire import BrokerWire, Heard, LinkChanged, answer_of, rep
 MAX_AT_ONCE = 8  # copies of different presses for one robot in one round; the least sent go first
 POLL_S = 0.2  # the robot's HTTP safety state while a press is not confirmed
 POLL_IF_OLDER_S = 0.3  # no question while MQTT brings the answer at 5 to 10 Hz
+KEEP_S, KEEP_IF_OLDER_S = 0.5, 0.7  # of a stopped robot: a report counts 2 s, and lines of large fleets come at 1 Hz
 ASK_S, ASK_MAX_S = 1.0, 8.0  # signs of life by HTTP from robots that are silent on MQTT
 PING_S = (0.9, 1.5)  # jittered: the robot echoes one nonce a heartbeat, and the console measures too
 LONGEST_WAIT_S = 0.1
@@ -94,26 +96,28 @@ class StopDispatcher:
         return self.book.steps(self._clock.mono_s(), stop_id)
 
     def heartbeat(self) -> dict[str, Any]:
-        """Return the robots of the ``hb`` frame: whom ``all`` means, and those with an open press."""
+        """Return the robots of the ``hb`` frame: whom ``all`` means."""
         now_s = self._clock.mono_s()
         names = {robot_id: entry.name or robot_id for robot_id, entry in self.registry.robots.items()}
+        for attempt in self.book.attempts():
+            names.setdefault(attempt.robot_id, attempt.target.name)
         for robot_id in self._everyone(now_s):
             if robot_id not in names:
                 names[robot_id] = self.registry.target(robot_id).name
-        for attempt in self.book.attempts():
-            names.setdefault(attempt.robot_id, attempt.target.name)
         return {robot_id: self.watch.line(robot_id, name, now_s) for robot_id, name in names.items()}
 
     def _everyone(self, now_s: float) -> list[str]:
-        """Return what ``all`` means: the registered robots and whoever else was heard lately.
+        """Return what ``all`` means: the registered robots, whoever else was heard lately, and who has an open press.
 
-        Before the first list it means whoever was heard.
+        Before the first list it means whoever was heard. A browser expects an answer from every robot of ``hb``:
+        one that is listed there and not sent to would stay NOT CONFIRMED for good.
         """
+        pressed = [attempt.robot_id for attempt in self.book.attempts()]
         registered = self.registry.robots
         if not self.registry.is_known:
-            return self.watch.known()
+            return list(dict.fromkeys([*self.watch.known(), *pressed]))
         strangers = [r for r in self.watch.lately(now_s, STRANGER_HEARD_S) if r not in registered]
-        return [*registered, *strangers[:MAX_STRANGERS]]
+        return list(dict.fromkeys([*registered, *strangers[:MAX_STRANGERS], *pressed]))
 
     def _admitted(self, robots: Iterable[str]) -> list[str]:
         asked = list(robots)
@@ -198,14 +202,21 @@ class StopDispatcher:
         self.book.sent(attempt, now_s, by_mqtt=by_mqtt)
 
     def _ask(self, now_s: float) -> None:
-        unsure = {attempt.robot_id for attempt in self.book.attempts() if attempt.wants_sending}
-        for robot_id in {*self.registry.robots, *unsure}:
+        attempts = self.book.attempts()
+        pressed = {attempt.robot_id for attempt in attempts}
+        unsure = {attempt.robot_id for attempt in attempts if attempt.wants_sending}
+        for robot_id in {*self.registry.robots, *pressed}:
             if not self._http.has(robot_id) or now_s < self._ask_at.get(robot_id, 0.0):
                 continue
             heard = self.watch.of(robot_id)
+            report_age_s = math.inf if heard.report_s is None else now_s - heard.report_s
             if robot_id in unsure:
-                if heard.report_s is None or now_s - heard.report_s > POLL_IF_OLDER_S:
+                if report_age_s > POLL_IF_OLDER_S:
                     self._ask_at[robot_id] = now_s + POLL_S
+                    self._http.ask(robot_id)
+            elif robot_id in pressed:
+                if report_age_s > KEEP_IF_OLDER_S:
+                    self._ask_at[robot_id] = now_s + self._ask_pause.get(robot_id, KEEP_S)
                     self._http.ask(robot_id)
             elif heard.heard_s is None or heard.via == "http" or now_s - heard.heard_s > ASK_S:
                 self._ask_at[robot_id] = now_s + self._ask_pause.get(robot_id, ASK_S)

@@ -88,6 +88,7 @@ class RobotWatch:
             "standstill": report.is_standing if report else None,
             "speed_mps": report.speed_mps if report else None,
             "hardware_stop": report.hardware_stop if report else None,
+            "safety_ms": _ms(now_s, heard.report_s),
         }
 
 

@@ -12,6 +12,7 @@
   if (window.headlandStop) return;
   const { Presses, GatewaySocket, Sound, Slab, toGateway, toConsole, words, WORST, ANY } = window.headlandStopParts;
   const LOST_MS = 3500; // as for every stream of 2 Hz and more
+  const STALE_MS = 2000; // likewise
   const RETRY_MS = 1000;
   const FAILED_RETRY_MS = 200;
   const HOPELESS_MS = 3000; // a path missing for this long is missing; before, the page may just have opened
@@ -157,11 +158,11 @@
     if (!view || view.robot !== line || view.card !== card || view.scope !== config.scope) {
       const name = line?.name || card.name || (config.scope.id === id && config.scope.name) || id;
       if (view?.name !== name) changes += 1;
-      const { state, isLinked } = view ?? {};
-      view = { id, name, robot: line, card, scope: config.scope, state, isLinked, keep_out_m: card.keep_out_m ?? KEEP_OUT_M, contact_name: card.contact_name, contact_phone: card.contact_phone };
+      const { state, isLinked, isStanding } = view ?? {};
+      view = { id, name, robot: line, card, scope: config.scope, state, isLinked, isStanding, keep_out_m: card.keep_out_m ?? KEEP_OUT_M, contact_name: card.contact_name, contact_phone: card.contact_phone };
       views.set(id, view);
     }
-    const { state: stateBefore, isLinked: wasLinked } = view;
+    const { state: stateBefore, isLinked: wasLinked, isStanding: wasStanding } = view;
     view.heardMs = line && typeof line.heard_ms === "number" ? line.heard_ms + now - line.at : null;
     view.isLinked = isFresh && view.heardMs !== null && view.heardMs <= LOST_MS;
     view.isEnrolled = isEnrolled;
@@ -169,7 +170,10 @@
     view.steps = steps;
     view.step = steps[0];
     view.state = stateOf(view, steps, line, now, isFresh);
-    if (view.state !== stateBefore || view.isLinked !== wasLinked) changes += 1;
+    view.standstillMs = view.state === "standstill" && isFresh ? proofMs(line, steps, now) : 0;
+    view.isOld = view.standstillMs > STALE_MS;
+    view.isStanding = view.state === "standstill" && view.isLinked && !view.isOld; // who is offline or silent never counts
+    if (view.state !== stateBefore || view.isLinked !== wasLinked || view.isStanding !== wasStanding) changes += 1;
     const { step } = view;
     view.latchedMs = step?.standstill_ms != null ? now - step.at - step.standstill_ms : (line?.latched_ms ?? 0) + (line ? now - line.at : 0);
     return view;
@@ -184,6 +188,14 @@
     return view.isLinked ? "ready" : "no-link";
   }
 
+  // How long ago its safety controller last said that it stands; heartbeats alone prove nothing. A gateway of before
+  // `safety_ms` leaves that open.
+  function proofMs(line, steps, now) {
+    if (!line || line.safety_ms === undefined) return 0;
+    const told = line.safety_ms === null ? Infinity : line.safety_ms + now - line.at;
+    return steps.reduce((ms, step) => (step.state === "standstill" ? Math.min(ms, now - step.at - step.standstill_ms) : ms), told);
+  }
+
   function linkText(line) {
     if (socket.rttMs === null) return "linked";
     if (line && line.rtt_ms === null) return line.via === "http" ? "direct, no broker" : "linked";
@@ -193,16 +205,16 @@
   function allView(seen, now, isFresh, isEnrolled) {
     const view = { total: seen.length, standing: 0, linked: 0, failing: [], isEnrolled, note: config.note, link: linkText(), at: now };
     let [open, untouched, isSent] = [0, 0, false];
-    for (const { state, isLinked, steps, step, name } of seen) {
-      const isStanding = state === "standstill";
+    for (const { state, isLinked, isStanding, steps, step, name } of seen) {
       if (isLinked) view.linked += 1;
-      if (isStanding && isLinked) view.standing += 1; // an offline robot is never counted
+      if (isStanding) view.standing += 1;
+      if (state === "standstill") continue; // or stood when it was last heard: nothing is awaited of it
       if (state === "not-confirmed") view.failing.push(name);
-      if (steps.length && !isStanding) {
+      if (steps.length) {
         open += 1;
         isSent ||= state === "sent";
         view.at = Math.min(view.at, step.at);
-      } else if (!isStanding) untouched += 1;
+      } else untouched += 1;
     }
     if (view.failing.length) view.state = "not-confirmed";
     else if (open && !untouched) view.state = isSent ? "sent" : "acknowledged";
@@ -233,7 +245,7 @@
 
   function publicState(now = performance.now()) {
     const seen = look(now);
-    const plain = ({ id, name, state, isLinked, heardMs, step }) => ({ id, name, state, is_linked: isLinked, heard_ms: heardMs, step });
+    const plain = ({ id, name, state, isLinked, isStanding, heardMs, step }) => ({ id, name, state, is_linked: isLinked, is_standing: isStanding, heard_ms: heardMs, step });
     return {
       state: seen.state, scope: seen.scope, is_fresh: seen.isFresh, is_enrolled: seen.all.isEnrolled, total: seen.total,
       standing: seen.all.standing, all_state: seen.all.state, failing: seen.all.failing, robots: seen.robots.map(plain),

@@ -94,13 +94,13 @@
     draw(view, all, isAll, now) {
       const [word, scope, line, hasDot] = isAll ? parts.words.all(all, now) : parts.words.one(view, now);
       const state = isAll ? all.state : view.state;
-      const said = [word, scope, line, hasDot, state, isAll, isAll || [view.id, view.name, view.isLinked], parts.words.segment(all), all.state, all.standing, all.total, all.failing].join("|");
+      const said = [word, scope, line, hasDot, state, isAll, isAll || [view.id, view.name, view.isStanding], parts.words.segment(all), all.state, all.standing, all.total, all.failing].join("|");
       if (said === this.drawn) return; // ten looks a second, and mostly it says the same
       this.drawn = said;
       attribute(this.slab.node, "data-state", state);
       attribute(this.slab.node, "data-scope", isAll ? "all" : view.id);
       attribute(this.slab.node, "aria-label", `${word} ${isAll ? "" : view.name}. ${scope} ${line}`);
-      attribute(this.slab.node, "data-hollow", state === "no-link" || (state === "standstill" && !isAll && !view.isLinked) ? "" : null);
+      attribute(this.slab.node, "data-hollow", state === "no-link" || (state === "standstill" && !isAll && !view.isStanding) ? "" : null);
       attribute(this.slab.face, "data-testid", isAll ? "stop-all" : null);
       for (const node of isAll ? [this.slab.node, this.slab.face] : [this.all.node]) count(node, all);
       if (!isAll) count(this.slab.node, null);

@@ -11,6 +11,7 @@
     return s < 3600 ? `${mm}:${ss}` : `${Math.floor(s / 3600)} h ${mm.padStart(2, "0")}`;
   };
   const age = (ms) => (ms < 10000 ? `${(ms / 1000).toFixed(1)} s` : ms < 60000 ? `${Math.floor(ms / 1000)} s` : clock(ms));
+  const seconds = (ms) => age(Math.floor(ms / 1000) * 1000).replace(".0", "");
   const robots = (n) => (n === 1 ? "1 robot" : `All ${n} robots`);
   const speed = (step) => (Number.isFinite(step?.speed_mps) ? `braking, ${step.speed_mps.toFixed(2)} m/s` : "braking");
   const list = (names) => (names.length < 2 ? names.join("") : `${names.slice(0, -1).join(", ")} and ${names.at(-1)}`);
@@ -23,7 +24,7 @@
       case "ready":
         return ["STOP", name, `READY · ${robot?.hardware_stop ? "machine button is pressed" : view.note || view.link}`, true];
       case "no-link":
-        return ["STOP", name, view.heardMs === null ? "NO LINK · sends anyway" : `NO LINK ${age(Math.floor(view.heardMs / 1000) * 1000).replace(".0", "")} · sends anyway`, true];
+        return ["STOP", name, view.heardMs === null ? "NO LINK · sends anyway" : `NO LINK ${seconds(view.heardMs)} · sends anyway`, true];
       case "no-path":
         return view.isEnrolled ? ["STOP", "NO PATH", "use the machine button", false] : ["STOP", ...NOT_ENROLLED, false];
       case "sent":
@@ -31,7 +32,8 @@
       case "acknowledged":
         return ["STOP", "ACKNOWLEDGED BY ROBOT", speed(step || robot), true];
       case "standstill":
-        return ["STOPPED", "Standstill confirmed", `latched ${clock(view.latchedMs)}${view.isLinked ? "" : `, no link ${age(view.heardMs ?? 0)}`}`, true];
+        if (view.isOld && view.isLinked) return ["STOPPED", `Standstill ${seconds(view.standstillMs)} ago`, "safety controller silent", true];
+        return ["STOPPED", view.isOld ? `Standstill ${seconds(view.standstillMs)} ago` : "Standstill confirmed", `latched ${clock(view.latchedMs)}${view.isLinked ? "" : `, no link ${age(view.heardMs ?? 0)}`}`, true];
       default:
         return ["STOP", "NOT CONFIRMED", "press again, or use machine", false];
     }
@@ -84,13 +86,15 @@
     const isOne = summary.scope.kind === "robot";
     const stopped = summary.robots.filter((r) => r.state === "standstill" && (!isOne || r.id === summary.scope.id));
     if (!stopped.length || (!isOne && stopped.length < summary.total)) return null;
+    const old = stopped.filter((r) => r.isOld);
+    const they = stopped.length === 1 ? "it" : "them";
     const { step } = stopped[0];
     const confirmed = step ? new Date(Date.parse(step.pressed_utc) + (step.standstill_ms || 0)) : null;
     const who = step ? `Pressed by ${step.by || "somebody"}${step.device && step.device !== step.by ? ` on ${step.device}` : ""}. ` : "";
     return {
       level: "p3", height: 64, icon: "front_hand", state: "standstill", robots: stopped.map((r) => r.id),
-      title: `Stopped. Standstill confirmed${confirmed ? ` ${confirmed.toLocaleTimeString("en-GB")}` : ""}`,
-      text: `${who}${stopped.length === 1 ? "The robot stays" : "They stay"} stopped until someone resets ${stopped.length === 1 ? "it" : "them"}.`,
+      title: old.length ? `Stopped. Standstill told ${seconds(Math.max(...old.map((r) => r.standstillMs)))} ago` : `Stopped. Standstill confirmed${confirmed ? ` ${confirmed.toLocaleTimeString("en-GB")}` : ""}`,
+      text: old.length ? `${who}Nothing newer was heard. Look before you walk up to ${they}.` : `${who}${stopped.length === 1 ? "The robot stays" : "They stay"} stopped until someone resets ${they}.`,
       duration: clock(Math.min(...stopped.map((r) => r.latchedMs))), duration_label: "", contact: null,
     };
   }

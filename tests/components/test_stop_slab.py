@@ -46,7 +46,7 @@ class Farm:
         if not self.gateway.is_running:
             self.gateway.start()
         for robot in self.robots:
-            robot.is_silent = robot.is_deaf = robot.is_runaway = False
+            robot.is_silent = robot.is_deaf = robot.is_runaway = robot.is_mute = robot.is_http_mute = False
             for stop_id in list(robot.presses):
                 robot.reset(stop_id)
             robot.speed_mps, robot.ack_after_s = (
@@ -372,6 +372,12 @@ def test_no_words_run_out_of_the_slab_in_any_state(page: Page, farm: Farm, theme
     farm.weeder.is_runaway = False
     sees(slab, "standstill")
     found += page.evaluate(too_wide)
+    farm.weeder.is_mute = farm.weeder.is_http_mute = True
+    expect(slab).to_contain_text("safety controller silent", timeout=15_000)
+    expect(slab).to_have_attribute("data-hollow", "")
+    found += page.evaluate(too_wide)
+    farm.weeder.is_mute = False
+    expect(slab).to_contain_text("Standstill confirmed", timeout=15_000)
     assert found == []
 
 

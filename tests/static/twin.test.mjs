@@ -209,6 +209,24 @@ test("the card of a tap says how far it is now, and the arm's reach counts from 
   assert.equal(drive.off, "The pose is old. How far it is now is not known.");
 });
 
+test("nothing is sent by a picture that stands still, though poses go on coming", () => {
+  const { page, details } = screen();
+  const touched = { x_m: 5, y_m: 1, distance_m: 2, arm_m: 2, reach_m: 6 };
+  const offs = () => Array.from(details.slides, ({ slide }) => slide.off);
+  details.show({ ...TAP });
+  assert.deepEqual(offs(), ["", ""]);
+  page.pass(3000);
+  page.status({ touched });
+  details.paint();
+  assert.deepEqual(offs(), Array(2).fill("The picture is old. Wait until it is live again."));
+  page.beat({ isConnected: false });
+  details.paint();
+  assert.ok(offs().every(Boolean), "its connection is gone");
+  page.beat();
+  details.paint();
+  assert.deepEqual(offs(), ["", ""]);
+});
+
 test("a place that is not marked any more is not offered", () => {
   const { page, details } = screen();
   details.show({ ...TAP });

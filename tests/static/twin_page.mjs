@@ -61,7 +61,7 @@ export function load() {
       answers.shift()({ ok: isOk, data });
       await new Promise((done) => setImmediate(done));
     },
-    beat: () => listeners.forEach((call) => call({ data: { from: "headland-twin", kind: "beat", isConnected: true, ageMs: 100, frames: 3 }, source: "frame", origin: location.origin })),
+    beat: (more = {}) => listeners.forEach((call) => call({ data: { from: "headland-twin", kind: "beat", isConnected: true, ageMs: 100, frames: 3, ...more }, source: "frame", origin: location.origin })),
     status: (more = {}) => sockets.at(-1).onmessage({ data: JSON.stringify({ k: "status", is_drawn: true, pose_age_s: 0.1, ages_s: {}, is_past: false, past_ms: null, touched: null, ...more }) }),
     orders: () => sockets.at(-1).sent.map((text) => JSON.parse(text)),
     ring: () => timers.splice(0).forEach((call) => call()),

@@ -12,25 +12,34 @@
     return off || HL.port.robot(robot).actions?.skip_target?.reason || HL.lease.obstacle(robot);
   }
 
+  const current = (robot) => HL.port.inside(robot).site?.targets.find((one) => one.status === "current")?.id;
+
   class CamerasDock extends LiveElement {
     build() {
       this.openWord = el("span");
       this.open = el("a", { class: "h-btn op", "data-testid": "cameras-open" }, icon("open_in_new"), this.openWord);
       this.aloneWord = el("span");
       this.alone = el("button", { type: "button", class: "h-btn op", "data-testid": "cameras-alone", onclick: () => HL.camera.shown?.enlarge(HL.camera.shown.current()) }, icon("videocam"), this.aloneWord);
-      this.skip = el("button", { type: "button", class: "h-btn op", "data-testid": "cameras-skip", onclick: () => this.ask() }, icon("keyboard_double_arrow_right"), el("span", {}, "Skip"));
+      this.skip = el("button", { type: "button", class: "h-btn op", "data-testid": "cameras-skip", onclick: () => this.ask() }, icon("keyboard_double_arrow_right"), (this.skipWord = el("span")));
       this.hint = el("span", { class: "h-hint c-hint" }, "Delay is camera to screen. Pictures older than 1 s are marked.", el("br"), "Tap a picture to choose it.");
       this.append(this.open, this.alone, this.skip, el("span", { class: "h-sp" }), this.hint);
+      for (const type of ["pointerdown", "focusin"]) this.addEventListener(type, () => HL.camera.shown?.hold());
     }
     robot() {
       const tile = HL.camera.shown?.current();
       return tile && tile.one.robot !== "field" ? tile.one.robot : null;
     }
+    // what the button names, and nothing that came after it
     async ask() {
-      const robot = this.robot();
+      const { robot, target } = this.offer ?? {};
+      if (this.isPending) return null;
       const why = robot && refusal(robot);
       if (!robot || why) return HL.toast(why || "Choose a picture first.", "lock");
-      const reply = await HL.port.command(robot, "skip_target");
+      this.isPending = true;
+      this.paint();
+      const reply = await HL.port.command(robot, "skip_target", target ? { target } : {});
+      this.isPending = false;
+      this.paint();
       return HL.toast(reply.outcome === "accepted" ? `${HL.port.fleet()[robot]?.name} skips it.` : `${HL.outcomeWords(reply.outcome)}: ${reply.text}`, reply.outcome === "accepted" ? "check" : "block");
     }
     paint() {
@@ -45,8 +54,14 @@
       const { actions } = HL.port.robot(robot);
       const { verdict, robot: entry } = HL.camera.wall.items().get(robot) ?? {};
       const isWaiting = verdict?.waits && ASKS.includes(entry.code);
-      attr(this.skip, "hidden", !robot || !isWaiting || !actions?.skip_target?.ok);
-      attr(this.skip, "aria-disabled", robot && refusal(robot) ? "true" : null);
+      const isOffered = Boolean(robot && isWaiting && actions?.skip_target?.ok);
+      attr(this.skip, "data-state", this.isPending ? "pending" : null);
+      attr(this.skip, "aria-disabled", this.isPending || (robot && refusal(robot)) ? "true" : null);
+      if (isOffered) HL.camera.shown.offeredAt = performance.now();
+      if (this.isPending) return; // it goes on naming what was asked
+      this.offer = isOffered ? { robot, target: current(robot) } : null;
+      attr(this.skip, "hidden", !isOffered);
+      if (isOffered) text(this.skipWord, `Skip at ${HL.port.fleet()[robot]?.name ?? robot}`);
     }
   }
 

@@ -61,6 +61,10 @@
     named(tile) {
       return `${tile.name.textContent} ${tile.label.textContent}`;
     }
+    // who works in the dock means the picture that is chosen now: it is not exchanged any more
+    hold() {
+      this.isChosen ||= Boolean(this.current());
+    }
     choose(tile) {
       HL.camera.wall.current = tile ? HL.camera.order.id(tile.one) : null;
       this.isChosen = true;
@@ -107,11 +111,15 @@
       if (!this.isChosen || (HL.camera.wall.current && !keys.includes(HL.camera.wall.current))) this.first(keys);
     }
 
-    // what waits for a person is chosen by itself, until somebody chooses
+    // what waits for a person is chosen by itself, until somebody chooses; never another robot where Skip is offered or
+    // just was, for a finger may be on its way
     first(keys) {
       const items = HL.camera.wall.items();
-      const key = keys.find((one) => items.get(this.tiles.get(one).one.robot)?.verdict.waits) ?? null;
-      if (key === HL.camera.wall.current) return;
+      const { current } = HL.camera.wall;
+      const isOffered = performance.now() - (this.offeredAt ?? -Infinity) < REST_MS;
+      const waiting = () => keys.find((one) => items.get(this.tiles.get(one).one.robot)?.verdict.waits);
+      const key = (isOffered ? keys.find((one) => one === current) : waiting()) ?? null;
+      if (key === current) return;
       HL.camera.wall.current = key;
       this.follow(key ? this.tiles.get(key).one.robot : null);
     }

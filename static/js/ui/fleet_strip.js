@@ -78,17 +78,19 @@
       const isFrozen = Boolean(HL.fleet.freeze);
       attr(this, "hidden", !robots.length && !isFrozen);
       if (!robots.length && !isFrozen) return;
-      const standing = robots.filter((one) => one.state === "standstill" && one.is_linked);
+      const standing = robots.filter((one) => one.is_standing);
+      const silent = robots.filter((one) => one.state === "standstill" && one.is_linked && !one.is_standing);
       const offline = robots.filter((one) => !one.is_linked);
       const failing = robots.filter((one) => one.state === "not-confirmed" && one.is_linked);
       const waiting = robots.filter((one) => ["sent", "acknowledged"].includes(one.state) && one.is_linked);
-      attr(this, "data-state", failing.length || offline.length ? "not-confirmed" : waiting.length ? "sent" : robots.length ? "standstill" : "frozen");
+      attr(this, "data-state", failing.length || offline.length || silent.length ? "not-confirmed" : waiting.length ? "sent" : robots.length ? "standstill" : "frozen");
       attr(this, "data-standing", standing.length);
       attr(this, "data-total", robots.length);
       text(this.head, robots.length ? `${standing.length} of ${robots.length} standing` : "Queue is frozen");
       const lines = [
         failing.length ? `NOT CONFIRMED: ${list(failing.map((one) => one.name))}. Use the button on the machine.` : "",
         offline.length ? `No link: ${list(offline.map((one) => one.name))}. Not counted as stopped; the stop goes first when ${offline.length === 1 ? "it returns" : "they return"}.` : "",
+        silent.length ? `Safety controller silent: ${list(silent.map((one) => one.name))}. Not counted as standing; look before you walk up.` : "",
         waiting.length ? `Waiting for ${list(waiting.map((one) => one.name))}.` : "",
         isFrozen ? "The mission queue is frozen until somebody releases it under Missions, Queue." : "",
       ].filter(Boolean);

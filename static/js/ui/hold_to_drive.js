@@ -27,7 +27,8 @@
     held: new Map(), // source -> {v, w} in shares of the step
     isStickReady: false, // its trigger was seen let go since driving began or was interrupted
     lastInput: 0,
-    isMine: () => drive.robot !== null && drive.robot === HL.view.robot,
+    // whatever else shows the robot: without the pads in sight no key and no stick may move it
+    isMine: () => drive.robot !== null && drive.robot === HL.view.robot && drive.pads.isConnected,
     blockedBy: "",
     endsInMs: () => Math.max(0, IDLE_MS - (performance.now() - drive.lastInput)),
   };
@@ -63,7 +64,7 @@
     drive.blockedBy = obstacle();
     readGamepad();
     if (drive.blockedBy) {
-      if (drive.held.size) release(drive.blockedBy);
+      if (drive.held.size) release();
     } else if (drive.held.size) {
       drive.lastInput = performance.now();
       const { v, w } = setpoint();
@@ -75,7 +76,7 @@
 
   // zero now, twice: one lost frame must not cost the dead-man's half second
   function release() {
-    const wasHeld = drive.held.size > 0;
+    const wasHeld = drive.held.size;
     drive.held.clear();
     drive.isStickReady = false;
     if (wasHeld && drive.robot) {
@@ -94,15 +95,16 @@
   }
 
   async function open(robot) {
+    drive.pads = document.querySelector("hl-drive");
     const reply = await HL.port.command(robot, "drive_open");
-    if (reply.outcome === "accepted") begin(robot);
+    // who left meanwhile does not drive: not from another screen, not when coming back
+    if (reply.outcome === "accepted") drive.pads.isConnected && HL.view.robot === robot ? begin(robot) : HL.port.command(robot, "drive_close");
     return reply;
   }
 
   function begin(robot) {
     drive.robot = robot;
-    drive.begunAt = performance.now();
-    drive.lastInput = performance.now();
+    drive.begunAt = drive.lastInput = performance.now();
     drive.held.clear();
     drive.isStickReady = false;
     drive.timer ??= setInterval(beat, PERIOD_MS);
@@ -130,8 +132,8 @@
   // that was held when driving began, or while anything stopped it, has to be let go first: nothing sets off by itself.
   function readGamepad() {
     const pad = [...(navigator.getGamepads?.() || [])].find((one) => one?.connected);
-    const isHeld = Boolean(pad) && (pad.buttons[7]?.value > 0.5 || Boolean(pad.buttons[5]?.pressed));
-    const isAlone = ![...drive.held.keys()].some((key) => key !== "gamepad");
+    const isHeld = pad?.buttons[7]?.value > 0.5 || Boolean(pad?.buttons[5]?.pressed);
+    const isAlone = drive.held.size === Number(drive.held.has("gamepad"));
     const isReady = isHeld ? drive.isStickReady && !drive.blockedBy && isAlone : Boolean(pad);
     const dead = (axis) => (Math.abs(axis || 0) < 0.15 ? 0 : axis);
     const [v, w] = isHeld ? [-dead(pad.axes[1]), -dead(pad.axes[0])] : [0, 0];
@@ -212,9 +214,8 @@
       const id = (this.finger = event.pointerId);
       node.setPointerCapture?.(id);
       const done = (end) => {
-        if (end.type === "pointerdown" ? end.pointerId === id : end.pointerId !== id) return;
+        if ((end.type === "pointerdown") === (end.pointerId === id)) return;
         this.finger = null;
-        this.twice = end.type === "pointerdown";
         for (const type of ENDS) window.removeEventListener(type, done, true);
         release();
       };

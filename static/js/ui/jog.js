@@ -82,8 +82,12 @@
 
   // shown() brings the pads and returns what takes them away
   async function open(robot, shown) {
+    const { screen } = HL.view;
     const reply = await HL.port.command(robot, "drive_open");
-    if (reply.outcome === "accepted" && HL.view.robot === robot) begin(robot, shown);
+    if (reply.outcome === "accepted") {
+      if (HL.view.robot === robot && HL.view.screen === screen) begin(robot, shown);
+      else HL.port.command(robot, "drive_close"); // the answer came after the person left
+    }
     return reply;
   }
 

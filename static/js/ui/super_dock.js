@@ -45,6 +45,9 @@
     return number ? `Skip tree ${Number(number)}` : "Skip tree";
   }
 
+  // the tree that the button named when it was tapped; the robot may be at the next one by then
+  const skip = (dock) => () => HL.port.command(HL.view.robot, "skip_target", dock.at ? { target: dock.at } : {});
+
   function button(hook, sign, label, act, look = "") {
     const word = el("span", {}, label);
     const sub = el("span", { class: "sub" });
@@ -77,7 +80,7 @@
     home: (dock) => [slide(dock, { hook: "mission-return-home", icon: "home", label: "Slide to return home", line: "It drives home by itself", button: { icon: "home", label: "Return home" }, act: order("return_home") }), "return_home"],
     retract: (dock) => [slide(dock, { hook: "tool-retract", icon: "undo", label: `Slide to retract the ${tool()}`, line: `The ${tool()} moves. Check that nobody is near it`, button: { icon: "undo", label: `Retract ${tool()}` }, act: order("tool_retract") }), "tool_retract"],
     jog: () => [button("jog-open", "sports_esports", jogWords(), () => HL.jogSheet.open(HL.view.robot)), "jog"],
-    skip: () => [button("target-skip", "keyboard_double_arrow_right", target(), order("skip_target")), "skip_target", target],
+    skip: (dock) => [button("target-skip", "keyboard_double_arrow_right", target(), skip(dock)), "skip_target", target],
     refilled: (dock) => [slide(dock, { hook: "stock-refilled", icon: "done_all", label: "Slide: trays are full", line: "It may go on by itself. Keep clear", button: { icon: "done_all", label: "Trays full" }, act: order("stock_refilled") }), "stock_refilled"],
   };
   const isWaitingForStock = () => HL.port.robot(HL.view.robot).why?.code === "tray_empty" || (HL.port.inside(HL.view.robot).active?.states ?? []).some(([id]) => id === "refill");
@@ -131,6 +134,7 @@
       const isBusy = this.controls.some(([control]) => control.isBusy || control.spoken || control.state === "armed" || control.node.dataset.state === "pending");
       if (names.join() !== this.shown && !isBusy) this.fill(names);
       const reasons = this.controls.map(([, action]) => (action ? refusal(action) : ""));
+      this.at = current()?.id;
       this.controls.forEach(([control, , word], i) => {
         control.isQuiet = true;
         control.allow(reasons[i]);

@@ -85,6 +85,7 @@
     refusal({ action, isTool }) {
       if (this.isReplay()) return "This is a replay. Go back to Live first.";
       if (!this.link.isPoseFresh()) return "The pose is old. How far it is now is not known.";
+      if (this.link.judge().state !== "live") return "The picture is old. Wait until it is live again."; // poses come by another way
       const off = HL.superDock.refusal(action);
       if (off) return off;
       const { arm_m: away, reach_m: reach } = this.said;

@@ -265,6 +265,18 @@ def test_a_skipped_tree_is_left_out_and_the_next_one_gets_its_seedling() -> None
     assert rig.do("skip_target").code == "no_target"
 
 
+def test_a_named_tree_is_skipped_only_while_it_is_worked_at() -> None:
+    rig = at_work()
+    site = machine(rig).site
+    assert site is not None
+    assert site.current is not None
+    first = site.current.id
+    assert rig.do("skip_target", target="tree-999").code == "other_target"
+    assert site.current.id == first
+    assert rig.do("skip_target", target=first).outcome == "accepted"
+    assert rig.do("skip_target", target=first).code in ("other_target", "no_target")
+
+
 def test_a_loaded_tray_lets_the_mission_go_on() -> None:
     rig = planter()
     rig.start(small_mission(**AT_SITE))

@@ -24,6 +24,7 @@ from hmi.domain.command import (
     StopOrder,
 )
 from hmi.domain.freshness import TickRing
+from hmi.domain.machine import Worksite
 from hmi.domain.robot import (
     Factsheet,
     Family,
@@ -100,6 +101,7 @@ class FakeRobot:
     v_mps: float = 0.0
     rates: dict[str, float] = field(default_factory=dict)
     nodes: dict[str, Node] = field(default_factory=dict)
+    worksite: Worksite | None = None
     stored_sha256: str | None = SHA
     _issued: dict[str, float] = field(default_factory=dict)
     _answers: dict[str, Acknowledgement] = field(default_factory=dict)
@@ -194,6 +196,7 @@ class FakeRobot:
                 stamp=stamp,
             ),
             nodes=self.nodes,
+            worksite=self.worksite,
         )
 
     def _once(self, ref: str, act: Any) -> Acknowledgement:

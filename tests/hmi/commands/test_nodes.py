@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from hmi.commands.ledger import CommandResult
 from hmi.commands.service import CommandRequest
 from hmi.domain.command import NODE_ACTIONS, Action, CommandOrder, Outcome
-from hmi.domain.machine import FunctionInfo, NodeInfo
+from hmi.domain.machine import FunctionInfo, NodeInfo, Target, Worksite
 from hmi.domain.robot import Mode, Node, Stamp
 from hmi.domain.role import Role
 from hmi.security.session_info import SessionInfo
@@ -148,3 +149,43 @@ async def test_pausing_and_aborting_work_with_every_function_off() -> None:
     field.weeder.mode = Mode.AUTO
     assert (await submit(field, Action.PAUSE, MARTHA)).is_accepted
     assert (await submit(field, Action.ABORT, MARTHA)).is_accepted
+
+
+def at_tree(field: Field, current: str) -> None:
+    """Let the robot say at which of its trees it is."""
+    now_s = field.clock.mono_s()
+    trees = tuple(Target(f"tree-{n}", n, 0.0, "current" if f"tree-{n}" == current else "planned", "") for n in (1, 2))
+    field.weeder.worksite = Worksite(1, (), (), trees, Stamp(now_s, now_s))
+
+
+async def test_the_tree_that_was_shown_is_skipped_and_no_other() -> None:
+    field = on_the_field()
+    at_tree(field, "tree-1")
+    asked = await submit(field, Action.SKIP_TARGET, target="tree-1")
+    assert asked.is_accepted
+    assert [one.data["about"] for one in field.audit.entries if one.kind == "command"] == ["tree-1", "tree-1"]
+    at_tree(field, "tree-2")
+    sent = len(orders(field))
+    request = CommandRequest("weeder-01", Action.SKIP_TARGET, "skip-again-0001", field.tick(), target="tree-1")
+    again = await field.desk.commands.submit(ADA, request)
+    assert (again.code, again.text) == (
+        "other_target",
+        "Weeder 01 works at another point now. Look at it and skip again.",
+    )
+    assert len(orders(field)) == sent
+
+
+async def test_only_skipping_names_a_target() -> None:
+    field = on_the_field()
+    assert (await submit(field, Action.TOOL_RETRACT, target="tree-1")).code == "incomplete"
+    assert orders(field) == []
+
+
+@pytest.mark.parametrize("does_know", [True, False])
+async def test_a_robot_is_told_the_target_only_if_it_says_that_it_understands(does_know: bool) -> None:
+    field = on_the_field()
+    assert field.weeder.factsheet is not None
+    field.weeder.factsheet = replace(field.weeder.factsheet, skips_by_name=does_know)
+    at_tree(field, "tree-1")
+    assert (await submit(field, Action.SKIP_TARGET, target="tree-1")).is_accepted
+    assert orders(field)[-1].target == ("tree-1" if does_know else None)

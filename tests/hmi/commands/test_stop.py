@@ -133,6 +133,14 @@ async def test_all_means_every_registered_robot_and_whoever_else_was_heard_latel
     assert {order.robot_id for order in field.sender.sent} == set(names)
 
 
+async def test_all_means_a_robot_with_an_open_press_too_however_long_ago_it_was_heard(field: Field) -> None:
+    field.report("stranger-1", standstill=False)
+    field.press("all")
+    field.clock.advance(3600)
+    assert "stranger-1" in {step["robot"] for step in field.press("all", stop_id="b" * 32)}
+    await field.service.close()
+
+
 async def test_a_robot_that_nobody_registered_can_be_stopped_and_a_bad_id_cannot_reach_the_wire(field: Field) -> None:
     steps = field.press(["stranger-1", "../x", "+", "stranger-1"])
     assert [step["robot"] for step in steps] == ["stranger-1"]

@@ -31,6 +31,7 @@ class FakeRobot:
 
     ``is_silent``: says and answers nothing. ``is_deaf``: acknowledges nothing, goes on talking.
     ``is_runaway``: acknowledges, latches, and goes on moving. ``ack_after_s``: answers late.
+    ``is_mute``: its safety controller says nothing by MQTT while heartbeats go on; ``is_http_mute``: nor by HTTP.
     """
 
     id: str
@@ -39,6 +40,8 @@ class FakeRobot:
     is_silent: bool = False
     is_deaf: bool = False
     is_runaway: bool = False
+    is_mute: bool = False
+    is_http_mute: bool = False
     ack_after_s: float = 0.0
     stops_by_mqtt: list[str] = field(default_factory=list)
     stops_by_http: list[str] = field(default_factory=list)
@@ -157,7 +160,8 @@ class FakeRobot:
             self._link.publish(topic(self.id, kind), encode(message), qos=0 if kind is Up.HEARTBEAT else 1)
 
     def _say_safety(self) -> None:
-        self._say(Up.SAFETY, self.safety())
+        if not self.is_mute:
+            self._say(Up.SAFETY, self.safety())
 
     async def _live(self) -> None:
         beat = 0
@@ -187,7 +191,7 @@ class FakeRobot:
         return Response(encode(self.latch(message)))
 
     async def _http_safety(self, _request: Request) -> Response:
-        if self.is_silent:
+        if self.is_silent or self.is_http_mute:
             await asyncio.sleep(2.0)
             return Response(status_code=503)
         return Response(encode(self.safety()))

@@ -147,6 +147,22 @@ async def test_a_robot_that_moves_after_it_confirmed_is_not_confirmed_again(
     await tablet.until_state(stop_id, robot.id, "standstill")
 
 
+async def test_a_stopped_robot_whose_safety_controller_falls_silent_is_asked_by_http(
+    gateway: RunningGateway, make_robot: MakeRobot, open_tablet: OpenTablet
+) -> None:
+    robot = await make_robot(speed_mps=0.3)
+    gateway.register(robot)
+    gateway.start()
+    tablet = await open_tablet()
+    await _linked(tablet, robot.id)
+    stop_id = await tablet.press([robot.id])
+    await tablet.until_state(stop_id, robot.id, "standstill")
+    robot.is_mute = robot.is_runaway = True
+    robot.speed_mps = 0.3
+    step = await tablet.until_state(stop_id, robot.id, "not-confirmed")
+    assert step["text"] == "It moves although it confirmed standstill."
+
+
 async def test_a_killed_gateway_goes_on_with_the_press_after_its_restart(
     gateway: RunningGateway, make_robot: MakeRobot, open_tablet: OpenTablet
 ) -> None:

@@ -1,0 +1,73 @@
+"""Whom STOP ALL means and what the heartbeat tells of robots, on a clock that only the test moves."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from hmi.clock import FakeClock
+from hmi.domain.stop import SafetyReport
+from hmi.domain.stop_token import StopToken
+from hmi.stop_gateway.dispatcher import StopDispatcher
+from hmi.stop_gateway.registry import Registry
+
+MARTHA = StopToken("tablet-3", "Tablet 3", "martha", "Martha Keller", "farm")
+
+
+class Farm:
+    """A gateway without sockets: weeder-01 is registered, new-robot is heard and not accepted."""
+
+    def __init__(self, folder: Path) -> None:
+        (folder / "robots.json").write_text(json.dumps([{"id": "weeder-01", "name": "Weeder 01"}]), "utf-8")
+        self.clock = FakeClock()
+        self.gateway = StopDispatcher(self.clock, Registry(folder), lambda _attempts: None, "mqtt://127.0.0.1:1")
+
+    def hear(self, robot_id: str) -> None:
+        self.gateway.watch.heard(robot_id, self.clock.mono_s())
+
+    def report(self, robot_id: str, *, live: str = "") -> None:
+        now_s = self.clock.mono_s()
+        report = SafetyReport("boot-1", now_s, bool(live), True, True, False, 0.0, frozenset({live} if live else ()))
+        self.gateway.watch.reported(robot_id, report, now_s)
+        self.gateway.book.reported(robot_id, report, now_s)
+
+    def press(self, stop_id: str) -> set[str]:
+        return {step["robot"] for step in self.gateway.press(stop_id, "all", MARTHA)}
+
+
+@pytest.fixture
+async def farm(tmp_path: Path) -> Farm:
+    made = Farm(tmp_path)
+    await made.gateway.refresh()
+    return made
+
+
+async def test_stop_all_goes_to_every_robot_that_the_heartbeat_lists(farm: Farm) -> None:
+    for robot_id in ("weeder-01", "new-robot"):
+        farm.hear(robot_id)
+    assert farm.press("stop-all-1") == {"weeder-01", "new-robot"}
+    farm.report("new-robot", live="stop-all-1")
+    farm.clock.advance(3600)  # it stood and was switched off; nobody could reset it
+    farm.hear("weeder-01")
+    assert farm.press("stop-all-2") == set(farm.gateway.heartbeat()) == {"weeder-01", "new-robot"}
+    assert farm.gateway.heartbeat()["new-robot"]["name"] == "new-robot (not registered)"
+
+
+async def test_before_the_first_list_stop_all_goes_to_presses_of_before_a_restart_too(tmp_path: Path) -> None:
+    before, after = Farm(tmp_path), Farm(tmp_path)
+    await before.gateway.refresh()
+    before.press("stop-all-1")
+    after.gateway.restore(before.gateway.book.attempts())
+    assert after.press("stop-all-2") == set(after.gateway.heartbeat()) == {"weeder-01"}
+
+
+async def test_the_heartbeat_tells_how_old_the_safety_report_is_beside_the_newest_sign_of_life(farm: Farm) -> None:
+    farm.hear("weeder-01")
+    assert farm.gateway.heartbeat()["weeder-01"]["safety_ms"] is None
+    farm.report("weeder-01", live="stop-1")
+    farm.clock.advance(12)
+    farm.hear("weeder-01")
+    line = farm.gateway.heartbeat()["weeder-01"]
+    assert (line["heard_ms"], line["safety_ms"], line["standstill"]) == (0, 12_000, True)

@@ -1,0 +1,140 @@
+// Driving by hand and its pads, without a page: what moves the robot when the person is on another screen.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import test from 'node:test';
+import vm from 'node:vm';
+
+const read = (name) => readFileSync(new URL(`../../static/js/ui/${name}.js`, import.meta.url), 'utf8');
+const ROBOT = 'weeder-01';
+const settled = () => new Promise((resolve) => setImmediate(resolve));
+
+class Node {
+  constructor() {
+    this.isConnected = false;
+    this.style = {};
+  }
+  append() {}
+  addEventListener() {}
+}
+
+// one page: Operate puts up its pads, another screen takes them away; the robot answers when the test says so
+function page() {
+  const world = { commands: [], setpoints: [], answers: [], beats: [], keys: {}, screen: null, time: 1000 };
+  const define = (_tag, kind) => (world.Pads = kind);
+  const HL = {
+    view: { robot: null, screen: '', name: () => 'Weeder 01' }, config: {}, words: { clock: () => '' },
+    el: () => new Node(), icon: () => new Node(), text() {}, attr() {}, toggle() {}, repaint() {}, toast() {}, define, LiveElement: Node,
+    offline: () => '', stops: { worst: () => null }, lease: { of: () => ({ owner: null }), isMine: () => true },
+    port: {
+      delayMs: () => 50, robot: () => ({ mode: { mode: 'manual' } }), inside: () => ({}),
+      drive: (_robot, v) => world.setpoints.push(v) > 0,
+      command(robot, action) {
+        world.commands.push(`${action} ${robot}`);
+        return action === 'drive_open' ? new Promise((answer) => world.answers.push((outcome) => answer({ outcome }))) : Promise.resolve({ outcome: 'accepted' });
+      },
+    },
+  };
+  const listen = (type, act) => (world.keys[type] ??= []).push(act);
+  const document = { hidden: false, addEventListener() {}, querySelector: () => world.pads ?? null };
+  const window = { addEventListener: listen, removeEventListener() {}, headland: { on() {}, tick: () => 't', send: (frame) => world.setpoints.push(frame.rates) } };
+  const later = (act) => (act(), 0);
+  const context = vm.createContext({ HL, window, document, navigator: {}, HTMLElement: Node, performance: { now: () => world.time }, setInterval: (act) => (world.beats.push(act), 1), clearInterval: () => (world.beats.length = 0), setTimeout: later });
+  for (const name of ['hold_to_drive', 'jog']) vm.runInContext(read(name), context);
+  world.show = (screen, robot) => {
+    Object.assign(HL.view, { screen, robot });
+    if (world.pads) {
+      world.pads.isConnected = false;
+      world.pads.leave();
+    }
+    world.pads = screen === 'operate' ? new world.Pads() : null;
+    if (world.pads) {
+      world.pads.isConnected = true;
+      world.pads.enter?.();
+    }
+  };
+  world.press = (key) => {
+    for (const act of world.keys.keydown) act({ key, target: null, preventDefault() {} });
+    world.time += 100;
+    for (const beat of [...world.beats]) beat();
+  };
+  return { world, HL };
+}
+
+test('the arrow keys drive while the pads that were asked for are in sight', async () => {
+  const { world, HL } = page();
+  world.show('operate', ROBOT);
+  const asked = HL.drive.open(ROBOT);
+  world.answers[0]('accepted');
+  await asked;
+  world.press('ArrowUp');
+  assert.ok(world.setpoints.some((v) => v > 0));
+  assert.deepEqual(world.commands, [`drive_open ${ROBOT}`]);
+});
+
+for (const [screen, robot] of [['supervisor', ROBOT], ['twin', ROBOT], ['operate', 'weeder-02'], ['fleet', null]]) {
+  test(`a robot that answers after the person left for ${screen} ${robot ?? ''} is not driven from there and leaves manual`, async () => {
+    const { world, HL } = page();
+    world.show('operate', ROBOT);
+    const asked = HL.drive.open(ROBOT);
+    world.show(screen, robot);
+    world.answers[0]('accepted');
+    await asked;
+    await settled();
+    world.press('ArrowUp');
+    assert.deepEqual(world.setpoints, []);
+    assert.ok(!HL.drive.isMine());
+    assert.deepEqual(world.commands, [`drive_open ${ROBOT}`, `drive_close ${ROBOT}`]);
+  });
+}
+
+test('coming back to the same robot does not drive by what was asked before', async () => {
+  const { world, HL } = page();
+  world.show('operate', ROBOT);
+  const asked = HL.drive.open(ROBOT);
+  world.show('twin', ROBOT);
+  world.show('operate', ROBOT);
+  world.answers[0]('accepted');
+  await asked;
+  world.press('ArrowUp');
+  assert.deepEqual(world.setpoints, []);
+  assert.equal(world.commands.at(-1), `drive_close ${ROBOT}`);
+});
+
+test('an order that was refused ends nothing', async () => {
+  const { world, HL } = page();
+  world.show('operate', ROBOT);
+  const asked = HL.drive.open(ROBOT);
+  world.show('twin', ROBOT);
+  world.answers[0]('rejected');
+  await asked;
+  assert.deepEqual(world.commands, [`drive_open ${ROBOT}`]);
+});
+
+for (const [screen, robot] of [['twin', ROBOT], ['supervisor', 'planter-02']]) {
+  test(`joints asked for on another screen than ${screen} ${robot} are not moved there, and manual ends`, async () => {
+    const { world, HL } = page();
+    Object.assign(HL.view, { screen: 'supervisor', robot: ROBOT });
+    let sheets = 0;
+    const asked = HL.jog.open(ROBOT, () => void (sheets += 1));
+    Object.assign(HL.view, { screen, robot });
+    world.answers[0]('accepted');
+    await asked;
+    assert.equal(sheets, 0);
+    assert.equal(HL.jog.robot, null);
+    assert.deepEqual(world.commands, [`drive_open ${ROBOT}`, `drive_close ${ROBOT}`]);
+  });
+}
+
+test('an answer for the robot before does not end driving of the robot that is shown', async () => {
+  const { world, HL } = page();
+  world.show('operate', ROBOT);
+  const before = HL.drive.open(ROBOT);
+  world.show('operate', 'weeder-02');
+  const asked = HL.drive.open('weeder-02');
+  world.answers[1]('accepted');
+  await asked;
+  world.answers[0]('accepted');
+  await before;
+  assert.equal(HL.drive.robot, 'weeder-02');
+  assert.equal(world.commands.at(-1), `drive_close ${ROBOT}`);
+});
