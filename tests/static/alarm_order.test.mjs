@@ -76,3 +76,8 @@ test('what nobody answered stands first of its priority until somebody does', ()
   const found = rows({ young: one({ raised: 9 }), told: one({ raised: 1, escalated: 5 }), seen: one({ raised: 2, escalated: 5, state: 'acknowledged' }), high: one({ priority: 1, state: 'acknowledged' }) });
   assert.deepEqual(ids(found), ['high', 'told', 'young', 'seen']);
 });
+
+test('what is over stands behind what is so now, also if nobody answered it', () => {
+  const found = rows({ over: one({ state: 'returned', raised: 1, escalated: 5 }), gone: one({ state: 'returned', raised: 8 }), now: one({ raised: 9 }) });
+  assert.deepEqual(ids(found), ['now', 'over', 'gone']);
+});

@@ -12,9 +12,9 @@
   // it was told on because nobody answered, and still nobody does
   const isUnanswered = (one) => Boolean(one.escalated) && isUnseen(one);
 
-  // the most urgent first, of those what was told on; then those nobody has seen before the others; then the newest
+  // the most urgent first; of those what nobody has seen, what is so before what is over, and told on before the others; then the newest
   function compare([a, one], [b, other]) {
-    return one.priority - other.priority || isUnanswered(other) - isUnanswered(one) || (RANK[one.state] ?? 4) - (RANK[other.state] ?? 4) || other.raised - one.raised || (a < b ? -1 : 1);
+    return one.priority - other.priority || (RANK[one.state] ?? 4) - (RANK[other.state] ?? 4) || isUnanswered(other) - isUnanswered(one) || other.raised - one.raised || (a < b ? -1 : 1);
   }
 
   // filter: {robot, priority, q}
