@@ -18,6 +18,7 @@ from hmi.domain.alarm.finding import Finding
 from hmi.domain.alarm.tuning import BadTuning, Tuning, shipped, tuned
 from hmi.domain.role import Role
 from hmi.store.alarm_settings import AlarmSettings
+from hmi.store.errors import DatabaseUnavailable
 from tests.hmi.api.conftest import migrated as migrated
 from tests.hmi.api.console import PASSWORD, Console
 from tests.hmi.commands.field import FARM
@@ -159,3 +160,32 @@ def test_a_critical_alarm_cannot_be_made_to_wait() -> None:
         tuned(kind, Tuning(6.0, 2.0))
     with pytest.raises(BadTuning, match="no limit"):
         tuned(kind, Tuning(1.0, 2.0, at=1.0))
+
+
+async def test_a_change_that_could_not_be_kept_does_not_come_true_later(
+    console: LimitsConsole, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    admin, other = await console.browser(Role.ADMIN), await second_admin(console)
+    await admin.put(FENCE, json={"values": SLOWER, "reason": "GPS jumps at the wood"})
+    keep = AlarmSettings.put
+
+    def full(*_args: Any) -> None:
+        raise DatabaseUnavailable("the disk is full")
+
+    monkeypatch.setattr(AlarmSettings, "put", full)
+    for answer in (
+        await admin.put(OFF_TRACK, json={"values": WIDER, "reason": "Wide tyres on wet soil"}),
+        await other.post(f"{FENCE}/agree"),
+        await other.post(f"{FENCE}/drop"),
+    ):
+        assert answer.status_code == 503
+    monkeypatch.setattr(AlarmSettings, "put", keep)
+    row = _of((await admin.get("/alarms/limits")).json(), "outside-fence")
+    assert row["changed"] is None
+    assert row["asked"] is not None
+
+    await other.put("/alarms/limits/stalled", json={"values": None, "reason": "As it was"})
+    await console.desk().load()
+    for code in ("off-track", "outside-fence"):
+        assert console.types[code] == catalogue()[code]
+    assert (await other.post(f"{FENCE}/agree")).status_code == 200, "it still waits for a second person"
