@@ -3,6 +3,7 @@
   "use strict";
   const { el, icon, text, attr, LiveElement, define } = HL;
   const { Tones, TEST } = HL.alarmTones;
+  const { isNews } = HL.alarmOrder;
   const SILENCE_MS = 120000;
   const LOOK_MS = 200; // a tone is not late by what anybody hears
   const SAY_MS = 3000; // a screen reader is not told faster
@@ -120,7 +121,7 @@
       this.off?.();
     }
     hear(event) {
-      if (event.what !== "raised" && event.what !== "escalated") return;
+      if (!isNews(event)) return;
       const words = `Priority ${event.priority}. ${event.name}: ${event.title}.`;
       if (event.priority === 1) text(this.alert, this.alert.hlText === words ? `${words} Again.` : words);
       else this.waiting.push(words);

@@ -9,6 +9,10 @@
   const isAside = (one) => ASIDE.includes(one.state);
   const isUnseen = (one) => one.state === "unacknowledged" || one.state === "returned";
 
+  // Whether a step in its life is said anew: it came, nobody answered it, or it is back from where it was put and still so.
+  const BACK = ["unshelved", "unsuppressed", "in_service"];
+  const isNews = ({ what, state }) => !ASIDE.includes(state) && (what === "raised" || what === "escalated" || (BACK.includes(what) && state === "unacknowledged"));
+
   // it was told on because nobody answered, and still nobody does
   const isUnanswered = (one) => Boolean(one.escalated) && isUnseen(one);
 
@@ -58,5 +62,5 @@
     return { isFirst: false, text: `${nth(one.place)}${firstTitle ? `, after ${lower(firstTitle)}` : ` of ${one.group}`}` };
   }
 
-  HL.alarmOrder = { isActive, isAside, isUnseen, isUnanswered, compare, matches, worst, rows, sequence };
+  HL.alarmOrder = { isActive, isAside, isUnseen, isUnanswered, isNews, compare, matches, worst, rows, sequence };
 })();
