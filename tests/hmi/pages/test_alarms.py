@@ -400,3 +400,32 @@ def test_what_an_admin_typed_stays_when_somebody_else_saved_first(look: Look, fa
     page.get_by_test_id("notify-limits").get_by_role("button", name="Save").click()
     order = farm.until_orders("notifications", 4)[3]
     assert (order["channels"], order["escalate_after_s"]["1"], order["revision"]) == (None, 45, 7)
+
+
+PLACES = """() => ['hl-link', 'hl-alarms', 'hl-theme', 'hl-clock', 'hl-user'].map((tag) => {
+  const box = document.querySelector(tag).getBoundingClientRect(); return [tag, box.right, box.top, box.height]; })"""
+
+
+@pytest.mark.parametrize("size", ["landscape", "portrait"])
+def test_what_nobody_answered_is_said_in_the_top_bar_and_moves_nothing(look: Look, farm: Theatre, size: str) -> None:
+    page = look("/fleet", size=size)
+    farm.alarms(put={"x.weeder-02": {"escalated": 5, "state": "acknowledged"}})
+    expect(page.get_by_test_id("alarm-counts")).to_have_attribute("data-value", re.compile("."))
+    expect(page.get_by_test_id("alarm-sound")).to_have_attribute("data-state", re.compile("."))
+    said = page.get_by_test_id("alarm-unanswered")
+    expect(said).to_be_hidden()
+    before = page.evaluate(PLACES)
+    farm.alarms(put={LINK: {**ALARMS[LINK], "escalated": 5}})
+    expect(said).to_be_visible()
+    expect(said).to_have_attribute("aria-label", "1 not answered. Go to Alarms")
+    expect(said.locator("b")).to_have_text("1")
+    assert said.get_by_text("not answered").is_visible() == (size == "landscape")
+    assert page.evaluate(PLACES) == before
+    assert page.evaluate("(top => top.scrollWidth <= top.clientWidth)(document.querySelector('.h-top'))")
+    said.click()
+    expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_be_visible()
+    expect(said).to_be_hidden()
+    farm.alarms(drop=[LINK])
+    page.get_by_test_id("nav-fleet").click()
+    expect(page.get_by_test_id("alarm-row-" + LINK)).to_have_count(0)
+    expect(said).to_be_hidden()
