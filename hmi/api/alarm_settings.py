@@ -61,12 +61,14 @@ class EscalationBody(Body):
 
 
 class NotificationsBody(Body):
-    """Everything; what is left out goes."""
+    """Everything; what is left out goes, what is null stays. ``revision`` of the view it was made from."""
 
-    channels: Annotated[
-        list[Annotated[WebhookBody | MailBody, Field(discriminator="kind")]], Field(max_length=MAX_CHANNELS)
-    ]
-    escalate_after_s: EscalationBody = EscalationBody()
+    channels: (
+        Annotated[list[Annotated[WebhookBody | MailBody, Field(discriminator="kind")]], Field(max_length=MAX_CHANNELS)]
+        | None
+    )
+    escalate_after_s: EscalationBody | None = EscalationBody()
+    revision: Annotated[int | None, Field(ge=0)] = None
 
 
 def alarm_settings_routes(desk: AlarmSettingsDesk) -> APIRouter:
@@ -79,11 +81,11 @@ def alarm_settings_routes(desk: AlarmSettingsDesk) -> APIRouter:
 
     @router.put("/alarms/notifications", summary="Replace channels and limits")
     async def change(body: NotificationsBody, session: SignedIn) -> dict[str, Any]:
-        channels = [channel_of(one.model_dump()) for one in body.channels]
-        secrets = {one.id: one.secret for one in body.channels}
-        after = body.escalate_after_s.model_dump(by_alias=True)
+        channels = None if body.channels is None else [channel_of(one.model_dump()) for one in body.channels]
+        secrets = {one.id: one.secret for one in body.channels or ()}
+        after = None if body.escalate_after_s is None else body.escalate_after_s.model_dump(by_alias=True)
         try:
-            return await desk.change(session, channels, secrets, after)
+            return await desk.change(session, channels, secrets, after, body.revision)
         except BadChannel as error:
             raise ApiError(422, "invalid", error.text, error.field) from error
 

@@ -26,6 +26,7 @@ class Chores:
     def __init__(self, records: Records, hub: LiveHub, keeper: KeeperReport, clock: Clock) -> None:
         self._records, self._hub, self._keeper, self._clock = records, hub, keeper, clock
         self._tasks: list[asyncio.Task[None]] = []
+        self.further: list[Callable[[], Awaitable[None]]] = []  # what else has to agree with who may do what now
 
     def start(self) -> None:
         """Begin."""
@@ -63,6 +64,8 @@ class Chores:
     async def _agree(self) -> None:
         """Take over what other consoles and the command line changed; write what could not be written before."""
         await self._records.sessions.reconcile()
+        for agree in self.further:
+            await agree()
         if not self._records.stop_list.is_written:
             await asyncio.to_thread(self._records.stop_list.export)
 

@@ -123,6 +123,7 @@ class Console:
             self._lane_event,
         )
         self.fleet = FleetDesk(settings, clock, records, edge.fleet, self.desk, self.authorize, self._lane_event)
+        self.chores.further.append(self.fleet.duty.let_go)
         self.stops = StopDesk(
             edge.sender,
             clock,

@@ -26,6 +26,7 @@ from hmi.store.alarm_settings import AlarmSettings
 from hmi.store.alarms import AlarmStore
 
 FAILING_S = 300.0
+_BACK = (What.UNSHELVED, What.UNSUPPRESSED, What.IN_SERVICE)
 
 
 class NotificationRoom:
@@ -60,15 +61,14 @@ class NotificationRoom:
 
     def tell(self, step: Step, name: str) -> None:
         """Take a step in the life of an alarm; never waits. What is not shown to people is not told either."""
-        live = step.live
-        is_shown = live.alarm.is_annunciated or step.what in (What.RETURNED, What.ACKNOWLEDGED)
-        if not is_shown:
+        live, what = step.live, _occasion(step)
+        if what is None:
             return
         self.post.tell(
             self._farm,
             Told(
                 id=live.id,
-                what=step.what,
+                what=what,
                 at=step.at,
                 priority=live.priority,
                 source=live.alarm.key.source,
@@ -93,3 +93,15 @@ class NotificationRoom:
 
     async def _deliver(self, channel: Channel, message: Message) -> None:
         await deliver(channel, message, self._rules)
+
+
+def _occasion(step: Step) -> What | None:
+    """Return what a step is told as, ``None`` if it is not: what came and went aside is told when it is back."""
+    alarm = step.live.alarm
+    if alarm.is_aside:
+        return None
+    if step.what not in _BACK:
+        return step.what
+    if not alarm.awaits_answer:
+        return None
+    return What.RAISED if alarm.is_active else What.RETURNED

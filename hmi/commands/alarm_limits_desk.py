@@ -24,6 +24,7 @@ from hmi.store.errors import NotFound
 
 SETTING = "limits"
 SAME_PERSON, NOTHING_ASKED = "same_person", "nothing_asked"
+_Kept = dict[str, dict[str, Any]]  # by code of the type
 log = logging.getLogger(__name__)
 
 
@@ -50,8 +51,8 @@ class AlarmLimitsDesk:
 
     def __init__(self, parts: LimitsParts) -> None:
         self._parts, self._catalogue = parts, dict(parts.types)
-        self._set: dict[str, dict[str, Any]] = {}
-        self._asked: dict[str, dict[str, Any]] = {}
+        self._set: _Kept = {}
+        self._asked: _Kept = {}
         self._lock = asyncio.Lock()
 
     async def load(self) -> None:
@@ -93,11 +94,10 @@ class AlarmLimitsDesk:
                 "at": self._parts.clock.utc().isoformat(),
             }
             if kind.priority is Priority.CRITICAL:
-                self._asked[code] = wish
-                await self._save(session)
+                await self._save(session, self._set, {**self._asked, code: wish})
                 self._note(session, "asked", code, reason, wish["values"])
             else:
-                await self._take(session, kind, wish, "")
+                await self._take(session, kind, wish, "", self._asked)
         return self.view(session)
 
     async def agree(self, session: SessionInfo, code: str) -> dict[str, Any]:
@@ -111,8 +111,7 @@ class AlarmLimitsDesk:
             wish = self._wish(code)
             if wish["by_id"] == session.user_id:
                 raise OrderRefused(SAME_PERSON, "You asked for it. Another admin has to agree.")
-            del self._asked[code]
-            await self._take(session, kind, wish, session.user_name)
+            await self._take(session, kind, wish, session.user_name, _without(self._asked, code))
         return self.view(session)
 
     async def drop(self, session: SessionInfo, code: str) -> dict[str, Any]:
@@ -120,25 +119,29 @@ class AlarmLimitsDesk:
         self._kind(session, code)
         async with self._lock:
             wish = self._wish(code)
-            del self._asked[code]
-            await self._save(session)
+            await self._save(session, self._set, _without(self._asked, code))
             self._note(session, "dropped", code, wish["reason"], wish["values"])
         return self.view(session)
 
-    async def _take(self, session: SessionInfo, kind: AlarmType, wish: dict[str, Any], second: str) -> None:
+    async def _take(
+        self, session: SessionInfo, kind: AlarmType, wish: dict[str, Any], second: str, asked: _Kept
+    ) -> None:
         to = Tuning(**wish["values"])
-        self._set.pop(kind.code, None)
+        new = tuned(kind, to)
+        kept = _without(self._set, kind.code)
         if to != shipped(kind):
-            self._set[kind.code] = {**wish, "second": second}
-        await self._save(session)
-        self._parts.types[kind.code] = tuned(kind, to)
+            kept[kind.code] = {**wish, "second": second}
+        await self._save(session, kept, asked)
+        self._parts.types[kind.code] = new
         self._parts.retune()
         told = {**wish["values"], "asked_by": wish["by"]} if second else wish["values"]
         self._note(session, "changed", kind.code, wish["reason"], told)
 
-    async def _save(self, session: SessionInfo) -> None:
-        parts, stored = self._parts, {"set": self._set, "asked": self._asked}
+    async def _save(self, session: SessionInfo, kept: _Kept, asked: _Kept) -> None:
+        """Keep these and go by them; what could not be kept is as before, also in what is saved next."""
+        parts, stored = self._parts, {"set": kept, "asked": asked}
         await parts.database.run(parts.settings.put, SETTING, stored, session.user_name, parts.clock.utc())
+        self._set, self._asked = kept, asked
 
     def _kind(self, session: SessionInfo, code: str) -> AlarmType:
         self._parts.authorize(session, Permission.MANAGE_ALARMS)
@@ -171,6 +174,10 @@ class AlarmLimitsDesk:
         entry = AuditEntry(session.farm_id, session.user_name, session.device_name, "alarm_limits", outcome,
                            ref=code, text=reason, data=data)  # fmt: skip
         self._parts.audit.append(entry)
+
+
+def _without(kept: _Kept, code: str) -> _Kept:
+    return {other: one for other, one in kept.items() if other != code}
 
 
 def _told(one: dict[str, Any]) -> dict[str, Any]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from hmi.clock import Clock
 from hmi.commands.ports import AuditSink
+from hmi.commands.refusal import OrderRefused
 from hmi.domain.alarm.priority import Priority
 from hmi.domain.role import Permission
 from hmi.notifications.address import AddressRules
@@ -24,6 +26,7 @@ from hmi.store.database import Database
 from hmi.store.errors import NotFound
 
 MASK = "••••••••"
+CHANGED = "changed"
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +50,8 @@ class AlarmSettingsDesk:
 
     def __init__(self, parts: SettingsParts) -> None:
         self._parts = parts
+        self._revision = 0
+        self._lock = asyncio.Lock()
 
     async def load(self) -> None:
         """Read channels and limits into memory."""
@@ -54,12 +59,14 @@ class AlarmSettingsDesk:
         stored = await parts.database.run(parts.settings.get, ESCALATION)
         parts.store.escalate_after_s = escalation_of(stored)
         parts.post.set_channels(await parts.database.run(parts.book.load))
+        self._revision = await parts.database.run(parts.book.revision)
 
     def view(self, session: SessionInfo) -> dict[str, Any]:
         """Return everything that is set; a secret is shown as set or not, never itself."""
         self._parts.authorize(session, Permission.MANAGE_ALARMS)
         health = self._parts.post.health()
         return {
+            "revision": self._revision,
             "channels": [self._shown(one, health) for one in self._parts.post.channels()],
             "escalate_after_s": {str(int(p)): self._parts.store.escalate_after_s.get(p) for p in Priority},
             "private_allowed": self._parts.rules.is_private_allowed,
@@ -69,20 +76,52 @@ class AlarmSettingsDesk:
     async def change(
         self,
         session: SessionInfo,
-        channels: Sequence[Channel],
+        channels: Sequence[Channel] | None,
         secrets: Mapping[str, str | None],
-        escalate_after_s: Mapping[str, float | None],
+        escalate_after_s: Mapping[str, float | None] | None,
+        revision: int | None = None,
     ) -> dict[str, Any]:
-        """Replace everything; a secret that is ``None`` stays, an empty one goes, an address as shown stays.
+        """Replace channels and limits, ``None`` leaves them.
 
+        A secret that is ``None`` stays, an empty one goes, an address as shown stays.
         A secret stays only while the address it is for stays: a new address never gets an old password.
 
+        Args:
+            revision: of the view that the person saw; ``None`` replaces whatever is there.
+
         Raises:
+            OrderRefused: somebody changed it since that view; nothing was changed.
             BadChannel, BadAddress: what is set cannot be used; nothing was changed.
         """
+        self._parts.authorize(session, Permission.MANAGE_ALARMS)
+        async with self._lock:
+            if revision not in (None, self._revision):
+                raise OrderRefused(CHANGED, "Somebody changed it meanwhile.")
+            await self._replace(session, channels, secrets, escalate_after_s)
+        return self.view(session)
+
+    async def _replace(
+        self,
+        session: SessionInfo,
+        channels: Sequence[Channel] | None,
+        secrets: Mapping[str, str | None],
+        escalate_after_s: Mapping[str, float | None] | None,
+    ) -> None:
         parts = self._parts
-        parts.authorize(session, Permission.MANAGE_ALARMS)
         before = {one.id: one for one in parts.post.channels()}
+        whole = list(before.values()) if channels is None else self._whole(channels, before, secrets)
+        limits = parts.store.escalate_after_s if escalate_after_s is None else escalation_of(escalate_after_s)
+        stored = {str(int(p)): limits.get(p) for p in Priority}
+        revision = self._revision + 1
+        await parts.database.run(parts.book.save, whole, revision, {ESCALATION: stored}, session.user_name)
+        self._revision = revision
+        parts.store.escalate_after_s = limits
+        parts.post.set_channels(whole)
+        self._note(session, "changed", {"channels": [plain(one) for one in whole], "escalate_after_s": stored})
+
+    def _whole(
+        self, channels: Sequence[Channel], before: Mapping[str, Channel], secrets: Mapping[str, str | None]
+    ) -> list[Channel]:
         if len({one.id for one in channels}) != len(channels):
             raise BadChannel("Two channels have the same id.", "channels")
         known = [_with_address(one, before.get(one.id)) for one in channels]
@@ -90,14 +129,7 @@ class AlarmSettingsDesk:
         for one in whole:
             one.check()
             self._check_address(one)
-        limits = escalation_of(escalate_after_s)
-        stored = {str(int(p)): limits.get(p) for p in Priority}
-        await parts.database.run(parts.book.save, whole, session.user_name)
-        await parts.database.run(parts.settings.put, ESCALATION, stored, session.user_name, parts.clock.utc())
-        parts.store.escalate_after_s = limits
-        parts.post.set_channels(whole)
-        self._note(session, "changed", {"channels": [plain(one) for one in whole], "escalate_after_s": stored})
-        return self.view(session)
+        return whole
 
     async def test(self, session: SessionInfo, channel_id: str) -> tuple[bool, str]:
         """Send a test by one channel; return whether it went out, and a sentence."""

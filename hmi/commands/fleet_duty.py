@@ -7,6 +7,7 @@ Responsibility is not control: it moves nothing and needs no lease.
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from collections import defaultdict
 from collections.abc import Callable, Collection, Sequence
@@ -24,7 +25,7 @@ from hmi.store.duty import Duties, Duty, HandOver
 from hmi.store.errors import StoreError
 from hmi.store.users import User
 
-NOT_YOURS, NOBODY, NOT_OFFERED = "not_yours", "nobody", "not_offered"
+NOT_YOURS, NOBODY, NOT_OFFERED, NOT_OPERATOR = "not_yours", "nobody", "not_offered", "not_operator"
 CONSOLE_NAME = "Headland"  # who writes in the shift book what no person did
 log = logging.getLogger(__name__)
 
@@ -60,10 +61,14 @@ class DutyParts:
 
 
 class DutyDesk:
-    """Raises (every method with a session): ``NotSignedIn``, ``NotAllowed``, ``OrderRefused``, ``StoreError``."""
+    """Raises (every method with a session): ``NotSignedIn``, ``NotAllowed``, ``OrderRefused``, ``StoreError``.
+
+    One change after another: what a change goes by, duties and who may operate, is so until it is written.
+    """
 
     def __init__(self, parts: DutyParts) -> None:
         self._parts = parts
+        self._changing = asyncio.Lock()
 
     def responsible_for(self, robot_id: str) -> Responsible | None:
         """Return who answers for a robot, ``None`` if nobody does; from memory."""
@@ -87,30 +92,36 @@ class DutyDesk:
 
     async def take(self, session: SessionInfo, robots: Sequence[str], note: str = "") -> list[Duty]:
         """Become responsible for robots that are nobody's; a supervisor may take anybody's."""
-        for robot_id in robots:
-            self._parts.authorize(session, Permission.PAUSE, robot_id)
-            self._refuse_foreign(session, robot_id)
+        async with self._changing:
+            return await self._take(session, robots, note)
+
+    async def _take(self, session: SessionInfo, robots: Sequence[str], note: str) -> list[Duty]:
+        self._refuse_foreign(session, robots)
+        await self._refuse_former(session)
         now = self._parts.clock.utc()
         mine = [Duty(robot_id, session.user_id, session.user_name, now, note) for robot_id in robots]
         return await self._write(session, mine, "taken", session.user_name, note)
 
     async def release(self, session: SessionInfo, robots: Sequence[str], note: str = "") -> list[Duty]:
         """Be responsible no longer; they are nobody's then, and the screen says so."""
-        for robot_id in robots:
-            self._parts.authorize(session, Permission.PAUSE, robot_id)
-            self._refuse_foreign(session, robot_id)
-        return await self._write(session, [Duty(one, note=note) for one in robots], "released", "", note)
+        async with self._changing:
+            self._refuse_foreign(session, robots)
+            return await self._write(session, [Duty(one, note=note) for one in robots], "released", "", note)
 
     async def hand_over(self, session: SessionInfo, robots: Sequence[str], to_user: str, note: str) -> list[Duty]:
         """Offer robots to somebody; who gives stays responsible until the other takes them."""
-        to = next((one for one in await self.people(session) if one.id == to_user), None)
-        if to is None:
-            raise OrderRefused(NOBODY, "Nobody of that name may operate robots here.")
-        if to.id == session.user_id:
-            return await self.take(session, robots, note)
-        for robot_id in robots:
-            self._parts.authorize(session, Permission.PAUSE, robot_id)
-            self._refuse_foreign(session, robot_id)
+        self._parts.authorize(session, Permission.WATCH)
+        async with self._changing:
+            to = next((one for one in await self._operators() if one.id == to_user), None)
+            if to is None:
+                raise OrderRefused(NOBODY, "Nobody of that name may operate robots here.")
+            if to.id == session.user_id:
+                return await self._take(session, robots, note)
+            return await self._offer(session, robots, to, note)
+
+    async def _offer(self, session: SessionInfo, robots: Sequence[str], to: User, note: str) -> list[Duty]:
+        self._refuse_foreign(session, robots)
+        await self._refuse_former(session)
         now = self._parts.clock.utc()
         offered = [
             replace(
@@ -123,43 +134,50 @@ class DutyDesk:
 
     async def accept(self, session: SessionInfo, robots: Sequence[str]) -> list[Duty]:
         """Take over what was offered to this person."""
-        duties = self._offered(session, robots)
-        now = self._parts.clock.utc()
-        mine = [Duty(one.robot_id, session.user_id, session.user_name, now, one.offered_note) for one in duties]
-        return await self._write(session, mine, "accepted", session.user_name, _first_note(duties))
+        async with self._changing:
+            duties = self._offered(session, robots)
+            await self._refuse_former(session)
+            now = self._parts.clock.utc()
+            mine = [Duty(one.robot_id, session.user_id, session.user_name, now, one.offered_note) for one in duties]
+            return await self._write(session, mine, "accepted", session.user_name, _first_note(duties))
 
     async def decline(self, session: SessionInfo, robots: Sequence[str], note: str = "") -> list[Duty]:
         """Leave what was offered with who gave it; the giver may withdraw an offer the same way."""
-        duties = [self._parts.duties.of(one) for one in robots]
-        is_giver = all(one.offered_to and one.user_id == session.user_id for one in duties)
-        if not is_giver:
-            duties = self._offered(session, robots)
-        kept = [_not_offered(one) for one in duties]
-        return await self._write(session, kept, "withdrawn" if is_giver else "declined", "", note)
+        async with self._changing:
+            duties = [self._parts.duties.of(one) for one in robots]
+            is_giver = all(one.offered_to and one.user_id == session.user_id for one in duties)
+            if not is_giver:
+                duties = self._offered(session, robots)
+            kept = [_not_offered(one) for one in duties]
+            return await self._write(session, kept, "withdrawn" if is_giver else "declined", "", note)
 
     async def let_go(self, by: str = CONSOLE_NAME, robots: Collection[str] = ()) -> None:
         """Free what people answer for who may not operate any more, take back what is offered to them; also ``robots``.
 
         ``robots`` were taken out: one of the same name that comes back is nobody's. What cannot be written is logged,
-        and done at the next change or start.
+        and done the next time.
         """
         try:
-            able = {one.id for one in await self._operators()}
-            changes: dict[tuple[str, str], list[Duty]] = defaultdict(list)
-            for duty in self._parts.duties.all():
-                if duty.robot_id in robots or not self._parts.is_robot(duty.robot_id):
-                    changes["released", "Taken out of the registry."].append(Duty(duty.robot_id))
-                    continue
-                left = duty if duty.offered_to in able else _not_offered(duty)
-                if duty.user_id and duty.user_id not in able:
-                    left = replace(left, user_id="", user_name="", since=None, note="")
-                    changes["released", f"{duty.user_name} does not operate robots here any more."].append(left)
-                elif left != duty:
-                    changes["withdrawn", f"{duty.offered_name} does not operate robots here any more."].append(left)
-            for (what, note), duties in changes.items():
-                await self._put(by, "", duties, what, "", note)
+            async with self._changing:
+                for (what, note), duties in (await self._to_free(robots)).items():
+                    await self._put(by, "", duties, what, "", note)
         except StoreError:
             log.exception("duties of people or robots that are gone could not be freed")
+
+    async def _to_free(self, robots: Collection[str]) -> dict[tuple[str, str], list[Duty]]:
+        able = {one.id for one in await self._operators()}
+        changes: dict[tuple[str, str], list[Duty]] = defaultdict(list)
+        for duty in self._parts.duties.all():
+            if duty.robot_id in robots or not self._parts.is_robot(duty.robot_id):
+                changes["released", "Taken out of the registry."].append(Duty(duty.robot_id))
+                continue
+            left = duty if duty.offered_to in able else _not_offered(duty)
+            if duty.user_id and duty.user_id not in able:
+                left = replace(left, user_id="", user_name="", since=None, note="")
+                changes["released", f"{duty.user_name} does not operate robots here any more."].append(left)
+            elif left != duty:
+                changes["withdrawn", f"{duty.offered_name} does not operate robots here any more."].append(left)
+        return changes
 
     async def _operators(self) -> list[User]:
         known = await self._parts.database.run(self._parts.people, self._parts.farm_id)
@@ -174,12 +192,19 @@ class DutyDesk:
                 raise OrderRefused(NOT_OFFERED, f"{name} is not offered to you any more.")
         return duties
 
-    def _refuse_foreign(self, session: SessionInfo, robot_id: str) -> None:
-        duty = self._parts.duties.of(robot_id)
-        if duty.user_id in ("", session.user_id) or may(session.role, Permission.TAKE_LEASE):
-            return
-        name = self._parts.name_of(robot_id)
-        raise OrderRefused(NOT_YOURS, f"{duty.user_name} is responsible for {name}. Ask for a hand-over.")
+    async def _refuse_former(self, session: SessionInfo) -> None:
+        """Refuse who was switched off, or may not operate any more, while the request was under way."""
+        if all(one.id != session.user_id for one in await self._operators()):
+            raise OrderRefused(NOT_OPERATOR, "You may not operate robots here any more.")
+
+    def _refuse_foreign(self, session: SessionInfo, robots: Sequence[str]) -> None:
+        """Refuse robots that are somebody else's, but not a supervisor, or where the right is missing."""
+        for robot_id in robots:
+            self._parts.authorize(session, Permission.PAUSE, robot_id)
+            duty = self._parts.duties.of(robot_id)
+            if duty.user_id not in ("", session.user_id) and not may(session.role, Permission.TAKE_LEASE):
+                name = self._parts.name_of(robot_id)
+                raise OrderRefused(NOT_YOURS, f"{duty.user_name} is responsible for {name}. Ask for a hand-over.")
 
     async def _write(
         self, session: SessionInfo, duties: Sequence[Duty], what: str, to_name: str, note: str

@@ -25,7 +25,6 @@ UNKNOWN_MISSION, HASH_MISMATCH, HAS_PROGRESS = "unknown_mission", "hash_mismatch
 NO_CLOUD, NO_REVERSE = "no_cloud", "no_reverse"
 MAP_CHANGED, NOT_READ_BACK, CHECKLIST_MISSING = "map_changed", "not_read_back", "checklist_missing"
 HARDWARE_STOP, SAFETY_UNKNOWN, WRONG_MISSION = "hardware_stop", "safety_unknown", "wrong_mission"
-STATE_UNKNOWN = "state_unknown"
 LEASE_REVOKED = "lease_revoked"  # the robot's own word, edge.md
 STATE_UNKNOWN, OTHER_TARGET = "state_unknown", "other_target"
 FUNCTION_OFF, UNKNOWN_NODE, INCOMPLETE = "function_off", "unknown_node", "incomplete"

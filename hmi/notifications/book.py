@@ -27,9 +27,16 @@ class ChannelBook:
         stored = self._settings.get(NAME) or {}
         return [self._read(one) for one in stored.get("channels", [])]
 
-    def save(self, channels: Sequence[Channel], by: str) -> None:
-        """Keep the channels; blocks."""
-        self._settings.put(NAME, {"channels": [self._written(one) for one in channels]}, by, self._clock.utc())
+    def revision(self) -> int:
+        """Return how often they were saved; blocks."""
+        return int((self._settings.get(NAME) or {}).get("revision", 0))
+
+    def save(
+        self, channels: Sequence[Channel], revision: int, beside: Mapping[str, Mapping[str, Any]], by: str
+    ) -> None:
+        """Keep the channels and the settings ``beside`` them, by name: all or none; blocks."""
+        kept = {"channels": [self._written(one) for one in channels], "revision": revision}
+        self._settings.put_all({NAME: kept, **beside}, by, self._clock.utc())
 
     def _written(self, channel: Channel) -> dict[str, Any]:
         sealed = {"secret": self._box.seal(channel.secret)}

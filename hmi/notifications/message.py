@@ -63,23 +63,30 @@ class Message:
             f"{self.farm}: {len(self.items) + self.left_out} alarms, most urgent priority {int(self.priority)}"
         )
 
+    @property
+    def listed(self) -> list[Told]:
+        """What is told in words: the most urgent first, and so never left out for what is less."""
+        return sorted(self.items, key=lambda one: one.priority)[:MAX_LISTED]
+
+    @property
+    def _unlisted(self) -> int:
+        return self.left_out + max(0, len(self.items) - MAX_LISTED)
+
     def body(self) -> str:
         """Return the text of a mail."""
         if self.is_test:
             return "This is a test. Alarms will arrive like this.\n"
-        parts = [_paragraph(one) for one in self.items[:MAX_LISTED]]
-        more = self.left_out + max(0, len(self.items) - MAX_LISTED)
-        if more:
-            parts.append(f"And {more} more. Look at the Alarms screen.")
+        parts = [_paragraph(one) for one in self.listed]
+        if self._unlisted:
+            parts.append(f"And {self._unlisted} more. Look at the Alarms screen.")
         parts.append("Acknowledging means that it was seen. It resets and moves nothing.")
         return "\n\n".join(parts) + "\n"
 
     def payload(self) -> bytes:
         """Return the body of a webhook."""
-        listed = [_fields(one) for one in self.items[:MAX_LISTED]]
-        more = self.left_out + max(0, len(self.items) - MAX_LISTED)
+        listed = [_fields(one) for one in self.listed]
         content = {"v": 1, "kind": "test" if self.is_test else "alarms", "farm": self.farm, "subject": self.subject}
-        return json.dumps({**content, "alarms": listed, "more": more}, ensure_ascii=False).encode()
+        return json.dumps({**content, "alarms": listed, "more": self._unlisted}, ensure_ascii=False).encode()
 
 
 def _paragraph(one: Told) -> str:
@@ -109,10 +116,11 @@ def _fields(one: Told) -> dict[str, Any]:
 
 
 def merged(messages: Sequence[Message]) -> Message:
-    """Return one message of several, in their order."""
-    items = tuple(item for one in messages for item in one.items)
-    left_out = sum(one.left_out for one in messages) + max(0, len(items) - MAX_KEPT)
-    return Message(messages[0].farm, items[-MAX_KEPT:], left_out)
+    """Return one message of several, in their order; what finds no room is the oldest of what is least urgent."""
+    items = [item for one in messages for item in one.items]
+    kept = sorted(range(len(items)), key=lambda i: (items[i].priority, -i))[:MAX_KEPT]
+    left_out = sum(one.left_out for one in messages) + len(items) - len(kept)
+    return Message(messages[0].farm, tuple(items[i] for i in sorted(kept)), left_out)
 
 
 def _line(text: str) -> str:

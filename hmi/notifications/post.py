@@ -104,10 +104,11 @@ class PostOffice:
         for box in self._boxes.values():
             if not box.channel.wants(told.what, told.priority, told.source):
                 continue
-            if len(box.waiting) >= MAX_WAITING:
-                box.waiting.popleft()  # the newest is what matters
-                box.dropped += 1
             box.waiting.append(Message(farm, (told,)))
+            if len(box.waiting) > MAX_WAITING:
+                # the most urgent and the newest is what matters: max finds the oldest of the least urgent
+                del box.waiting[max(range(len(box.waiting)), key=lambda i: box.waiting[i].priority)]
+                box.dropped += 1
             if told.priority is Priority.CRITICAL:
                 box.due_s = 0.0  # it does not wait for what failed before it
             self._wake.set()

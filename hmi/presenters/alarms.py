@@ -75,6 +75,7 @@ def event(step: Step, name: str) -> dict[str, Any]:
         "what": step.what.value,
         "id": step.live.id,
         "priority": int(step.live.priority),
+        "state": step.live.alarm.state.value,
         "title": title_of(step.live),
         "name": name,
         "by": step.by,

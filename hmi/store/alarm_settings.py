@@ -24,6 +24,12 @@ class AlarmSettings:
 
     def put(self, name: str, value: Mapping[str, Any], by: str, at: datetime) -> None:
         """Replace a setting; it is on disk when this returns."""
-        row = AlarmSettingRow(farm_id=self._farm_id, name=name, value=dict(value), changed_by=by, changed_at=at)
+        self.put_all({name: value}, by, at)
+
+    def put_all(self, values: Mapping[str, Mapping[str, Any]], by: str, at: datetime) -> None:
+        """Replace several settings, all or none; they are on disk when this returns."""
         with self._database.write() as session:
-            session.merge(row)
+            for name, value in values.items():
+                session.merge(
+                    AlarmSettingRow(farm_id=self._farm_id, name=name, value=dict(value), changed_by=by, changed_at=at)
+                )

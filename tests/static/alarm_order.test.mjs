@@ -6,7 +6,7 @@ import vm from 'node:vm';
 
 const context = vm.createContext({ HL: {} });
 vm.runInContext(fs.readFileSync(new URL('../../static/js/ui/alarm_order.js', import.meta.url), 'utf8'), context);
-const { rows, sequence, isAside, worst } = context.HL.alarmOrder;
+const { rows, sequence, isAside, isNews, worst } = context.HL.alarmOrder;
 
 const one = (change) => ({ title: 'No data link', name: 'Weeder 07', text: '', source: 'weeder-07', priority: 2, state: 'unacknowledged', raised: 1000, place: 1, group: 1, ...change });
 const ids = (list) => Array.from(list, (row) => row.id);
@@ -75,4 +75,18 @@ test('the worst is the one a person has to see first', () => {
 test('what nobody answered stands first of its priority until somebody does', () => {
   const found = rows({ young: one({ raised: 9 }), told: one({ raised: 1, escalated: 5 }), seen: one({ raised: 2, escalated: 5, state: 'acknowledged' }), high: one({ priority: 1, state: 'acknowledged' }) });
   assert.deepEqual(ids(found), ['high', 'told', 'young', 'seen']);
+});
+
+test('what is over stands behind what is so now, also if nobody answered it', () => {
+  const found = rows({ over: one({ state: 'returned', raised: 1, escalated: 5 }), gone: one({ state: 'returned', raised: 8 }), now: one({ raised: 9 }) });
+  assert.deepEqual(ids(found), ['now', 'over', 'gone']);
+});
+
+test('what is put aside is not said when it comes, and is said when it is back and still so', () => {
+  for (const state of ['shelved', 'suppressed', 'out_of_service']) assert.equal(isNews({ what: 'raised', state }), false);
+  for (const what of ['raised', 'unshelved', 'unsuppressed', 'in_service']) assert.equal(isNews({ what, state: 'unacknowledged' }), true, what);
+  assert.equal(isNews({ what: 'unsuppressed', state: 'suppressed' }), false, 'another cause still holds');
+  assert.equal(isNews({ what: 'unshelved', state: 'returned' }), false);
+  assert.equal(isNews({ what: 'escalated', state: 'returned' }), true);
+  assert.equal(isNews({ what: 'acknowledged', state: 'acknowledged' }), false);
 });

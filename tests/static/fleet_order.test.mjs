@@ -167,3 +167,15 @@ test('what nobody answered stands first of its priority and names who is respons
   assert.equal(of('a', {}, { alarm: { ...told, state: 'acknowledged' } }).verdict.isUnanswered, false);
   assert.equal(worstAlarms({ x: alarm('a', 2, 'unacknowledged', 1), y: { ...alarm('a', 2, 'unacknowledged', 9), escalated: 9 } }).a.id, 'y');
 });
+
+test('an alarm that is over hides none that is so now, also if nobody answered it', () => {
+  const over = { ...alarm('a', 2, 'returned', 1), title: 'No data link', escalated: 5 };
+  const now = { ...alarm('a', 2, 'unacknowledged', 9), title: 'Off its line' };
+  const found = of('a', {}, { alarm: worstAlarms({ over, now }).a }).verdict;
+  assert.deepEqual([found.head, found.group], ['Off its line', 'needs-you']);
+  const gone = of('gone', {}, { alarm: { ...over, priority: 1 } });
+  const live = of('live', {}, { alarm: { ...now, source: 'live', priority: 1 } });
+  const [needs] = sections([gone, live]);
+  assert.deepEqual(plain(ids(needs)), ['live', 'gone']);
+  assert.equal(isMoved(of('gone', {}, { alarm: { ...over, priority: 1, state: 'unacknowledged' } }).verdict, gone.verdict), true);
+});

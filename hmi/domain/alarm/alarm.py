@@ -132,9 +132,14 @@ class Alarm:
         return AlarmState(self.phase.value)
 
     @property
+    def is_aside(self) -> bool:
+        """Whether it is shelved, suppressed or out of service."""
+        return self.state.value != self.phase.value
+
+    @property
     def is_annunciated(self) -> bool:
         """Whether it asks for attention now: listed as active, and heard if it is not acknowledged."""
-        return self.phase is not Phase.NORMAL and self.state.value == self.phase.value
+        return self.phase is not Phase.NORMAL and not self.is_aside
 
     @property
     def awaits_answer(self) -> bool:

@@ -3,6 +3,7 @@
   "use strict";
   const { el, icon, text, attr, LiveElement, define } = HL;
   const { Tones, TEST } = HL.alarmTones;
+  const { isNews, isUnanswered } = HL.alarmOrder;
   const SILENCE_MS = 120000;
   const LOOK_MS = 200; // a tone is not late by what anybody hears
   const SAY_MS = 3000; // a screen reader is not told faster
@@ -85,14 +86,19 @@
     },
   };
 
-  // in the top bar: only where a person has to do something about the sound
+  // in the top bar: only where a person has to do something, about what nobody answered or about the sound
   class Sound extends LiveElement {
     build() {
+      this.style.display = "contents"; // what is hidden leaves no gap
+      this.many = el("b");
+      this.unanswered = el("a", { class: "h-btn h-soundoff", href: "/alarms", "data-testid": "alarm-unanswered", hidden: true }, icon("notifications_active", "m"), this.many, el("span", { class: "wide" }, "not answered"));
+      Object.assign(this.unanswered.style, { flex: "none", gap: "4px", padding: "0 8px", borderStyle: "solid", borderColor: "var(--hl-p2)", color: "var(--hl-p2-text)" });
       this.word = el("span", { class: "wide" });
       this.button = el("button", { type: "button", class: "h-btn h-soundoff", onclick: () => bell.turnOn() }, icon("volume_off"), this.word);
-      this.append(this.button);
+      this.append(this.unanswered, this.button);
     }
     paint() {
+      this.paintUnanswered();
       const state = bell.state();
       attr(this, "data-state", state);
       attr(this, "data-value", bell.level() ?? 0);
@@ -101,6 +107,13 @@
       const words = state === "silenced" ? `Silent ${HL.words.clock(bell.silentMs() / 1000)}` : "Sound is off. Tap to turn on.";
       text(this.word, words);
       attr(this.button, "aria-label", state === "silenced" ? `${words}. Tap to turn on.` : words);
+    }
+    paintUnanswered() {
+      const count = Object.values(HL.alarms.all()).filter(isUnanswered).length;
+      attr(this.unanswered, "hidden", !count || HL.view.screen === "alarms");
+      attr(this.unanswered, "data-value", count);
+      attr(this.unanswered, "aria-label", `${count} not answered. Go to Alarms`);
+      text(this.many, count);
     }
   }
 
@@ -120,7 +133,7 @@
       this.off?.();
     }
     hear(event) {
-      if (event.what !== "raised" && event.what !== "escalated") return;
+      if (!isNews(event)) return;
       const words = `Priority ${event.priority}. ${event.name}: ${event.title}.`;
       if (event.priority === 1) text(this.alert, this.alert.hlText === words ? `${words} Again.` : words);
       else this.waiting.push(words);

@@ -1,7 +1,7 @@
 // The form of one notification channel: where to, about what, how often. A secret goes in and never comes back.
 (() => {
   "use strict";
-  const { el, text } = HL;
+  const { el, text, attr } = HL;
   const KINDS = { webhook: "Web address", email: "E-mail" };
   const STEPS = { raised: "when it comes", escalated: "when nobody answers", returned: "when it is gone", acknowledged: "when somebody has seen it" };
   const list = (words) => words.split(/[\s,;]+/).filter(Boolean);
@@ -40,8 +40,18 @@
     return node.type === "number" ? Number(node.value) : node.value.trim();
   }
 
-  // save(channel) -> answer of the server
-  function edit(kind, old, save) {
+  // What keeps a form from being saved. Where somebody else saved in between, what is typed stays and theirs is loaded.
+  function trouble(hook, load, loaded = "") {
+    const words = el("span");
+    const button = el("button", { type: "button", class: "h-btn", "data-testid": `${hook}-load`, hidden: true }, "Load what is saved");
+    const say = (said, isOld = false) => (text(words, said), attr(button, "hidden", !isOld));
+    button.onclick = async () => (await load(), say(loaded));
+    const failed = (answer) => say(`Not saved: ${answer.text || "no answer"}`, answer.code === "changed");
+    return { node: el("div", { class: "h-error", role: "alert", "data-testid": hook }, words, " ", button), say, failed };
+  }
+
+  // save(channel) -> answer of the server; load() what is saved
+  function edit(kind, old, save, load) {
     const channel = old ?? { ...FRESH[kind], is_on: true, priorities: [1, 2], steps: ["raised", "escalated"], robots: [], per_hour: 30 };
     const fields = FIELDS[kind].map((one) => field(channel, one));
     const perHour = field(channel, ["per_hour", "At most so many an hour; what is more comes as one list", { type: "number", min: "1", max: "600", required: true }]);
@@ -50,19 +60,18 @@
     const steps = ticks("Told", STEPS, channel.steps, "notify-step");
     const isOn = el("input", { type: "checkbox", "data-testid": "notify-on" });
     isOn.checked = channel.is_on;
-    const problem = el("div", { class: "h-error", role: "alert", "data-testid": "notify-problem" });
+    const problem = trouble("notify-problem", load, "Loaded. What you typed is still here; Save keeps it.");
     const done = async (close) => {
       const bad = [...fields, perHour].find(({ node }) => !node.checkValidity());
-      if (bad) return text(problem, `${bad.name}: ${bad.node.validationMessage}`), bad.node.focus();
-      text(problem, "Saving …");
+      if (bad) return problem.say(`${bad.name}: ${bad.node.validationMessage}`), bad.node.focus();
+      problem.say("Saving …");
       const found = Object.fromEntries(fields.map((one) => [one.key, value(one)]));
       const answer = await save({ ...found, id: channel.id ?? newId(found.name), kind, is_on: isOn.checked, priorities: levels.value().map(Number), steps: steps.value(), robots: list(robots.node.value), per_hour: value(perHour) });
       if (answer.ok) return close();
-      text(problem, `Not saved: ${answer.text || "no answer"}`);
-      return undefined;
+      return problem.failed(answer);
     };
-    HL.sheet({ title: `${old ? "Change" : "Add"}: ${KINDS[kind]}`, hook: "notify-sheet", body: [el("div", { class: "h-form" }, ...fields.map(({ label }) => label)), levels.node, steps.node, el("div", { class: "h-form" }, perHour.label, robots.label), el("label", { class: "h-check" }, isOn, "Switched on"), problem], buttons: [["Leave it", (close) => close()], ["Save", done, true]] });
+    HL.sheet({ title: `${old ? "Change" : "Add"}: ${KINDS[kind]}`, hook: "notify-sheet", body: [el("div", { class: "h-form" }, ...fields.map(({ label }) => label)), levels.node, steps.node, el("div", { class: "h-form" }, perHour.label, robots.label), el("label", { class: "h-check" }, isOn, "Switched on"), problem.node], buttons: [["Leave it", (close) => close()], ["Save", done, true]] });
   }
 
-  HL.alarmChannels = { edit, KINDS };
+  HL.alarmChannels = { edit, trouble, KINDS };
 })();

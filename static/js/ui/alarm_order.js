@@ -9,12 +9,16 @@
   const isAside = (one) => ASIDE.includes(one.state);
   const isUnseen = (one) => one.state === "unacknowledged" || one.state === "returned";
 
+  // Whether a step in its life is said anew: it came, nobody answered it, or it is back from where it was put and still so.
+  const BACK = ["unshelved", "unsuppressed", "in_service"];
+  const isNews = ({ what, state }) => !ASIDE.includes(state) && (what === "raised" || what === "escalated" || (BACK.includes(what) && state === "unacknowledged"));
+
   // it was told on because nobody answered, and still nobody does
   const isUnanswered = (one) => Boolean(one.escalated) && isUnseen(one);
 
-  // the most urgent first, of those what was told on; then those nobody has seen before the others; then the newest
+  // the most urgent first; of those what nobody has seen, what is so before what is over, and told on before the others; then the newest
   function compare([a, one], [b, other]) {
-    return one.priority - other.priority || isUnanswered(other) - isUnanswered(one) || (RANK[one.state] ?? 4) - (RANK[other.state] ?? 4) || other.raised - one.raised || (a < b ? -1 : 1);
+    return one.priority - other.priority || (RANK[one.state] ?? 4) - (RANK[other.state] ?? 4) || isUnanswered(other) - isUnanswered(one) || other.raised - one.raised || (a < b ? -1 : 1);
   }
 
   // filter: {robot, priority, q}
@@ -58,5 +62,5 @@
     return { isFirst: false, text: `${nth(one.place)}${firstTitle ? `, after ${lower(firstTitle)}` : ` of ${one.group}`}` };
   }
 
-  HL.alarmOrder = { isActive, isAside, isUnseen, isUnanswered, compare, matches, worst, rows, sequence };
+  HL.alarmOrder = { isActive, isAside, isUnseen, isUnanswered, isNews, compare, matches, worst, rows, sequence };
 })();

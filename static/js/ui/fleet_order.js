@@ -32,7 +32,8 @@
 
   // it was told on because nobody answered, and still nobody does
   const isUnanswered = (alarm) => Boolean(alarm?.escalated) && (alarm.state === "unacknowledged" || alarm.state === "returned");
-  const compareAlarms = (a, b) => a.priority - b.priority || isUnanswered(b) - isUnanswered(a) || ACTIVE[a.state] - ACTIVE[b.state] || a.raised - b.raised;
+  // what is over, answered or not, hides nothing that is so now
+  const compareAlarms = (a, b) => a.priority - b.priority || ACTIVE[a.state] - ACTIVE[b.state] || isUnanswered(b) - isUnanswered(a) || a.raised - b.raised;
 
   // "about 1 min", for how long clearing takes
   const about = (s) => (s === null || s === undefined ? "" : s < 45 ? `about ${s} s` : `about ${Math.max(1, Math.round(s / 60))} min`);
@@ -99,9 +100,9 @@
     return { level, head: isKnown ? `No link for ${words.since(ageMs)}` : "Never heard", line, since: robot.t ?? null, look, waits: false, isLost: true, alarm: alarm?.id };
   }
 
-  // priority, then how soon help is needed, then who waits longest, then by name
+  // priority, then what is so before what is over, then how soon help is needed, then who waits longest, then by name
   function byAttention(a, b) {
-    return (a.verdict.level ?? 9) - (b.verdict.level ?? 9) || Boolean(b.verdict.isUnanswered) - Boolean(a.verdict.isUnanswered) || cmp(a.verdict.helpS, b.verdict.helpS) || cmp(orInfinity(a.verdict.since), orInfinity(b.verdict.since)) || byName(a, b);
+    return (a.verdict.level ?? 9) - (b.verdict.level ?? 9) || Boolean(a.verdict.isOver) - Boolean(b.verdict.isOver) || Boolean(b.verdict.isUnanswered) - Boolean(a.verdict.isUnanswered) || cmp(a.verdict.helpS, b.verdict.helpS) || cmp(orInfinity(a.verdict.since), orInfinity(b.verdict.since)) || byName(a, b);
   }
   const cmp = (a, b) => (a === b ? 0 : a < b ? -1 : 1);
   const byName = (a, b) => (a.rank !== undefined && b.rank !== undefined ? a.rank - b.rank : names.compare(a.robot.name, b.robot.name) || cmp(a.id, b.id));
@@ -118,7 +119,7 @@
 
   // whether a robot's place in the list differs by it: of those that need nobody only by what says so
   function isMoved(before, now) {
-    return before.level !== now.level || before.group !== now.group || before.isUnanswered !== now.isUnanswered || (now.group !== "normal" && (before.helpS !== now.helpS || before.since !== now.since));
+    return before.level !== now.level || before.group !== now.group || before.isOver !== now.isOver || before.isUnanswered !== now.isUnanswered || (now.group !== "normal" && (before.helpS !== now.helpS || before.since !== now.since));
   }
 
   function matches(item, query) {

@@ -19,6 +19,7 @@ from hmi.domain.alarm.priority import Priority
 from hmi.domain.alarm.tuning import BadTuning, Tuning, shipped, tuned
 from hmi.domain.role import Role
 from hmi.store.alarm_settings import AlarmSettings
+from hmi.store.errors import DatabaseUnavailable
 from tests.hmi.api.conftest import migrated as migrated
 from tests.hmi.api.console import PASSWORD, Console
 from tests.hmi.commands.field import FARM
@@ -178,3 +179,32 @@ def test_a_fault_that_becomes_critical_while_it_waits_counts_at_once() -> None:
         assert conditions.see("w", (Finding("robot-fault", "Oil.", "oil", Priority.MEDIUM),), now_s) == []
     (change,) = conditions.see("w", (Finding("robot-fault", "Oil.", "oil", Priority.CRITICAL),), 61.0)
     assert (change.turn, change.finding.priority) == (Turn.COMES, Priority.CRITICAL)
+
+
+async def test_a_change_that_could_not_be_kept_does_not_come_true_later(
+    console: LimitsConsole, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    admin, other = await console.browser(Role.ADMIN), await second_admin(console)
+    await admin.put(FENCE, json={"values": SLOWER, "reason": "GPS jumps at the wood"})
+    keep = AlarmSettings.put
+
+    def full(*_args: Any) -> None:
+        raise DatabaseUnavailable("the disk is full")
+
+    monkeypatch.setattr(AlarmSettings, "put", full)
+    for answer in (
+        await admin.put(OFF_TRACK, json={"values": WIDER, "reason": "Wide tyres on wet soil"}),
+        await other.post(f"{FENCE}/agree"),
+        await other.post(f"{FENCE}/drop"),
+    ):
+        assert answer.status_code == 503
+    monkeypatch.setattr(AlarmSettings, "put", keep)
+    row = _of((await admin.get("/alarms/limits")).json(), "outside-fence")
+    assert row["changed"] is None
+    assert row["asked"] is not None
+
+    await other.put("/alarms/limits/stalled", json={"values": None, "reason": "As it was"})
+    await console.desk().load()
+    for code in ("off-track", "outside-fence"):
+        assert console.types[code] == catalogue()[code]
+    assert (await other.post(f"{FENCE}/agree")).status_code == 200, "it still waits for a second person"

@@ -139,6 +139,37 @@ async def test_a_flood_of_alarms_is_a_few_messages_that_list_them_all() -> None:
     assert sum(len(message.items) + message.left_out for message in outside.got) == 100
 
 
+async def test_what_is_critical_is_named_in_a_flood_of_what_is_less() -> None:
+    outside = Outside()
+    outside.post.set_channels([hook(per_hour=1)])
+    for number in range(70):
+        outside.post.tell("Hof Brandt", told(number, Priority.MEDIUM))
+    outside.post.tell("Hof Brandt", told(99, Priority.CRITICAL))
+    outside.errors = [NotDelivered("No answer.")]
+    await outside.run(3)
+    [message] = outside.got
+    assert json.loads(message.payload())["alarms"][0]["id"] == "link-lost.weeder-99"
+    assert message.body().startswith("Alarm: No data link, Weeder 99, priority 1")
+    assert "And 21 more." in message.body()
+
+
+async def test_what_is_critical_outlasts_what_is_less_where_there_is_no_room() -> None:
+    outside = Outside()
+    outside.post.set_channels([hook(per_hour=600)])
+    outside.errors = [NotDelivered("No answer.")]
+    outside.post.tell("Hof Brandt", told(1, Priority.CRITICAL))
+    await outside.run(1)
+    outside.post.tell("Hof Brandt", told(2, Priority.CRITICAL))
+    for number in range(3, 3 + MAX_WAITING + 50):
+        outside.post.tell("Hof Brandt", told(number, Priority.LOW))
+    assert outside.post.health()["hook"].dropped == 51
+    await outside.run(20)
+    ids = [item.id for message in outside.got for item in message.items]
+    assert ids[:2] == ["link-lost.weeder-01", "link-lost.weeder-02"]
+    assert ids[-1] == f"link-lost.weeder-{2 + MAX_WAITING + 50}", "and the newest of what is less"
+    assert [one.id for one in outside.got[0].listed[:2]] == ids[:2]
+
+
 async def test_what_is_critical_overdraws_the_rate_but_not_without_end() -> None:
     outside = Outside()
     outside.post.set_channels([hook(per_hour=1)])

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from sqlalchemy.orm import Session
 
 from hmi.api.alarm_records import AlarmRecordRoutes, alarm_record_routes
 from hmi.api.alarm_settings import alarm_settings_routes
@@ -36,6 +37,7 @@ from hmi.store.alarm_settings import AlarmSettings
 from hmi.store.alarms import AlarmStore
 from hmi.store.audit_chain import AuditEntry
 from hmi.store.database import Database
+from hmi.store.errors import DatabaseUnavailable
 from hmi.store.history import History
 from tests.hmi.api.conftest import migrated as migrated
 from tests.hmi.api.console import Console
@@ -254,6 +256,68 @@ async def test_an_address_inside_the_network_is_refused_with_the_reason(console:
     assert (refused.status_code, refused.json()["field"]) == (422, "url")
     assert "notify_private" in refused.json()["text"]
     assert (await admin.get("/alarms/notifications")).json()["channels"] == []
+
+
+async def test_who_saves_what_was_loaded_before_somebody_else_saved_is_refused(console: RecordConsole) -> None:
+    admin, other = await console.browser(Role.ADMIN), await console.browser(Role.ADMIN)
+    seen = (await other.get("/alarms/notifications")).json()["revision"]
+    first = await admin.put("/alarms/notifications", json={"channels": [HOOK], "revision": seen})
+    assert first.json()["revision"] != seen
+    late = await other.put("/alarms/notifications", json={"channels": [MAIL], "revision": seen})
+    assert (late.status_code, late.json()["code"]) == (409, "changed")
+    assert late.json()["text"] == "Somebody changed it meanwhile."
+    kept = (await other.get("/alarms/notifications")).json()
+    assert [one["id"] for one in kept["channels"]] == ["hook"]
+    again = {"channels": [{**HOOK, "secret": None}, MAIL], "escalate_after_s": None, "revision": kept["revision"]}
+    both = (await other.put("/alarms/notifications", json=again)).json()
+    assert [one["id"] for one in both["channels"]] == ["hook", "mail"]
+    assert both["channels"][0]["secret"] == MASK
+
+
+async def test_of_two_who_save_at_once_one_is_refused(console: RecordConsole) -> None:
+    admin, other = await console.browser(Role.ADMIN), await console.browser(Role.ADMIN)
+    answers = await asyncio.gather(
+        admin.put("/alarms/notifications", json={"channels": [HOOK], "revision": 0}),
+        other.put("/alarms/notifications", json={"channels": [MAIL], "revision": 0}),
+    )
+    assert sorted(one.status_code for one in answers) == [200, 409]
+
+
+async def test_saving_the_seconds_leaves_the_channels_and_the_other_way_round(console: RecordConsole) -> None:
+    admin = await console.browser(Role.ADMIN)
+    await admin.put("/alarms/notifications", json={"channels": [HOOK], "escalate_after_s": {"1": 30}})
+    seconds = await admin.put("/alarms/notifications", json={"channels": None, "escalate_after_s": {"1": 45}})
+    assert [one["secret"] for one in seconds.json()["channels"]] == [MASK]
+    left = await admin.put("/alarms/notifications", json={"channels": [], "escalate_after_s": None})
+    assert (left.json()["channels"], left.json()["escalate_after_s"]["1"]) == ([], 45)
+
+
+async def test_what_was_loaded_before_a_restart_is_known_for_old_after_it(console: RecordConsole) -> None:
+    admin = await console.browser(Role.ADMIN)
+    saved = (await admin.put("/alarms/notifications", json={"channels": [HOOK]})).json()["revision"]
+    await console.settings_desk.load()
+    assert (await admin.get("/alarms/notifications")).json()["revision"] == saved > 0
+
+
+async def test_channels_and_seconds_are_kept_together_or_not_at_all(
+    console: RecordConsole, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    admin = await console.browser(Role.ADMIN)
+    await admin.put("/alarms/notifications", json={"channels": [HOOK], "escalate_after_s": {"1": 30}})
+    merge = Session.merge
+
+    def full(session: Session, row: Any) -> Any:
+        if row.name == "escalation":
+            raise DatabaseUnavailable("the disk is full")
+        return merge(session, row)
+
+    monkeypatch.setattr(Session, "merge", full)
+    failed = await admin.put("/alarms/notifications", json={"channels": [MAIL], "escalate_after_s": {"1": 45}})
+    assert failed.status_code == 503
+    monkeypatch.undo()
+    await console.settings_desk.load()
+    kept = (await admin.get("/alarms/notifications")).json()
+    assert ([one["id"] for one in kept["channels"]], kept["escalate_after_s"]["1"]) == (["hook"], 30)
 
 
 async def test_a_test_says_whether_the_other_side_took_it(console: RecordConsole) -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
 from typing import Any
 
 import httpx
 
 from hmi.commands.lease_service import LeaseOp
+from hmi.commands.refusal import OrderRefused
 from hmi.domain.role import Role
 from hmi.store.duty import Duties
 from tests.hmi.commands.field import FARM, JONAS
@@ -259,3 +261,46 @@ async def test_a_robot_that_was_taken_out_and_comes_back_is_nobodys(console: Fle
     again = Duties(console.database, FARM, console.field.clock)
     again.load()
     assert again.all() == []
+
+
+async def test_of_two_who_take_a_robot_at_once_one_is_responsible_and_the_other_reads_who(
+    console: FleetConsole,
+) -> None:
+    _cookie, martha = await console.session(Role.OPERATOR)
+    _cookie, dora = await console.session(Role.DISPATCHER, browser="9")
+    first, second = await asyncio.gather(
+        console.duty.take(martha, BOTH), console.duty.take(dora, BOTH), return_exceptions=True
+    )
+    assert isinstance(first, list)
+    assert isinstance(second, OrderRefused)
+    assert second.text == "Martha Keller is responsible for Weeder 01. Ask for a hand-over."
+    assert [line.by for line in await console.duty.book(dora)] == ["Martha Keller"]
+
+
+async def test_an_offer_that_is_withdrawn_is_not_accepted_in_the_same_moment(console: FleetConsole) -> None:
+    _cookie, martha = await console.session(Role.OPERATOR)
+    _cookie, anna = await console.session(Role.SUPERVISOR, browser="2")
+    await console.duty.take(martha, BOTH)
+    await console.duty.hand_over(martha, BOTH, "supervisor", "")
+    _kept, late = await asyncio.gather(
+        console.duty.decline(martha, BOTH), console.duty.accept(anna, BOTH), return_exceptions=True
+    )
+    assert isinstance(late, OrderRefused)
+    assert console.duty.responsible_for("weeder-01").user_id == "operator"  # type: ignore[union-attr]
+
+
+async def test_who_is_switched_off_while_asking_becomes_responsible_for_nothing(console: FleetConsole) -> None:
+    _cookie, martha = await console.session(Role.OPERATOR)
+    _cookie, anna = await console.session(Role.SUPERVISOR, browser="2")
+    await console.duty.take(anna, ["weeder-02"])
+    await console.duty.hand_over(anna, ["weeder-02"], "operator", "")
+    await console.accounts.change("operator", by="Ada", is_active=False)
+    for late in (
+        console.duty.take(martha, ["weeder-01"]),
+        console.duty.hand_over(martha, ["weeder-01"], "supervisor", ""),
+    ):
+        (answer,) = await asyncio.gather(late, return_exceptions=True)
+        assert isinstance(answer, OrderRefused)
+        assert answer.text == "You may not operate robots here any more."
+    assert console.duty.responsible_for("weeder-01") is None
+    assert [one.offered_to for one in console.duty.all(anna)] == [""]

@@ -70,6 +70,7 @@ class AlarmStage:
         self.refusal = ""
         self.journal: list[dict[str, Any]] = []
         self.channels: list[dict[str, Any]] = []
+        self.saved = 0  # how often the channels were
 
     def put(self, alarm_id: str, one: dict[str, Any] | None) -> None:
         """Set an entry, ``None`` when it is normal again."""
@@ -177,6 +178,7 @@ def router(stage: AlarmStage, note: Callable[[dict[str, Any]], None]) -> APIRout
     @routes.get("/api/v1/alarms/notifications")
     async def notifications() -> dict[str, Any]:
         return {
+            "revision": stage.saved,
             "channels": [{**one, "health": HEALTH} for one in stage.channels],
             "escalate_after_s": {"1": 60, "2": 300, "3": 1800, "4": None},
             "private_allowed": False,
@@ -184,10 +186,14 @@ def router(stage: AlarmStage, note: Callable[[dict[str, Any]], None]) -> APIRout
         }
 
     @routes.put("/api/v1/alarms/notifications")
-    async def change(request: Request) -> dict[str, Any]:
+    async def change(request: Request) -> Any:
         body = await request.json()
         note({"method": "PUT", "path": "alarms/notifications", **body})
-        stage.channels = [{**one, "secret": "kept"} for one in body["channels"]]
+        if body["revision"] != stage.saved:
+            return JSONResponse({"code": "changed", "text": "Somebody changed it meanwhile."}, 409)
+        if body["channels"] is not None:
+            stage.channels = [{**one, "secret": "kept"} for one in body["channels"]]
+        stage.saved += 1
         return await notifications()
 
     @routes.post("/api/v1/alarms/notifications/{channel}/test")

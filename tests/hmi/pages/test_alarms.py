@@ -362,3 +362,70 @@ def test_an_admin_adds_a_web_address_and_a_test_shows_the_real_answer(look: Look
     page.get_by_role("button", name="Save").last.click()
     changed = farm.until_orders("notifications", 2)[1]["channels"][0]
     assert (changed["id"], changed["secret"], changed["priorities"]) == (channel["id"], None, [1])
+
+
+HOOK = {"id": "hook", "name": "Control room", "kind": "webhook", "url": "https://hooks.example/…", "is_on": True,
+        "priorities": [1], "steps": ["raised"], "robots": [], "per_hour": 30, "secret": "kept"}  # fmt: skip
+
+
+@pytest.mark.long
+def test_what_an_admin_typed_stays_when_somebody_else_saved_first(look: Look, farm: Theatre) -> None:
+    page = look("/admin", role="admin")
+    page.get_by_test_id("admin-tab-notifications").click()
+    expect(page.get_by_text("Nobody is told outside the console")).to_be_visible()
+    farm.alarms(channels=[HOOK], saved=1)
+    page.get_by_test_id("notify-add-webhook").click()
+    page.get_by_test_id("notify-name").fill("On call")
+    page.get_by_test_id("notify-url").fill("https://calls.example/alarm")
+    page.get_by_role("button", name="Save").last.click()
+    expect(page.get_by_test_id("notify-problem")).to_contain_text("Not saved: Somebody changed it meanwhile.")
+    page.get_by_test_id("notify-problem-load").click()
+    expect(page.get_by_test_id("notify-problem")).to_contain_text("What you typed is still here")
+    expect(page.get_by_test_id("notify-row-hook")).to_be_attached()
+    expect(page.get_by_test_id("notify-name")).to_have_value("On call")
+    page.get_by_role("button", name="Save").last.click()
+    order = farm.until_orders("notifications", 2)[1]
+    assert [one["name"] for one in order["channels"]] == ["Control room", "On call"]
+    assert (order["channels"][0]["secret"], order["escalate_after_s"]) == (None, None)
+    expect(page.get_by_test_id("notify-sheet")).to_have_count(0)
+
+    farm.alarms(saved=7)
+    page.get_by_test_id("notify-after-1").fill("45")
+    page.get_by_test_id("notify-limits").get_by_role("button", name="Save").click()
+    expect(page.get_by_test_id("notify-limits-problem")).to_contain_text("Somebody changed it meanwhile.")
+    expect(page.get_by_test_id("notify-after-1")).to_have_value("45")
+    page.get_by_test_id("notify-limits-problem-load").click()
+    expect(page.get_by_test_id("notify-after-1")).to_have_value("60")
+    page.get_by_test_id("notify-after-1").fill("45")
+    page.get_by_test_id("notify-limits").get_by_role("button", name="Save").click()
+    order = farm.until_orders("notifications", 4)[3]
+    assert (order["channels"], order["escalate_after_s"]["1"], order["revision"]) == (None, 45, 7)
+
+
+PLACES = """() => ['hl-link', 'hl-alarms', 'hl-theme', 'hl-clock', 'hl-user'].map((tag) => {
+  const box = document.querySelector(tag).getBoundingClientRect(); return [tag, box.right, box.top, box.height]; })"""
+
+
+@pytest.mark.parametrize("size", ["landscape", "portrait"])
+def test_what_nobody_answered_is_said_in_the_top_bar_and_moves_nothing(look: Look, farm: Theatre, size: str) -> None:
+    page = look("/fleet", size=size)
+    farm.alarms(put={"x.weeder-02": {"escalated": 5, "state": "acknowledged"}})
+    expect(page.get_by_test_id("alarm-counts")).to_have_attribute("data-value", re.compile("."))
+    expect(page.get_by_test_id("alarm-sound")).to_have_attribute("data-state", re.compile("."))
+    said = page.get_by_test_id("alarm-unanswered")
+    expect(said).to_be_hidden()
+    before = page.evaluate(PLACES)
+    farm.alarms(put={LINK: {**ALARMS[LINK], "escalated": 5}})
+    expect(said).to_be_visible()
+    expect(said).to_have_attribute("aria-label", "1 not answered. Go to Alarms")
+    expect(said.locator("b")).to_have_text("1")
+    assert said.get_by_text("not answered").is_visible() == (size == "landscape")
+    assert page.evaluate(PLACES) == before
+    assert page.evaluate("(top => top.scrollWidth <= top.clientWidth)(document.querySelector('.h-top'))")
+    said.click()
+    expect(page.get_by_test_id(f"alarm-row-{LINK}")).to_be_visible()
+    expect(said).to_be_hidden()
+    farm.alarms(drop=[LINK])
+    page.get_by_test_id("nav-fleet").click()
+    expect(page.get_by_test_id("alarm-row-" + LINK)).to_have_count(0)
+    expect(said).to_be_hidden()
