@@ -6,6 +6,7 @@ import json
 import logging
 from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from backend_clients.ngsi.entity import Entity
 from backend_clients.ngsi.errors import NgsiError
@@ -13,6 +14,7 @@ from backend_clients.ngsi.identifier import EntityRef
 from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
 from hmi.cloud.delays import Delays
+from hmi.cloud.guard import Guard
 from hmi.cloud.link import CloudLink, Delivery
 from hmi.cloud.map_changes import MapChanges
 from hmi.cloud.newest import Newest
@@ -73,6 +75,7 @@ class Mirror:
         self.link, self._states, self._backlog, self._clock, self._whole = link, states, backlog, clock, whole
         self.changes = changes
         self.counts = Counts()
+        self.guard = Guard()
         self.to_console, self.to_cloud = Delays(), Delays()
         self._settle_s = float("-inf")
         self._is_whole_told = False
@@ -98,13 +101,13 @@ class Mirror:
                 await self.changes.forget()
             for other in self._others():
                 other.forget()
+        run = self.guard.run
         if (
-            await self._send_robots()
+            await run("Robots", self._send_robots)
             and await self._send_others()
-            and await self._look_around()
-            and await self._send_whole()
+            and await run("Map", self._send_map)
         ):
-            await self._send_backlog()
+            await run("What waits", self._send_backlog)
 
     async def _send_robots(self) -> bool:
         reports = self._states.reports(MOST_ROBOTS)
@@ -120,22 +123,28 @@ class Mirror:
 
     async def _send_others(self) -> bool:
         for other in self._others():
-            entities = other.reports(MOST_OF_OTHERS)
-            if not entities:
-                continue
-            found = await self._deliver(entities)
-            settled = found.done | set(found.refused)
-            other.told(one for one in entities if _ref(one) in settled)
-            self.counts.others += len(found.done)
-            if found.is_cut:
+            if not await self.guard.run(other.what, partial(self._send_newest, other)):
                 return False
         return True
+
+    async def _send_newest(self, other: Newest) -> bool:
+        entities = other.reports(MOST_OF_OTHERS)
+        if not entities:
+            return True
+        found = await self._deliver(entities)
+        settled = found.done | set(found.refused)
+        other.told(one for one in entities if _ref(one) in settled)
+        self.counts.others += len(found.done)
+        return not found.is_cut
 
     def _time(self, reports: Sequence[Report], now_s: float) -> None:
         for report in reports:
             if report.source_s is not None and report.received_s is not None:
                 self.to_cloud.add(now_s - report.source_s)
                 self.to_console.add(report.received_s - report.source_s)
+
+    async def _send_map(self) -> bool:
+        return await self._look_around() and await self._send_whole()
 
     async def _look_around(self) -> bool:
         """Read what the cloud wants changed, always before the map is told: nothing of it is written over."""
@@ -160,11 +169,11 @@ class Mirror:
         self._is_whole_told = not found.is_cut
         return not found.is_cut
 
-    async def _send_backlog(self) -> None:
+    async def _send_backlog(self) -> bool:
         for _ in range(PARTS):
             pieces = await self._backlog.first(PART)
             if not pieces:
-                return
+                return True
             part, entities = _in_order(pieces)
             found = await self._deliver(entities)
             settled = found.done | set(found.refused)
@@ -172,7 +181,8 @@ class Mirror:
             await self._backlog.delivered(gone)
             self.counts.pieces += len(gone) - len(found.refused)
             if found.is_cut:
-                return
+                return False
+        return True
 
     async def _deliver(self, entities: Sequence[KeyValues]) -> Delivery:
         wire: list[Entity] = [normalized(entity) for entity in entities]

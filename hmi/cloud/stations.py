@@ -39,6 +39,8 @@ class StationStates:
         urns: names of the farm's entities.
     """
 
+    what = "Field stations"
+
     def __init__(self, board: SensorBoard, urns: Urns) -> None:
         self._board, self._urns = board, urns
         self._waiting: dict[str, None] = {}
@@ -95,7 +97,8 @@ class StationStates:
 
     def _measurement(self, station: Station, known: StationNow, one: ValueNow) -> KeyValues:
         unit = known.station.units.get(one.channel, "")
-        told = Measurement(station.id, one.measured_at, one.channel.quantity, one.value, UNIT_CODES.get(unit, unit))
+        channel, unit = one.channel, UNIT_CODES.get(unit, unit)
+        told = Measurement(station.id, one.measured_at, channel.quantity, one.value, unit, channel.depth_m)
         return measurement_entity(self._urns, station, told)
 
 
