@@ -78,6 +78,21 @@ async def test_who_set_a_limit_stays_when_another_one_is_changed(rig: SensorRig)
     assert {one["label"]: one["by"] for one in told} == {"Wind": "Planner Person", "Rain": "Admin Person"}
 
 
+async def test_limits_that_somebody_changed_meanwhile_are_not_written_over(rig: SensorRig) -> None:
+    rain = {**WIND, "quantity": "rain_rate", "high": 0.5}
+    async with rig.browser(Role.PLANNER) as client:
+        first = await client.put("/sensor-limits", json={"limits": [WIND], "revision": ""})
+        seen = first.json()[0]["revision"]
+        second = await client.put("/sensor-limits", json={"limits": [WIND, rain], "revision": seen})
+        assert (first.status_code, second.status_code) == (200, 200)
+        for old in (seen, ""):
+            late = await client.put("/sensor-limits", json={"limits": [{**WIND, "high": 6}], "revision": old})
+            assert (late.status_code, late.json()["text"]) == (
+                409, "Somebody changed the limits meanwhile. Look again."
+            )  # fmt: skip
+        assert (await client.get("/sensor-limits")).json() == second.json()
+
+
 @pytest.mark.parametrize(
     ("limits", "field", "text"),
     [
