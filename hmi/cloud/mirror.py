@@ -78,13 +78,18 @@ class Mirror:
         self.guard = Guard()
         self.to_console, self.to_cloud = Delays(), Delays()
         self._settle_s = float("-inf")
-        self._is_whole_told = False
+        self._wishes, self._told_wish = 1, 0  # of telling map and missions: asked for, done
+        self._sent_wish, self._sent = 0, dict[EntityRef, KeyValues]()  # what of a wish arrived before the link failed
         self._placed = 0
         self._doubtful: set[EntityRef] = set()
 
     def tell_whole(self) -> None:
         """Tell map and missions again, e.g. after a map was published."""
-        self._is_whole_told = False
+        self._wishes += 1
+
+    @property
+    def _is_whole_told(self) -> bool:
+        return self._told_wish == self._wishes
 
     async def round(self) -> None:
         """Deliver what can be delivered now; returns when the link is not up or everything of this round is done."""
@@ -95,19 +100,20 @@ class Mirror:
             return
         if self.link.placed != self._placed:
             self._placed = self.link.placed
-            self._is_whole_told = False
+            self.tell_whole()
             self._states.forget()
             if self.changes is not None:
                 await self.changes.forget()
             for other in self._others():
                 other.forget()
         run = self.guard.run
+        # the map last: it is the largest, and over a slow way nothing waits until it got through
         if (
             await run("Robots", self._send_robots)
             and await self._send_others()
-            and await run("Map", self._send_map)
+            and await run("What waits", self._send_backlog)
         ):
-            await run("What waits", self._send_backlog)
+            await run("Map", self._send_map)
 
     async def _send_robots(self) -> bool:
         reports = self._states.reports(MOST_ROBOTS)
@@ -162,12 +168,21 @@ class Mirror:
     async def _send_whole(self) -> bool:
         if self._is_whole_told:
             return True
-        entities = await self._whole()
+        wish = self._wishes  # a map may be published, or a proposal refused, while this one goes up
+        if self._sent_wish != wish:
+            self._sent_wish = wish
+            self._sent.clear()
+        entities = [one for one in await self._whole() if self._sent.get(_ref(one)) != one]
         found = await self._deliver(entities) if entities else Delivery()
         if self.changes is not None:
             await self.changes.written(found.done)
-        self._is_whole_told = not found.is_cut
-        return not found.is_cut
+        if found.is_cut:
+            settled = found.done | set(found.refused)
+            self._sent.update((_ref(one), one) for one in entities if _ref(one) in settled)
+            return False
+        self._told_wish = wish
+        self._sent.clear()
+        return True
 
     async def _send_backlog(self) -> bool:
         for _ in range(PARTS):

@@ -92,6 +92,30 @@ class ProposalBook:
                                        "Deleted in the cloud", feature, None, now))  # fmt: skip
         return True
 
+    def keep(self, entity_ids: Collection[str]) -> bool:
+        """Forget what the cloud wants of entities it has no more; return whether a proposal went.
+
+        Args:
+            entity_ids: all that are there.
+        """
+        gone = [key for key, one in self._open.items() if one.what != "removed" and one.entity_id not in entity_ids]
+        for key in gone:
+            del self._open[key]
+        self._left_out = {key: entity for key, entity in self._left_out.items() if entity in entity_ids}
+        return bool(gone)
+
+    def vanished(self, entity_id: str) -> bool:
+        """Forget what the cloud wants of one entity that is gone; return whether a proposal went."""
+        others = {one.entity_id for one in self._open.values()} | set(self._left_out.values())
+        return self.keep(others - {entity_id})
+
+    def clear(self) -> bool:
+        """Forget everything: the broker is another one; return whether a proposal went."""
+        had_any = bool(self._open)
+        for kept in (self._open, self._refused, self._left_out):
+            kept.clear()
+        return had_any
+
     def is_ours_no_more(self, entity: KeyValues, features: Mapping[str, MapFeature]) -> bool:
         """Say whether an entity is of a feature of this farm that is not on the map now."""
         feature_id = self._urns.name_of(entity["type"], str(entity["id"]))
