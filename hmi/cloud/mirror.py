@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -15,13 +15,13 @@ from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
 from hmi.cloud.delays import Delays
 from hmi.cloud.guard import Guard
-from hmi.cloud.link import CloudLink, Delivery
+from hmi.cloud.link import CloudLink, Delivery, is_about_one
 from hmi.cloud.map_changes import MapChanges
 from hmi.cloud.newest import Newest
 from hmi.cloud.outbox import Piece
 from hmi.cloud.states import Report, RobotStates
 from hmi.fiware.leftover import gone_from
-from hmi.fiware.normalized import normalized
+from hmi.fiware.normalized import key_values, normalized
 from hmi.fiware.urn import KeyValues
 
 MOST_ROBOTS = 200  # in one round: one request
@@ -81,6 +81,7 @@ class Mirror:
         self._wishes, self._told_wish = 1, 0  # of telling map and missions: asked for, done
         self._sent_wish, self._sent = 0, dict[EntityRef, KeyValues]()  # what of a wish arrived before the link failed
         self._placed = 0
+        self._had: dict[EntityRef, frozenset[str]] = {}  # attributes that stations and cameras were told with
         self._doubtful: set[EntityRef] = set()
 
     def tell_whole(self) -> None:
@@ -101,6 +102,7 @@ class Mirror:
         if self.link.placed != self._placed:
             self._placed = self.link.placed
             self.tell_whole()
+            self._had.clear()
             self._states.forget()
             if self.changes is not None:
                 await self.changes.forget()
@@ -116,16 +118,34 @@ class Mirror:
             await run("Map", self._send_map)
 
     async def _send_robots(self) -> bool:
+        if not await self._look_for_left():
+            return False
         reports = self._states.reports(MOST_ROBOTS)
         if not reports:
             return True
-        found = await self._deliver([report.entity for report in reports])
+        gone = {_ref(report.entity): report.gone for report in reports}
+        found = await self._deliver([report.entity for report in reports], gone)
         now_s, settled = self._clock.mono_s(), found.done | set(found.refused)
         arrived = [report for report in reports if _ref(report.entity) in settled]
         self._states.told(arrived)
         self.counts.states += len(found.done)
         self._time(arrived, now_s)
         return not found.is_cut
+
+    async def _look_for_left(self) -> bool:
+        """Read once, some time after the start, what an earlier run told of robots: some are heard no more."""
+        wanted = self._states.wanted()
+        if wanted is None:
+            return True
+        try:
+            left = [key_values(one) async for one in self.link.client.entities(wanted)]
+        except NgsiError as error:
+            if not is_about_one(error):
+                self.link.failed(error)
+                return False
+            left = []
+        self._states.found(left)
+        return True
 
     async def _send_others(self) -> bool:
         for other in self._others():
@@ -137,7 +157,9 @@ class Mirror:
         entities = other.reports(MOST_OF_OTHERS)
         if not entities:
             return True
-        found = await self._deliver(entities)
+        gone = {_ref(one): gone_from(one, self._had.get(_ref(one))) for one in entities}
+        found = await self._deliver(entities, gone)
+        self._had.update((_ref(one), frozenset(one)) for one in entities if _ref(one) in found.done)
         settled = found.done | set(found.refused)
         other.told(one for one in entities if _ref(one) in settled)
         self.counts.others += len(found.done)
@@ -199,11 +221,18 @@ class Mirror:
                 return False
         return True
 
-    async def _deliver(self, entities: Sequence[KeyValues]) -> Delivery:
+    async def _deliver(
+        self, entities: Sequence[KeyValues], gone: Mapping[EntityRef, frozenset[str]] | None = None
+    ) -> Delivery:
+        """Deliver entities and note what became of them.
+
+        Args:
+            gone: attributes to delete, where it is known better than by what whole entities lack.
+        """
         wire: list[Entity] = [normalized(entity) for entity in entities]
         refs = {one.ref for one in wire}
         self.counts.resent += len(refs & self._doubtful)
-        gone = {_ref(one): gone_from(one) for one in entities}
+        gone = {_ref(one): gone_from(one) for one in entities} if gone is None else gone
         found = await self.link.deliver(wire, gone)
         self._doubtful -= refs
         if found.is_doubtful:

@@ -195,3 +195,30 @@ async def test_a_kind_of_thing_that_fails_here_is_said_and_holds_up_no_other(
     await farm.run(2)
     assert (report.whole()["head"], codes(report)) == ("Connected", [])
     await farm.close()
+
+
+async def test_what_is_not_measured_any_more_does_not_stay_in_the_cloud_under_a_new_time(farm: Farm) -> None:
+    wind, air = Channel("wind_speed"), Channel("air_temperature")
+    farm.station("weather-1", SensorKind.WEATHER, WEATHER)
+    farm.station("soil-1", SensorKind.SOIL, SOIL)
+    farm.measure("weather-1", (wind, 2.0), (air, 10.0))
+    farm.measure("soil-1", (SOIL[0], 0.31), (SOIL[1], 8.0))
+    await farm.run(2)
+    farm.clock.advance(120)
+    farm.measure("weather-1", (wind, 93.0), (air, 11.0))  # broken
+    farm.measure("soil-1", (SOIL[1], 9.0))
+    await farm.run(2)
+    [weather] = (await farm.in_cloud("WeatherObserved")).values()
+    assert (weather["temperature"], "windSpeed" in weather) == (11.0, False)
+    [record] = (await farm.in_cloud("AgriParcelRecord")).values()
+    assert (record["soilTemperature"], "soilMoistureVwc" in record) == (9.0, False)
+    farm.station("soil-1", SensorKind.SOIL, SOIL, parcel="")
+    await farm.run(2)
+    assert "controlledAsset" not in (await farm.in_cloud("Device"))[farm.urns.of("Device", "soil-1")]
+    before = len(farm.road.requests)
+    for _ in range(3):
+        farm.clock.advance(60)
+        farm.measure("weather-1", (air, 12.0))
+        await farm.run(0.5)
+    assert len(farm.road.requests) - before < 12, "nobody is asked for what is known to be gone"
+    await farm.close()
