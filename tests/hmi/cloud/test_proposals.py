@@ -525,3 +525,24 @@ async def test_a_large_map_gets_through_a_slow_way_and_holds_up_nothing(tmp_path
     assert len(await farm.in_cloud()) == 40
     assert sum(sizes) < 60, "what arrived is not sent again"
     await farm.rig.close()
+
+
+async def test_what_was_taken_beside_changes_of_our_own_is_done_once_both_are_published(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH)
+    await farm.rig.run(2)
+    await farm.others.patch(REF, {"name": make.text("Theirs")})
+    await farm.rig.run(301, step_s=50)
+    assert len(farm.book.all()) == 1
+    farm.features["north"] = replace(NORTH, name="Theirs", properties={"crop": "Rye"})
+    assert farm.book.published(farm.features)
+    farm.tell()
+    await farm.rig.run(2)
+    assert farm.book.all() == [], "the crop that is old there is nobody's wish"
+    found = (await farm.in_cloud())[REF.id]
+    assert (found["name"], found["hasAgriCrop"].rpartition(":")[2]) == ("Theirs", "rye")
+    await farm.rig.run(301, step_s=50)
+    maize = EntityRef("urn:ngsi-ld:AgriCrop:hof:maize", "AgriCrop")
+    await farm.others.patch(REF, {"hasAgriCrop": make.relationship(maize)})
+    await farm.rig.run(301, step_s=50)
+    assert [one.what for one in farm.book.all()] == ["changed"], "who asks for it now is heard"
+    await farm.rig.close()
