@@ -47,18 +47,23 @@ class BatchOutcome:
         return [ref for ref, error in self.failed.items() if error.is_outcome_unknown]
 
 
-async def run(connection: Connection, action: Action, entities: Sequence[Entity]) -> BatchOutcome:
+async def run(
+    connection: Connection, action: Action, entities: Sequence[Entity], most: int = MAX_ENTITIES
+) -> BatchOutcome:
     """Do one action on all entities; a refused part is halved until it is known which ones the broker refuses.
 
     Once the broker cannot be reached or lets nobody in, the rest fails with that reason without being sent.
     ``appendStrict`` is never sent twice: a refused part of it fails as a whole.
     With ``delete`` what is not there counts as done when it was sent among others: the broker does not say of which
     entity it was the first time.
+
+    Args:
+        most: entities in one request.
     """
     outcome = BatchOutcome()
     wire = _checked(entities, outcome)
     stop: NgsiError | None = None
-    waiting = [(part, False) for part in _parts(wire)]
+    waiting = [(part, False) for part in _parts(wire, most)]
     while waiting:
         part, is_half = waiting.pop(0)
         refs = [ref for ref, _ in part]
@@ -101,11 +106,11 @@ def _checked(entities: Iterable[Entity], outcome: BatchOutcome) -> _Part:
     return wire
 
 
-def _parts(wire: _Part) -> Iterable[_Part]:
+def _parts(wire: _Part, most: int) -> Iterable[_Part]:
     part: _Part = []
     size = ROOM
     for ref, body in wire:
-        if part and (len(part) == MAX_ENTITIES or size + len(body) + 1 > MAX_REQUEST):
+        if part and (len(part) >= most or size + len(body) + 1 > MAX_REQUEST):
             yield part
             part, size = [], ROOM
         part.append((ref, body))

@@ -148,9 +148,15 @@ class NgsiClient:
                 return
             offset = end - 1 if len(found) > 1 else end
 
-    async def batch(self, action: Action, entities: Iterable[Entity]) -> BatchOutcome:
-        """Do one action on many entities, in as few requests as their size allows; see ``BatchOutcome``."""
-        return await batch.run(self.connection, action, list(entities))
+    async def batch(
+        self, action: Action, entities: Iterable[Entity], *, most: int = batch.MAX_ENTITIES
+    ) -> BatchOutcome:
+        """Do one action on many entities, in as few requests as their size allows; see ``BatchOutcome``.
+
+        Args:
+            most: entities in one request, fewer where an answer takes too long.
+        """
+        return await batch.run(self.connection, action, list(entities), most)
 
     async def types(self) -> dict[str, int]:
         """Return the entity types with how many entities each has."""

@@ -13,7 +13,7 @@ from hmi.domain.role import Permission
 from hmi.domain.sensors.calibration import Calibration
 from hmi.domain.sensors.freshness import State, state_of
 from hmi.domain.sensors.gate import Gate
-from hmi.domain.sensors.limit import SensorLimit
+from hmi.domain.sensors.limit import SensorLimit, revision_of
 from hmi.domain.sensors.observation import SensorKind
 from hmi.domain.sensors.quantity import Channel
 from hmi.domain.sensors.series import Point, Span, stepped, with_gaps
@@ -86,7 +86,8 @@ class SensorView:
     def limits(self) -> list[Row]:
         """Return the farm's limits in the units of screens."""
         ordered = sorted(self._parts.board.limits, key=lambda one: one.channel.order)
-        return [_limit_row(one) for one in ordered]
+        revision = revision_of(ordered)  # in each row, since a list has no place of its own for it; none has none
+        return [{**_limit_row(one), "revision": revision} for one in ordered]
 
     def calibrations(self, found: Sequence[Calibration]) -> list[Row]:
         """Return calibrations; the offset in the unit of screens."""

@@ -71,9 +71,10 @@ class LimitBody(Body):
 
 
 class LimitsBody(Body):
-    """Every limit of the farm."""
+    """Every limit of the farm; ``revision`` of those that were seen, empty for none, null asks for no comparison."""
 
     limits: Annotated[list[LimitBody], Field(max_length=MOST_LIMITS)]
+    revision: Annotated[str, Field(max_length=64)] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +162,7 @@ def _add_settings(router: APIRouter, services: Services) -> None:
     @router.put("/sensor-limits", summary="Set all of them; what is left out goes")
     async def set_limits(body: LimitsBody, session: SignedIn) -> list[dict[str, Any]]:
         found = await services()
-        await _tried(found.book.set_limits(session, [_limit(one) for one in body.limits]))
+        await _tried(found.book.set_limits(session, [_limit(one) for one in body.limits], seen=body.revision))
         return found.view.limits()
 
 

@@ -13,8 +13,8 @@ from hmi.cloud.delays import Delay, Delays
 from hmi.cloud.mirror import Mirror
 from hmi.cloud.proposals import ProposalBook
 from hmi.domain.alarm.finding import MAX_TEXT, Finding, Findings
-from hmi.presenters.cloud import words_of
-from hmi.service_link import NEEDS_PERSON, NOT_OURS
+from hmi.presenters.cloud import PARTLY, PARTLY_MEND, words_of
+from hmi.service_link import MAX_WHY, NEEDS_PERSON, NOT_OURS
 from hmi.settings import Settings
 
 PUBLISHED_MEAN_S = 0.25  # robot to context broker in the published system, to compare with
@@ -47,7 +47,11 @@ class CloudReport:
 
     def findings(self) -> Findings:
         """Return what is wrong with the link for the alarms."""
-        return (*broker_findings(self._mirror.link.link, self._backlog.total), *self._dropped())
+        return (*broker_findings(self._mirror.link.link, self._backlog.total), *self._stuck(), *self._dropped())
+
+    def _stuck(self) -> Findings:
+        text = self._mirror.guard.text
+        return (Finding("cloud-stuck", text[:MAX_TEXT]),) if text else ()
 
     def _dropped(self) -> Findings:
         waiting, counts = self._backlog.waiting, self._mirror.counts
@@ -65,8 +69,8 @@ class CloudReport:
 
     def health(self) -> dict[str, dict[str, Any]]:
         """Return the part of the cloud for ``/api/v1/health``; a cloud that is away makes nothing else worse."""
-        state = self._mirror.link.link.state
-        return {"cloud": {"state": "degraded" if state in NEEDS_PERSON else "ok", "url": self._settings.cloud_url}}
+        is_degraded = self._mirror.link.link.state in NEEDS_PERSON or bool(self._mirror.guard.trouble)
+        return {"cloud": {"state": "degraded" if is_degraded else "ok", "url": self._settings.cloud_url}}
 
     def whole(self) -> dict[str, Any]:
         """Return everything the panel shows."""
@@ -74,6 +78,7 @@ class CloudReport:
         link = mirror.link.link
         return {
             **link_report(link, words_of(link.state.value), self._clock),
+            **self._partly(),
             "url": self._settings.cloud_url,
             "tenant": self._settings.cloud_tenant,
             "path": self._settings.cloud_path,
@@ -98,6 +103,13 @@ class CloudReport:
                 "lost_from_robots": self._heard().get("overflow", 0),
             },
         }
+
+    def _partly(self) -> dict[str, Any]:
+        """Return what stands in the place of ``Connected`` while something does not go up."""
+        why = self._mirror.guard.text
+        if not why or not self._mirror.link.link.is_well:
+            return {}
+        return {**PARTLY._asdict(), "why": why[:MAX_WHY], "mend": PARTLY_MEND}
 
     def _map_report(self) -> dict[str, Any]:
         changes = self._mirror.changes

@@ -97,6 +97,9 @@ class CloudWork:
 
     async def round(self) -> None:
         """Do what is due now, in one task."""
+        await self.mirror.guard.run("Everything", self._round)
+
+    async def _round(self) -> bool:
         await self.mirror.round()
         link = self.mirror.link
         if link.link.is_well:  # the tenant is ours, too
@@ -105,6 +108,7 @@ class CloudWork:
             except NgsiError as error:
                 if not is_about_one(error):
                     link.failed(error)
+        return True
 
     async def take_tenant(self) -> None:
         """Keep the farm in this tenant from now on; raises ``CloudRefused``."""

@@ -7,7 +7,8 @@ from datetime import datetime
 
 from hmi.commands.treatment_notice import Treatment
 from hmi.domain.family import Family
-from hmi.domain.mission import ENDED, MissionStatus
+from hmi.domain.mission import UNDER_WAY as NOT_OVER
+from hmi.domain.mission import MissionStatus
 from hmi.domain.robot import Order, OrderStatus, Robot
 from hmi.domain.sensors.place import Parcel
 from hmi.ingest.supervision.stations import AtWork
@@ -86,7 +87,7 @@ class TreatmentWatch:
             for line in self._missions.log(self._farm_id, mission.id):
                 if line.status is MissionStatus.RUNNING:
                     begin = begin or line.at
-                elif line.status in ENDED and begin is not None:
+                elif line.status not in NOT_OVER and begin is not None:  # ended, or sent anew
                     found.append((begin, line.at, text))
                     begin = None
             if begin is not None:

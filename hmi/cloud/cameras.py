@@ -33,6 +33,8 @@ class CameraStates:
         urns: names of the farm's entities.
     """
 
+    what = "Cameras"
+
     def __init__(self, fleet: FleetStore, field: Callable[[], Iterable[FieldCamera]], urns: Urns, clock: Clock) -> None:
         self._fleet, self._field, self._urns, self._clock = fleet, field, urns, clock
         self._revision, self._look_s = 0, float("-inf")

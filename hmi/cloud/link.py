@@ -6,10 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from backend_clients.http.trouble import Trouble
+from backend_clients.ngsi.batch import MAX_ENTITIES
 from backend_clients.ngsi.client import NgsiClient
 from backend_clients.ngsi.connection import Call
 from backend_clients.ngsi.entity import Entity
-from backend_clients.ngsi.errors import BrokerRefused, NgsiError, NotFound, Unreadable
+from backend_clients.ngsi.errors import BrokerRefused, NgsiError, NoAnswer, NotFound, Unreadable
 from backend_clients.ngsi.identifier import EntityRef
 from backend_clients.ngsi.query import Query
 from hmi.clock import Clock
@@ -53,6 +54,7 @@ class CloudLink:
         self.placed = 0
         """How often the tenant turned out to know nothing of us: then everything has to be told again."""
         self._look_s = float("-inf")
+        self._most = MAX_ENTITIES  # in one request
 
     async def is_ready(self) -> bool:
         """Say whether something can be delivered now; tries a lost link again when it is time."""
@@ -74,7 +76,12 @@ class CloudLink:
         except NgsiError as lost:
             self.failed(lost)
             return Delivery(is_cut=True)
-        outcome, found = await self.client.batch("append", entities), Delivery()
+        found, once = Delivery(), dict[EntityRef, Entity]()
+        for one in entities:
+            if once.setdefault(one.ref, one) is not one:  # a mistake of ours about one thing: the others go up
+                found.refused[one.ref] = "two at once under one id, of which the first was sent"
+        outcome = await self.client.batch("append", list(once.values()), most=self._most)
+        self._fit(len(once), is_late=any(isinstance(error, NoAnswer) for error in outcome.failed.values()))
         found.done.update(outcome.done)
         for ref, error in outcome.failed.items():
             if is_about_one(error):
@@ -87,6 +94,13 @@ class CloudLink:
         if not found.is_cut:
             self.link.well(self._clock.mono_s() - begin_s)
         return found
+
+    def _fit(self, count: int, *, is_late: bool) -> None:
+        """Fit the size of requests to what the way up carries in time; what went is only slowly followed by more."""
+        if is_late:
+            self._most = max(1, min(self._most, count) // 2)
+        elif count >= self._most:
+            self._most = min(MAX_ENTITIES, self._most + max(1, self._most // 4))
 
     async def _delete(self, gone: Mapping[EntityRef, frozenset[str]]) -> None:
         """Delete attributes that entities have in the cloud; nothing else of them is touched."""
@@ -101,6 +115,7 @@ class CloudLink:
                 ids = tuple(ref.id for ref in refs[begin : begin + ASKED])
                 query = Query(types=(model,), ids=ids, attrs=wanted)
                 left += [one async for one in self.client.entities(query)]
+        left = list({one.ref: one for one in left}.values())  # what moves between pages comes twice
         stale = [
             (one.ref, {key: value for key, value in one.attributes.items() if key in gone[one.ref]}) for one in left
         ]

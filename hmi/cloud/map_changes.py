@@ -90,6 +90,8 @@ class MapChanges:
         """Expect nothing there: the broker knows nothing of us."""
         if self._told is not None:
             await asyncio.to_thread(self._told.forget)
+        if self.book.clear():
+            self._on_changed()
 
     async def round(self) -> None:
         """Subscribe and read if it is time; raises ``NgsiError``."""
@@ -104,13 +106,19 @@ class MapChanges:
         if now_s >= self._read_s or len(hinted) > MOST_SINGLE or is_storm:
             await self.read_all()
         elif hinted:
-            await self._read(hinted)
+            try:
+                await self._read(hinted)
+            except NgsiError:
+                self.read_soon()  # the hints are used up
+                raise
 
     async def read_all(self) -> None:
         """Read every map entity and keep the proposals true; raises ``NgsiError``."""
         if self.hints is not None:
             self.hints.is_too_many = False
         found = [key_values(one) async for one in self._client.entities(Query(types=tuple(KIND_OF)))]
+        if self.book.keep({one["id"] for one in found}):
+            self._on_changed()
         await self._look(found)
         await self._miss(found)
         await self._clear(found)
@@ -147,7 +155,10 @@ class MapChanges:
         refs = [EntityRef(one["id"], one["type"]) for one in gone if features]
         segments = [ref.id for ref in refs if ref.type == "RoadSegment"]
         refs += [EntityRef(one.replace(":RoadSegment:", ":Road:", 1), "Road") for one in segments]
+        refs = list(dict.fromkeys(refs))  # what moves between pages comes twice
         if refs:
+            if self._told is not None:  # first: what we deleted ourselves is never taken for somebody else's deletion
+                await asyncio.to_thread(self._told.drop, refs)
             await self._client.batch("delete", [Entity(ref=ref) for ref in refs])
 
     async def _read(self, hinted: Mapping[EntityRef, bool]) -> None:
@@ -156,18 +167,22 @@ class MapChanges:
             entity = await self._client.find(ref)
             if entity is not None:
                 found.append(key_values(entity))
-            elif is_gone and self.book.gone(ref.id, ref.type, await self._features(), self._clock.utc()):
+            elif is_gone and await self._is_gone(ref):
                 self._on_changed()
         await self._look(found)
+
+    async def _is_gone(self, ref: EntityRef) -> bool:
+        """Take that somebody deleted an entity; return whether a proposal came or went."""
+        is_expected = self._told is None or ref in self._told.all()
+        if is_expected and self.book.gone(ref.id, ref.type, await self._features(), self._clock.utc()):
+            return True
+        return self.book.vanished(ref.id)
 
     async def _look(self, entities: Sequence[KeyValues]) -> None:
         if not entities:
             return
-        try:
-            is_named = any("hasAgriCrop" in one or "hasAgriSoil" in one for one in entities)
-            names = await self._names() if is_named else {}
-        except NgsiError:
-            names = {}
+        is_named = any("hasAgriCrop" in one or "hasAgriSoil" in one for one in entities)
+        names = await self._names() if is_named else {}  # without them a change of a crop would look like none
         if self.book.look(entities, await self._features(), self._clock.utc(), names):
             self._on_changed()
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from backend_clients.ngsi.entity import Entity
 from backend_clients.ngsi.errors import NgsiError
@@ -13,13 +14,14 @@ from backend_clients.ngsi.identifier import EntityRef
 from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
 from hmi.cloud.delays import Delays
-from hmi.cloud.link import CloudLink, Delivery
+from hmi.cloud.guard import Guard
+from hmi.cloud.link import CloudLink, Delivery, is_about_one
 from hmi.cloud.map_changes import MapChanges
 from hmi.cloud.newest import Newest
 from hmi.cloud.outbox import Piece
 from hmi.cloud.states import Report, RobotStates
 from hmi.fiware.leftover import gone_from
-from hmi.fiware.normalized import normalized
+from hmi.fiware.normalized import key_values, normalized
 from hmi.fiware.urn import KeyValues
 
 MOST_ROBOTS = 200  # in one round: one request
@@ -73,15 +75,22 @@ class Mirror:
         self.link, self._states, self._backlog, self._clock, self._whole = link, states, backlog, clock, whole
         self.changes = changes
         self.counts = Counts()
+        self.guard = Guard()
         self.to_console, self.to_cloud = Delays(), Delays()
         self._settle_s = float("-inf")
-        self._is_whole_told = False
+        self._wishes, self._told_wish = 1, 0  # of telling map and missions: asked for, done
+        self._sent_wish, self._sent = 0, dict[EntityRef, KeyValues]()  # what of a wish arrived before the link failed
         self._placed = 0
+        self._had: dict[EntityRef, frozenset[str]] = {}  # attributes that stations and cameras were told with
         self._doubtful: set[EntityRef] = set()
 
     def tell_whole(self) -> None:
         """Tell map and missions again, e.g. after a map was published."""
-        self._is_whole_told = False
+        self._wishes += 1
+
+    @property
+    def _is_whole_told(self) -> bool:
+        return self._told_wish == self._wishes
 
     async def round(self) -> None:
         """Deliver what can be delivered now; returns when the link is not up or everything of this round is done."""
@@ -92,25 +101,30 @@ class Mirror:
             return
         if self.link.placed != self._placed:
             self._placed = self.link.placed
-            self._is_whole_told = False
+            self.tell_whole()
+            self._had.clear()
             self._states.forget()
             if self.changes is not None:
                 await self.changes.forget()
             for other in self._others():
                 other.forget()
+        run = self.guard.run
+        # the map last: it is the largest, and over a slow way nothing waits until it got through
         if (
-            await self._send_robots()
+            await run("Robots", self._send_robots)
             and await self._send_others()
-            and await self._look_around()
-            and await self._send_whole()
+            and await run("What waits", self._send_backlog)
         ):
-            await self._send_backlog()
+            await run("Map", self._send_map)
 
     async def _send_robots(self) -> bool:
+        if not await self._look_for_left():
+            return False
         reports = self._states.reports(MOST_ROBOTS)
         if not reports:
             return True
-        found = await self._deliver([report.entity for report in reports])
+        gone = {_ref(report.entity): report.gone for report in reports}
+        found = await self._deliver([report.entity for report in reports], gone)
         now_s, settled = self._clock.mono_s(), found.done | set(found.refused)
         arrived = [report for report in reports if _ref(report.entity) in settled]
         self._states.told(arrived)
@@ -118,24 +132,47 @@ class Mirror:
         self._time(arrived, now_s)
         return not found.is_cut
 
+    async def _look_for_left(self) -> bool:
+        """Read once, some time after the start, what an earlier run told of robots: some are heard no more."""
+        wanted = self._states.wanted()
+        if wanted is None:
+            return True
+        try:
+            left = [key_values(one) async for one in self.link.client.entities(wanted)]
+        except NgsiError as error:
+            if not is_about_one(error):
+                self.link.failed(error)
+                return False
+            left = []
+        self._states.found(left)
+        return True
+
     async def _send_others(self) -> bool:
         for other in self._others():
-            entities = other.reports(MOST_OF_OTHERS)
-            if not entities:
-                continue
-            found = await self._deliver(entities)
-            settled = found.done | set(found.refused)
-            other.told(one for one in entities if _ref(one) in settled)
-            self.counts.others += len(found.done)
-            if found.is_cut:
+            if not await self.guard.run(other.what, partial(self._send_newest, other)):
                 return False
         return True
+
+    async def _send_newest(self, other: Newest) -> bool:
+        entities = other.reports(MOST_OF_OTHERS)
+        if not entities:
+            return True
+        gone = {_ref(one): gone_from(one, self._had.get(_ref(one))) for one in entities}
+        found = await self._deliver(entities, gone)
+        self._had.update((_ref(one), frozenset(one)) for one in entities if _ref(one) in found.done)
+        settled = found.done | set(found.refused)
+        other.told(one for one in entities if _ref(one) in settled)
+        self.counts.others += len(found.done)
+        return not found.is_cut
 
     def _time(self, reports: Sequence[Report], now_s: float) -> None:
         for report in reports:
             if report.source_s is not None and report.received_s is not None:
                 self.to_cloud.add(now_s - report.source_s)
                 self.to_console.add(report.received_s - report.source_s)
+
+    async def _send_map(self) -> bool:
+        return await self._look_around() and await self._send_whole()
 
     async def _look_around(self) -> bool:
         """Read what the cloud wants changed, always before the map is told: nothing of it is written over."""
@@ -153,18 +190,27 @@ class Mirror:
     async def _send_whole(self) -> bool:
         if self._is_whole_told:
             return True
-        entities = await self._whole()
+        wish = self._wishes  # a map may be published, or a proposal refused, while this one goes up
+        if self._sent_wish != wish:
+            self._sent_wish = wish
+            self._sent.clear()
+        entities = [one for one in await self._whole() if self._sent.get(_ref(one)) != one]
         found = await self._deliver(entities) if entities else Delivery()
         if self.changes is not None:
             await self.changes.written(found.done)
-        self._is_whole_told = not found.is_cut
-        return not found.is_cut
+        if found.is_cut:
+            settled = found.done | set(found.refused)
+            self._sent.update((_ref(one), one) for one in entities if _ref(one) in settled)
+            return False
+        self._told_wish = wish
+        self._sent.clear()
+        return True
 
-    async def _send_backlog(self) -> None:
+    async def _send_backlog(self) -> bool:
         for _ in range(PARTS):
             pieces = await self._backlog.first(PART)
             if not pieces:
-                return
+                return True
             part, entities = _in_order(pieces)
             found = await self._deliver(entities)
             settled = found.done | set(found.refused)
@@ -172,13 +218,21 @@ class Mirror:
             await self._backlog.delivered(gone)
             self.counts.pieces += len(gone) - len(found.refused)
             if found.is_cut:
-                return
+                return False
+        return True
 
-    async def _deliver(self, entities: Sequence[KeyValues]) -> Delivery:
+    async def _deliver(
+        self, entities: Sequence[KeyValues], gone: Mapping[EntityRef, frozenset[str]] | None = None
+    ) -> Delivery:
+        """Deliver entities and note what became of them.
+
+        Args:
+            gone: attributes to delete, where it is known better than by what whole entities lack.
+        """
         wire: list[Entity] = [normalized(entity) for entity in entities]
         refs = {one.ref for one in wire}
         self.counts.resent += len(refs & self._doubtful)
-        gone = {_ref(one): gone_from(one) for one in entities}
+        gone = {_ref(one): gone_from(one) for one in entities} if gone is None else gone
         found = await self.link.deliver(wire, gone)
         self._doubtful -= refs
         if found.is_doubtful:

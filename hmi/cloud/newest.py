@@ -9,7 +9,9 @@ from hmi.fiware.urn import KeyValues
 
 
 class Newest(Protocol):
-    """Says what to tell, and takes note of what arrived."""
+    """Says what to tell, and takes note of what arrived; ``what`` names the things for people."""
+
+    what: str
 
     def reports(self, limit: int) -> list[KeyValues]:
         """Return what to tell now, about so many entities; until told, they come again."""

@@ -6,11 +6,12 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime
 
-from hmi.fiware.map_change import KIND_OF, feature_id_of, is_as_told, proposed
+from hmi.fiware.map_change import KIND_OF, feature_id_of, is_as_told, mark_of, proposed
 from hmi.fiware.urn import KeyValues, Urns
 from hmi.mapping.errors import BadFeature
 from hmi.mapping.feature import MapFeature
 from hmi.mapping.jobs import compare
+from hmi.mapping.merging import merged
 
 MOST = 200  # proposals listed; a cloud that changes a thousand fields at once is looked at by somebody
 Wish = tuple[MapFeature | None, str]
@@ -28,6 +29,7 @@ class Proposal:
         before, after: our feature and theirs; ``None`` is absent.
         problem: why it cannot be taken as it is, empty if it can.
         by: who put it into the draft, empty if nobody did.
+        mark: of what the entity said.
     """
 
     id: str
@@ -41,6 +43,7 @@ class Proposal:
     at: datetime
     problem: str = ""
     by: str = ""
+    mark: str = ""
 
 
 class ProposalBook:
@@ -50,6 +53,7 @@ class ProposalBook:
         self._urns = urns
         self._open: dict[str, Proposal] = {}
         self._refused: dict[str, Wish] = {}
+        self._fulfilled: dict[str, str] = {}  # mark by feature: on our map, though with changes of our own beside it
         self._left_out: dict[str, str] = {}  # id of the entity by that of the feature
 
     @property
@@ -78,8 +82,12 @@ class ProposalBook:
             if entity["type"] not in KIND_OF:
                 continue
             feature_id = feature_id_of(entity, self._urns) or str(entity["id"])[-64:]
-            found = None if is_as_told(entity) else self._proposal(entity, feature_id, features, now, names or {})
-            self._put(feature_id, found)
+            mark, is_told = mark_of(entity), is_as_told(entity)
+            if is_told or self._fulfilled.get(feature_id) != mark:
+                self._fulfilled.pop(feature_id, None)  # who wants the same once more is heard again
+            is_done = is_told or feature_id in self._fulfilled
+            found = None if is_done else self._proposal(entity, feature_id, features, now, names or {})
+            self._put(feature_id, found and replace(found, mark=mark))
         return before != self._open
 
     def gone(self, entity_id: str, model: str, features: Mapping[str, MapFeature], now: datetime) -> bool:
@@ -91,6 +99,30 @@ class ProposalBook:
         self._put(feature_id, Proposal(feature_id, entity_id, feature.kind, feature.title, "removed",
                                        "Deleted in the cloud", feature, None, now))  # fmt: skip
         return True
+
+    def keep(self, entity_ids: Collection[str]) -> bool:
+        """Forget what the cloud wants of entities it has no more; return whether a proposal went.
+
+        Args:
+            entity_ids: all that are there.
+        """
+        gone = [key for key, one in self._open.items() if one.what != "removed" and one.entity_id not in entity_ids]
+        for key in gone:
+            del self._open[key]
+        self._left_out = {key: entity for key, entity in self._left_out.items() if entity in entity_ids}
+        return bool(gone)
+
+    def vanished(self, entity_id: str) -> bool:
+        """Forget what the cloud wants of one entity that is gone; return whether a proposal went."""
+        others = {one.entity_id for one in self._open.values()} | set(self._left_out.values())
+        return self.keep(others - {entity_id})
+
+    def clear(self) -> bool:
+        """Forget everything: the broker is another one; return whether a proposal went."""
+        had_any = bool(self._open)
+        for kept in (self._open, self._refused, self._left_out, self._fulfilled):
+            kept.clear()
+        return had_any
 
     def is_ours_no_more(self, entity: KeyValues, features: Mapping[str, MapFeature]) -> bool:
         """Say whether an entity is of a feature of this farm that is not on the map now."""
@@ -110,9 +142,10 @@ class ProposalBook:
 
     def published(self, features: Mapping[str, MapFeature]) -> bool:
         """Take a map that was published: what it fulfils is done; return whether any was."""
-        done = [one.id for one in self._open.values() if not one.problem and features.get(one.id) == one.after]
-        for key in done:
-            del self._open[key]
+        done = [one for one in self._open.values() if _is_fulfilled(one, features.get(one.id))]
+        for one in done:
+            del self._open[one.id]
+            self._fulfilled[one.id] = one.mark
         for key, one in self._open.items():
             self._open[key] = replace(one, by="")  # it was in a draft that became another map
         return bool(done)
@@ -134,6 +167,8 @@ class ProposalBook:
             self._left_out[feature_id] = found.entity_id
         elif known is None or (known.after, known.problem) != (found.after, found.problem):
             self._open[feature_id] = found
+        else:
+            self._open[feature_id] = replace(known, mark=found.mark)
 
     def _proposal(
         self, entity: KeyValues, feature_id: str, features: Mapping[str, MapFeature], now: datetime,
@@ -151,3 +186,11 @@ class ProposalBook:
         found = compare([ours] if ours is not None else [], [theirs])
         text = "; ".join(one.text for one in found)[:300] or "Changed"
         return Proposal(feature_id, entity["id"], kind, name, what, text, ours, theirs, now)
+
+
+def _is_fulfilled(one: Proposal, ours: MapFeature | None) -> bool:
+    """Say whether our map has what a proposal asks for, whatever else was changed there."""
+    try:
+        return not one.problem and merged(ours, one.before, one.after) == ours
+    except BadFeature:
+        return False

@@ -28,6 +28,7 @@ _WEATHER = {
     "wind_speed": "wind_mps", "wind_gust": "gust_mps", "wind_bearing": "wind_bearing_deg",
     "radiation": "radiation_w_m2",
 }  # fmt: skip
+TOGETHER_S = 60.0
 _SOIL = {"soil_moisture": "moisture", "soil_temperature": "temperature_c"}
 
 
@@ -38,6 +39,8 @@ class StationStates:
         board: the stations as they are now.
         urns: names of the farm's entities.
     """
+
+    what = "Field stations"
 
     def __init__(self, board: SensorBoard, urns: Urns) -> None:
         self._board, self._urns = board, urns
@@ -95,7 +98,8 @@ class StationStates:
 
     def _measurement(self, station: Station, known: StationNow, one: ValueNow) -> KeyValues:
         unit = known.station.units.get(one.channel, "")
-        told = Measurement(station.id, one.measured_at, one.channel.quantity, one.value, UNIT_CODES.get(unit, unit))
+        channel, unit = one.channel, UNIT_CODES.get(unit, unit)
+        told = Measurement(station.id, one.measured_at, channel.quantity, one.value, unit, channel.depth_m)
         return measurement_entity(self._urns, station, told)
 
 
@@ -104,11 +108,8 @@ def _station(one: FieldStation) -> Station:
 
 
 def _weather(station_id: str, values: list[ValueNow]) -> WeatherReading:
-    """Values that were measured together; what is older than the newest by more than a minute is left out."""
     at = max(one.measured_at for one in values)
-    parts = {
-        _WEATHER[one.channel.quantity]: one.value for one in values if (at - one.measured_at).total_seconds() <= 60
-    }
+    parts = {_WEATHER[one.channel.quantity]: one.value for one in values if _is_with(one.measured_at, at)}
     return WeatherReading(station_id, at, **parts)
 
 
@@ -118,7 +119,14 @@ def _soil(station_id: str, values: list[ValueNow]) -> list[SoilReading]:
         channel: Channel = one.channel
         if channel.quantity in _SOIL and channel.depth_m is not None:
             depths.setdefault(channel.depth_m, {})[_SOIL[channel.quantity]] = one.value, one.measured_at
-    return [
-        SoilReading(station_id, max(at for _, at in found.values()), depth_m, **{k: v for k, (v, _) in found.items()})
-        for depth_m, found in depths.items()
-    ]
+    return [_reading(station_id, depth_m, found) for depth_m, found in depths.items()]
+
+
+def _reading(station_id: str, depth_m: float, found: dict[str, tuple[float, datetime]]) -> SoilReading:
+    newest = max(at for _, at in found.values())
+    return SoilReading(station_id, newest, depth_m, **{k: v for k, (v, at) in found.items() if _is_with(at, newest)})
+
+
+def _is_with(at: datetime, newest: datetime) -> bool:
+    """Say whether a value was measured together with the newest: what is older has no place under its time."""
+    return (newest - at).total_seconds() <= TOGETHER_S

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Protocol
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
 
 from hmi.commands.audit_line import audit_line
 from hmi.commands.map_book import MapBook
@@ -11,7 +11,8 @@ from hmi.commands.ports import AuditSink
 from hmi.domain.map_log import FeatureChange
 from hmi.domain.role import Permission
 from hmi.mapping.errors import BadFeature
-from hmi.mapping.feature import MapFeature, as_geojson
+from hmi.mapping.feature import MapFeature, as_geojson, parse_feature
+from hmi.mapping.merging import merged
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
 from hmi.store.errors import NotFound
@@ -24,6 +25,11 @@ class Proposed(Protocol):
     @property
     def name(self) -> str:
         """Name of the feature."""
+        ...
+
+    @property
+    def before(self) -> MapFeature | None:
+        """The feature as it was on our map when that was asked for, ``None`` if there was none."""
         ...
 
     @property
@@ -74,11 +80,13 @@ class MapProposals:
     async def take(
         self, session: SessionInfo, proposal_id: str, ref: str
     ) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
-        """Put one into the draft as one step that can be undone; the same ``ref`` again changes nothing.
+        """Put one into the draft as one step that can be undone; what else the draft changed of the feature stays.
+
+        The same ``ref`` again changes nothing.
 
         Raises:
             NotFound: there is no such proposal any more, or no draft.
-            BadFeature: it cannot be on a map.
+            BadFeature: it cannot be on a map, or the draft changed the same of the feature.
             MapLocked, ChangedMeanwhile: see ``MapBook.change``.
         """
         self._authorize(session, Permission.EDIT_MAP)
@@ -89,8 +97,8 @@ class MapProposals:
             raise BadFeature("not_takeable", one.problem, proposal_id)
         draft = await self._book.draft(session)
         before = draft.features.get(proposal_id) if draft is not None else None
-        after = None if one.after is None else as_geojson(one.after)
-        change = FeatureChange(proposal_id, before, after)
+        after = one.after if draft is None else merged(_parsed(before), one.before, one.after)
+        change = FeatureChange(proposal_id, before, None if after is None else as_geojson(after))
         done = await self._book.change(session, ref, f"From the cloud: {one.name}"[:200], [change])
         self._source.taken(proposal_id, session.user_name)
         self._note(session, "taken", proposal_id, one.name)
@@ -113,3 +121,7 @@ class MapProposals:
     def _note(self, session: SessionInfo, outcome: str, proposal_id: str, name: str) -> None:
         text = f"{name}: change from the cloud {outcome}."
         self._audit.append(audit_line(session, "map", outcome, text, ref=proposal_id))
+
+
+def _parsed(raw: Mapping[str, Any] | None) -> MapFeature | None:
+    return None if raw is None else parse_feature(raw)

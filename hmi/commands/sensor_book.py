@@ -12,7 +12,7 @@ from hmi.commands.ports import AuditSink
 from hmi.commands.refusal import OrderRefused
 from hmi.domain.role import Permission
 from hmi.domain.sensors.calibration import MAX_GAIN, MIN_GAIN, Calibration
-from hmi.domain.sensors.limit import SensorLimit
+from hmi.domain.sensors.limit import SensorLimit, revision_of
 from hmi.domain.sensors.observation import SensorKind
 from hmi.domain.sensors.station import FieldStation
 from hmi.security.authorization import Authorize
@@ -153,10 +153,18 @@ class SensorBook:
         self.station(station_id)
         return [one for one in reversed(self._history) if one.station_id == station_id]
 
-    async def set_limits(self, session: SessionInfo, limits: Sequence[SensorLimit]) -> list[SensorLimit]:
-        """Set all limits of the farm; those that did not change keep who set them."""
+    async def set_limits(
+        self, session: SessionInfo, limits: Sequence[SensorLimit], *, seen: str | None = None
+    ) -> list[SensorLimit]:
+        """Set all limits of the farm; those that did not change keep who set them.
+
+        Args:
+            seen: revision of the limits that the person looked at, ``None`` for whatever there is.
+        """
         self._may(session)
         async with self._changing:
+            if seen is not None and seen != revision_of(self._parts.board.limits):
+                raise OrderRefused("changed_meanwhile", "Somebody changed the limits meanwhile. Look again.")
             before = {one.channel: one for one in self._parts.board.limits}
             made: list[SensorLimit] = []
             for number, one in enumerate(limits):

@@ -7,7 +7,7 @@ import hashlib
 from backend_clients.ngsi.identifier import escaped_name
 from hmi.domain.event import RobotEvent
 from hmi.domain.sensors.observation import Measurement, SensorKind, Station
-from hmi.fiware.urn import OWN, KeyValues, Urns, moment, point, told
+from hmi.fiware.urn import OWN, KeyValues, Urns, depth_name, moment, point, told
 
 _MEASURES = {
     SensorKind.WEATHER: ["temperature", "humidity", "windSpeed", "precipitation", "solarRadiation"],
@@ -43,9 +43,10 @@ def device_removed(device: KeyValues) -> KeyValues:
 
 
 def measurement_entity(urns: Urns, station: Station, value: Measurement) -> KeyValues:
-    """Return the newest value of one quantity of a station."""
+    """Return the newest value of one quantity of a station, an entity for each depth."""
+    at_depth = "" if value.depth_m is None else f":{depth_name(value.depth_m)}"
     return {
-        "id": urns.of("DeviceMeasurement", f"{station.id}:{value.quantity}"),
+        "id": urns.of("DeviceMeasurement", f"{station.id}:{value.quantity}{at_depth}"),
         "type": "DeviceMeasurement",
         "refDevice": urns.of("Device", station.id),
         "controlledProperty": value.quantity,

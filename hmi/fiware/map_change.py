@@ -38,6 +38,11 @@ def is_as_told(entity: KeyValues) -> bool:
     return isinstance(own, dict) and own.get(_TOLD) == _digest(entity)
 
 
+def mark_of(entity: KeyValues) -> str:
+    """Return a mark of what an entity says; another wish has another one."""
+    return _digest(entity)
+
+
 def feature_id_of(entity: KeyValues, urns: Urns) -> str | None:
     """Return the id of the feature that an entity is of, ``None`` if it cannot be one on our map."""
     found = urns.name_of(entity["type"], str(entity["id"])) or str(entity["id"]).rpartition(":")[2].lower()

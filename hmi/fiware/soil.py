@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from hmi.domain.sensors.observation import SoilReading, Station
-from hmi.fiware.urn import KeyValues, Urns, moment, point, told
+from hmi.fiware.urn import KeyValues, Urns, depth_name, moment, point, told
 from hmi.mapping.feature import MapFeature
 
 
@@ -24,7 +24,7 @@ def record_entity(urns: Urns, station: Station, reading: SoilReading) -> KeyValu
     """Return the newest reading at one depth, an entity for each depth; m, degC, moisture 0..1."""
     return told(
         {
-            "id": urns.of("AgriParcelRecord", f"{station.id}:{round(reading.depth_m * 100)}cm"),
+            "id": urns.of("AgriParcelRecord", f"{station.id}:{depth_name(reading.depth_m)}"),
             "type": "AgriParcelRecord",
             "description": f"{station.name}, {reading.depth_m * 100:.0f} cm",
             "hasAgriParcel": urns.of("AgriParcel", station.parcel_id) if station.parcel_id else urns.farm,

@@ -54,6 +54,11 @@ def point(lat_deg: float, lon_deg: float) -> KeyValues:
     return {"type": "Point", "coordinates": [round(lon_deg, 8), round(lat_deg, 8)]}
 
 
+def depth_name(depth_m: float) -> str:
+    """Return a depth below ground as it stands in an id."""
+    return f"{round(depth_m * 100)}cm"
+
+
 def told(entity: KeyValues) -> KeyValues:
     """Return the entity without what is not known: a missing value is left out, never a zero."""
     return {key: value for key, value in entity.items() if value is not None}

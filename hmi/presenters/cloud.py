@@ -35,6 +35,8 @@ WORDS = {
     "other_console": Words("Another console keeps this farm there", MEND, "bad"),
 }
 """By the values of ``hmi.service_link.LinkState``; a test holds the two together."""
+PARTLY = Words("Connected, but not everything goes up", "Something failed in this program. The rest goes up.", "bad")
+PARTLY_MEND = "Tell whoever looks after this program what it says; the log has the details."
 
 
 def words_of(state: str) -> Words:

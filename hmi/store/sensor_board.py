@@ -12,7 +12,7 @@ from datetime import datetime, timedelta
 
 from hmi.clock import Clock
 from hmi.domain.sensors.calibration import Calibration
-from hmi.domain.sensors.freshness import Arrival, Fate, Receipt, State, is_usable, state_of
+from hmi.domain.sensors.freshness import CLOCK_WRONG_S, Arrival, Fate, Receipt, State, is_usable, state_of
 from hmi.domain.sensors.gate import Measured
 from hmi.domain.sensors.limit import SensorLimit, limit_for
 from hmi.domain.sensors.quantity import Channel
@@ -80,6 +80,11 @@ class StationNow:
         return sorted(self.values.values(), key=lambda one: one.channel.order)
 
 
+def _is_behind(now: datetime, kept: Iterable[datetime]) -> bool:
+    """Say whether something was measured in the future: then no age of what is kept is known, nor whether it is old."""
+    return any((at - now).total_seconds() > CLOCK_WRONG_S for at in kept)
+
+
 def _is_usable(known: StationNow, value: ValueNow, now_s: float) -> bool:
     age_s, is_slow = now_s - value.measured_s, value.channel.about().is_slow
     return is_usable(age_s, known.station.period_s, is_slow=is_slow)
@@ -112,22 +117,30 @@ class SensorBoard:
         limits: Sequence[SensorLimit],
         newest: Iterable[tuple[str, Channel, datetime, float]],
     ) -> None:
-        """Begin with what is kept; what was measured before shows its true age."""
+        """Begin with what is kept; what was measured before shows its true age, nothing where that is not known."""
         for one in stations:
             self._stations[one.id] = StationNow(one)
         for calibration in calibrations:  # oldest first: the newest counts
             self._calibrations[calibration.station_id, calibration.channel] = calibration
         self.limits = list(limits)
         now, now_s = self._clock.utc(), self._clock.mono_s()
+        kept = list(newest)
+        heard = [one.station.heard_at for one in self._stations.values() if one.station.heard_at is not None]
+        if _is_behind(now, [*heard, *(row[2] for row in kept)]):
+            return
+        self.fill(kept)
         for known in self._stations.values():
             if known.station.heard_at is not None:
-                known.receipt.newest_s = now_s - max(0.0, (now - known.station.heard_at).total_seconds())
-        self.fill(newest)
+                heard_s = now_s - max(0.0, (now - known.station.heard_at).total_seconds())
+                known.receipt.newest_s = max(known.receipt.newest_s, heard_s)
 
     def fill(self, newest: Iterable[tuple[str, Channel, datetime, float]]) -> None:
-        """Take values out of the history where nothing was heard yet."""
+        """Take values out of the history where nothing was heard yet; nothing while the clock is behind it."""
         now, now_s = self._clock.utc(), self._clock.mono_s()
-        for station_id, channel, at, value in newest:
+        kept = list(newest)
+        if _is_behind(now, (row[2] for row in kept)):
+            return
+        for station_id, channel, at, value in kept:
             known = self._stations.get(station_id)
             if known is None or channel in known.values:
                 continue

@@ -75,7 +75,10 @@ def _treatment(entry: Entry, facts: Facts) -> Waiting | None:
     if not entry.conditions.needs_treatment_weather:
         return None
     gate = facts.treatment
-    if gate is None or not gate.is_asked:
+    if gate is None:
+        text = "What the field sensors say is not known yet, so the treatment limits cannot be checked."
+        return Waiting("treatment_unknown", text, "The sensors are read, soon after the start.", Who.ITSELF)
+    if not gate.is_asked:
         text = "No treatment limits are set, so the weather cannot be checked. Set them under Sensors."
         return Waiting("treatment_unknown", text, "Set the limits, or take the rule off.", Who.PLANNER)
     if gate.state is GateState.UNKNOWN:

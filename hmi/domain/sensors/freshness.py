@@ -16,6 +16,7 @@ from enum import StrEnum
 LATE_PERIODS, SILENT_PERIODS = 1.5, 3.0
 USABLE_MOST_S = 900.0  # as long as the queue goes by a report of the weather, whatever period a station declares
 CLOCK_WRONG_S = 60.0
+STEP_S = 2.0  # the console's wall clock was set, and did not just drift
 RECENT = 8  # messages whose delays are compared: a clock that was set right is believed again after so many
 KEPT_S = 14 * 86_400.0  # what waited longer is not kept: its time is rather wrong
 BOOTS, SEEN = 4, 256  # remembered of one station
@@ -85,6 +86,7 @@ class Receipt:
 
     newest_s: float = float("-inf")
     skew_s: float = 0.0
+    _wall_s: float | None = None
     _delays: deque[float] = field(default_factory=lambda: deque(maxlen=RECENT))
     _boots: OrderedDict[str, deque[int]] = field(default_factory=OrderedDict)
     _top: dict[str, int] = field(default_factory=dict)
@@ -96,6 +98,7 @@ class Receipt:
             utc: when the station says it measured.
             now, now_s: the console's clocks when it arrived.
         """
+        self._step(now.timestamp() - now_s)
         if self._is_repeated(boot, seq):
             return Arrival(Fate.REPEATED, now_s, now, self.skew_s)
         delay_s = (now - utc).total_seconds()
@@ -117,6 +120,17 @@ class Receipt:
     def is_clock_wrong(self) -> bool:
         """Whether even the quickest of the last messages does not fit the console's clock."""
         return len(self._delays) >= 2 and abs(self.skew_s) > CLOCK_WRONG_S
+
+    def _step(self, wall_s: float) -> None:
+        """Count delays from before the console's wall clock was set as that clock counts now.
+
+        Args:
+            wall_s: wall minus monotonic time of the console.
+        """
+        step_s = 0.0 if self._wall_s is None else wall_s - self._wall_s
+        self._wall_s = wall_s
+        if abs(step_s) > STEP_S:
+            self._delays = deque((one + step_s for one in self._delays), maxlen=RECENT)
 
     def _is_repeated(self, boot: str, seq: int) -> bool:
         return seq in self._boots.get(boot, ())

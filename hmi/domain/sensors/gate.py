@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -65,7 +66,8 @@ def gate(limits: Iterable[SensorLimit], measured: Sequence[Measured]) -> Gate:
     asked = sorted((one for one in limits if one.is_treatment), key=lambda one: one.channel.order)
     if not asked:
         return Gate(GateState.OPEN, NO_LIMITS, is_asked=False)
-    judged = [_judge(one, measured) for one in asked]
+    own = frozenset(one.channel for one in asked)
+    judged = [_judge(one, measured, own) for one in asked if not _is_replaced(one, measured, own)]
     facts = tuple(fact for fact, _ in judged)
     over = [text for fact, text in judged if fact.is_ok is False]
     blind = [text for fact, text in judged if fact.is_ok is None]
@@ -76,8 +78,8 @@ def gate(limits: Iterable[SensorLimit], measured: Sequence[Measured]) -> Gate:
     return Gate(GateState.OPEN, "Weather is within the treatment limits.", facts)
 
 
-def _judge(limit: SensorLimit, measured: Sequence[Measured]) -> tuple[GateFact, str]:
-    of_it = [one for one in measured if _is_for(limit, one.channel)]
+def _judge(limit: SensorLimit, measured: Sequence[Measured], own: AbstractSet[Channel]) -> tuple[GateFact, str]:
+    of_it = [one for one in measured if _is_for(limit, one.channel, own)]
     known = [one for one in of_it if one.is_usable]
     label = limit.channel.label
     if not known:
@@ -89,9 +91,16 @@ def _judge(limit: SensorLimit, measured: Sequence[Measured]) -> tuple[GateFact, 
     return GateFact(label, text.removeprefix(f"{label} "), not over, worst.station_id), text
 
 
-def _is_for(limit: SensorLimit, channel: Channel) -> bool:
-    own = limit.channel
-    return channel.quantity == own.quantity and own.depth_cm in (None, channel.depth_cm)
+def _is_for(limit: SensorLimit, channel: Channel, own: AbstractSet[Channel]) -> bool:
+    """Say whether a limit holds for a channel: one without a depth, for each that has no treatment limit of its own."""
+    about = limit.channel
+    return channel == about or (about.depth_cm is None and channel.quantity == about.quantity and channel not in own)
+
+
+def _is_replaced(limit: SensorLimit, measured: Sequence[Measured], own: AbstractSet[Channel]) -> bool:
+    """Say whether every depth that is measured has a treatment limit of its own beside this one."""
+    of_it = [one.channel for one in measured if one.channel.quantity == limit.channel.quantity]
+    return limit.channel.depth_cm is None and bool(of_it) and not any(_is_for(limit, one, own) for one in of_it)
 
 
 def _beyond(limit: SensorLimit, value: float) -> float:

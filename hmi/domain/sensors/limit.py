@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime
@@ -35,6 +36,12 @@ class SensorLimit:
         bound = self.low if self.low is not None and value < self.low else self.high
         shown = "" if bound is None else f", limit {bound * about.factor:.{about.digits}f}"
         return f"{label or self.channel.label} {about.text(value)}{shown}"
+
+
+def revision_of(limits: Iterable[SensorLimit]) -> str:
+    """Return a mark that changes with any of the limits, empty for none."""
+    said = sorted(repr(one) for one in limits)
+    return hashlib.sha256("\n".join(said).encode()).hexdigest()[:16] if said else ""
 
 
 def limit_for(limits: Iterable[SensorLimit], channel: Channel) -> SensorLimit | None:

@@ -58,10 +58,16 @@ class SoilReading:
 
 @dataclass(frozen=True, slots=True)
 class Measurement:
-    """One other value, e.g. CO2 in the soil air; ``quantity`` in words of the model, ``unit`` a UN/CEFACT code."""
+    """One other value, e.g. CO2 in the soil air, at a depth where it has one.
+
+    Args:
+        quantity: in words of the model.
+        unit: a UN/CEFACT code.
+    """
 
     station_id: str
     at: datetime
     quantity: str
     value: float
     unit: str
+    depth_m: float | None = None

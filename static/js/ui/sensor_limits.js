@@ -26,7 +26,7 @@
     }
 
     draw(rows) {
-      Object.assign(this, { rows: [] });
+      Object.assign(this, { rows: [], revision: rows[0]?.revision ?? "" });
       this.form.rows = [];
       if (!this.mayChange) {
         if (!rows.length) return HL.records.empty("No limits", "Nothing that is measured holds treatment.");
@@ -85,7 +85,7 @@
       }
       // the server counts what was sent, the sheet what is on it
       const field = (name) => name?.replace(/^limits\.(\d+)\./, (_, k) => `limits.${sent[Number(k)]}.`);
-      return { method: "PUT", path: PATH, body: { limits }, done: "Limits saved. They hold now.", field };
+      return { method: "PUT", path: PATH, body: { limits, revision: this.revision }, done: "Limits saved. They hold now.", field };
     }
   }
 

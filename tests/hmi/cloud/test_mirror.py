@@ -15,6 +15,7 @@ import pytest
 
 from backend_clients.simulator.context_broker.faults import Faults
 from hmi.cloud.outbox import Rank
+from hmi.cloud.states import LEFT_AFTER_S
 from hmi.domain.event import RobotEvent
 from hmi.domain.mission import MissionStatus
 from hmi.fiware.farm_map import map_entities
@@ -248,6 +249,60 @@ def test_a_robot_that_was_taken_out_of_the_farm_is_not_online_in_the_cloud_for_e
         assert "removed" not in found["weeder-01"]
 
     played(tmp_path, story)
+
+
+def test_a_battery_a_robot_tells_no_more_does_not_stay_in_the_cloud(tmp_path: Path) -> None:
+    async def story(rig: Rig) -> None:
+        robot_at(rig, "weeder-01", 50.0)
+        await rig.run(1)
+        [found] = (await rig.in_cloud("StateMessage")).values()
+        assert found["battery"] == {"remainingPercentage": 80.0}
+        robot = rig.fleet.known["weeder-01"]
+        assert robot.telemetry is not None
+        rig.fleet.put(replace(robot, telemetry=replace(robot.telemetry, battery=None)))
+        await rig.run(1)
+        [found] = (await rig.in_cloud("StateMessage")).values()
+        assert ("battery" in found, "location" in found) == (False, True)
+
+    played(tmp_path, story)
+
+
+@pytest.mark.parametrize("is_registered", [True, False])
+def test_a_robot_that_was_on_when_the_console_ended_and_is_not_heard_again_is_not_online_in_the_cloud(
+    tmp_path: Path, is_registered: bool
+) -> None:
+    async def run() -> None:
+        first = Rig(tmp_path)
+        for robot_id in ("weeder-01", "weeder-02"):
+            robot_at(first, robot_id, 50.0)
+        await first.run(1)
+        before = await first.in_cloud("StateMessage")
+        await first.close()
+        again = Rig(tmp_path, clock=first.clock, broker=first.broker)
+        silent = a_robot("weeder-01", is_online=False)
+        if is_registered:
+            again.fleet.put(replace(silent, telemetry=None, state=None, safety=None))
+        robot_at(again, "weeder-02", 50.0)
+        await again.run(LEFT_AFTER_S + 1)
+        found = await again.in_cloud("StateMessage")
+        key, other = (f"urn:ngsi-ld:StateMessage:hof:weeder-0{n}" for n in (1, 2))
+        own = {**before[key]["headland"], "online": False, **({} if is_registered else {"removed": True})}
+        assert found[key] == {**before[key], "headland": own}, "the rest stays with its time"
+        assert found[other]["headland"]["online"]
+        told = again.mirror.counts.states
+        await again.run(5)
+        assert again.mirror.counts.states == told
+        if is_registered:
+            again.fleet.remove("weeder-01")
+            await again.run(1)
+            assert (await again.in_cloud("StateMessage"))[key]["headland"]["removed"]
+        robot_at(again, "weeder-01", 50.1)
+        await again.run(1)
+        own = (await again.in_cloud("StateMessage"))[key]["headland"]
+        assert (own["online"], "removed" in own) == (True, False)
+        await again.close()
+
+    asyncio.run(run())
 
 
 def untrusted(request: httpx.Request) -> Exception:

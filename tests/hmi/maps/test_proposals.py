@@ -102,6 +102,44 @@ async def test_a_change_from_the_cloud_goes_into_the_draft_as_a_step_that_can_be
     assert [entry.outcome for entry in rig.audit.entries if entry.ref == one.id][-1] == "taken"
 
 
+async def changed(client: httpx.AsyncClient, ref: str, **properties: object) -> None:
+    """Let the planner change the field in the draft."""
+    whole = (await client.get("/map")).json()
+    [before] = [item for item in whole["features"]["features"] if item["id"] == "field-1"]
+    after = {**before, "properties": {**before["properties"], **properties}}
+    change = {"id": "field-1", "before": before, "after": after}
+    answer = await client.post("/map/draft/transactions", json={"id": ref, "label": "Edit", "changes": [change]})
+    assert answer.status_code == 200, answer.text
+
+
+async def test_what_the_draft_changed_of_a_field_stays_when_a_change_from_the_cloud_is_taken(
+    rig: MapRig, cloud: Cloud
+) -> None:
+    async with browser(rig, cloud, Role.PLANNER) as client:
+        one = await wished(rig, cloud)
+        await client.post("/map/draft", json={})
+        await changed(client, "ref-edit-1", crop="Rye")
+        answer = await client.post(f"/map/proposals/{one.id}/take", json={"id": "ref-take-5"})
+        (change,) = answer.json()["changes"]
+        said = change["after"]["properties"]
+        assert (said["name"], said["crop"]) == ("Renamed there", "Rye")
+
+
+async def test_a_change_from_the_cloud_is_not_taken_over_the_same_change_of_the_draft(
+    rig: MapRig, cloud: Cloud
+) -> None:
+    async with browser(rig, cloud, Role.PLANNER) as client:
+        one = await wished(rig, cloud)
+        await client.post("/map/draft", json={})
+        await changed(client, "ref-edit-2", name="Renamed here")
+        answer = await client.post(f"/map/proposals/{one.id}/take", json={"id": "ref-take-6"})
+        assert (answer.status_code, answer.json()["text"]) == (
+            422,
+            "Renamed here: your draft changed its name, too. Take that back in the draft first, or refuse the change.",
+        )
+        assert not cloud.book.all()[0].by
+
+
 async def test_a_refused_change_is_gone_and_the_cloud_is_told(rig: MapRig, cloud: Cloud) -> None:
     async with browser(rig, cloud, Role.PLANNER) as client:
         one = await wished(rig, cloud)

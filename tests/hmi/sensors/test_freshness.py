@@ -77,6 +77,22 @@ def test_a_clock_that_was_set_right_is_believed_again() -> None:
     assert found.measured_s == pytest.approx(60.0 * number)
 
 
+@pytest.mark.parametrize("step_s", [43_200.0, 30 * 86_400.0, -43_200.0])
+def test_a_console_whose_clock_is_set_takes_what_is_new_for_new(step_s: float) -> None:
+    clock, receipt, true = FakeClock(START), Receipt(), START + timedelta(seconds=step_s)
+    for number in range(2 * RECENT):
+        if number == RECENT:
+            clock.jump_wall(step_s)
+        found = receipt.judge("boot-one", number, true, now=clock.utc(), now_s=clock.mono_s())
+        assert (number, found.fate) == (number, Fate.NEWEST)
+        if number >= RECENT:
+            assert found.measured_s == pytest.approx(clock.mono_s())
+        clock.advance(60)
+        true += timedelta(seconds=60)
+    late = receipt.judge("boot-one", 99, true - timedelta(hours=1), now=clock.utc(), now_s=clock.mono_s())
+    assert late.measured_s == pytest.approx(clock.mono_s() - 3600), "what waited is as old as it is"
+
+
 def test_what_waited_two_weeks_is_rather_a_wrong_clock_and_is_not_kept() -> None:
     found = Receipt().judge("boot-one", 1, START - timedelta(days=15), now=START, now_s=0.0)
     assert found.fate is Fate.TOO_OLD

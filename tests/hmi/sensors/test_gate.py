@@ -63,6 +63,20 @@ def test_a_limit_below_counts_too() -> None:
     assert found.sentence == "Air 6.5 °C, limit 8.0: waits"
 
 
+def test_a_depth_with_a_treatment_limit_of_its_own_is_judged_by_that_alone() -> None:
+    every, at_60 = Channel("soil_moisture"), Channel("soil_moisture", 60)
+    limits = [SensorLimit(every, high=0.35, is_treatment=True), SensorLimit(at_60, high=0.45, is_treatment=True)]
+    shallow, deep = Measured(Channel("soil_moisture", 10), 0.2, True), Measured(at_60, 0.4, True)
+    assert gate(limits, [shallow, deep]).state is GateState.OPEN
+    assert gate(limits, [deep]).state is GateState.OPEN
+    assert gate(limits, [replace(shallow, value=0.4), deep]).state is GateState.WAITS
+    assert gate(limits, [shallow, replace(deep, value=0.5)]).state is GateState.WAITS
+    assert gate(limits, [shallow]).state is GateState.UNKNOWN
+    assert gate(limits, [replace(shallow, is_usable=False), deep]).state is GateState.UNKNOWN
+    only_warns = [limits[0], replace(limits[1], is_treatment=False)]
+    assert gate(only_warns, [shallow, deep]).state is GateState.WAITS, "a limit that only warns opens nothing"
+
+
 # ---- the queue ----
 
 ASKS = replace(ENTRY, conditions=replace(ENTRY.conditions, needs_treatment_weather=True))
@@ -72,7 +86,7 @@ ASKS = replace(ENTRY, conditions=replace(ENTRY.conditions, needs_treatment_weath
     ("found", "code", "text"),
     [
         (None, "treatment_unknown",
-         "No treatment limits are set, so the weather cannot be checked. Set them under Sensors."),
+         "What the field sensors say is not known yet, so the treatment limits cannot be checked."),
         (gate([], []), "treatment_unknown",
          "No treatment limits are set, so the weather cannot be checked. Set them under Sensors."),
         (judged((WIND, 6.1, True), (RAIN, 0.0, True)), "treatment", "Waits: wind 6.1 m/s, limit 5.0."),

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 from datetime import timedelta
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from backend_clients.field.topics import Down, Up, topic
+from hmi.domain.mission import MissionStatus
 from hmi.domain.robot import OrderStatus
 from hmi.domain.role import Permission, Role, may
 from hmi.domain.sensors.quantity import Channel
 from hmi.domain.sensors.series import Point
 from hmi.store.pictures import PictureFilter
+from tests.hmi.commands.field import FARM
 from tests.hmi.pictures.jpeg import picture
-from tests.hmi.sensors.rig import SensorRig
+from tests.hmi.sensors.rig import PARCEL, SensorRig
 
 P = Permission
 CALIBRATION = {"quantity": "soil_moisture", "depth_m": 0.1, "offset": 2.0, "gain": 1.1, "note": "Oven dried"}
@@ -76,6 +80,21 @@ async def test_who_set_a_limit_stays_when_another_one_is_changed(rig: SensorRig)
     async with rig.browser(Role.ADMIN) as client:
         told = (await client.put("/sensor-limits", json={"limits": [WIND, rain]})).json()
     assert {one["label"]: one["by"] for one in told} == {"Wind": "Planner Person", "Rain": "Admin Person"}
+
+
+async def test_limits_that_somebody_changed_meanwhile_are_not_written_over(rig: SensorRig) -> None:
+    rain = {**WIND, "quantity": "rain_rate", "high": 0.5}
+    async with rig.browser(Role.PLANNER) as client:
+        first = await client.put("/sensor-limits", json={"limits": [WIND], "revision": ""})
+        seen = first.json()[0]["revision"]
+        second = await client.put("/sensor-limits", json={"limits": [WIND, rain], "revision": seen})
+        assert (first.status_code, second.status_code) == (200, 200)
+        for old in (seen, ""):
+            late = await client.put("/sensor-limits", json={"limits": [{**WIND, "high": 6}], "revision": old})
+            assert (late.status_code, late.json()["text"]) == (
+                409, "Somebody changed the limits meanwhile. Look again."
+            )  # fmt: skip
+        assert (await client.get("/sensor-limits")).json() == second.json()
 
 
 @pytest.mark.parametrize(
@@ -284,3 +303,19 @@ async def test_what_cannot_be_asked_for_is_said_at_once(rig: SensorRig) -> None:
     async with rig.browser(Role.OPERATOR) as client:
         answer = await client.post("/sensors/soil-03/trigger")
     assert answer.json() == {"outcome": "rejected", "text": "Soil 3 has no camera."}
+
+
+@pytest.mark.parametrize("last", [MissionStatus.SENT, MissionStatus.DONE, None])
+async def test_a_treatment_ends_when_its_mission_does_or_is_sent_anew(
+    rig: SensorRig, monkeypatch: pytest.MonkeyPatch, last: MissionStatus | None
+) -> None:
+    start = rig.clock.utc()
+    steps = [MissionStatus.SENT, MissionStatus.RUNNING, MissionStatus.PAUSED, *([last] if last is not None else [])]
+    log = [SimpleNamespace(status=one, at=start + timedelta(minutes=n)) for n, one in enumerate(steps)]
+    missions: Any = SimpleNamespace(
+        all_known=lambda _farm: [replace(mission, updated_at=start) for mission in known], log=lambda _farm, _id: log
+    )
+    watch, known = rig.work.treatment, rig.records.missions.all_known(FARM)
+    monkeypatch.setattr(watch, "_missions", missions)
+    [(begin, end, _)] = await watch.treated(PARCEL, start - timedelta(hours=1))
+    assert (begin, end) == (log[1].at, None if last is None else log[3].at)

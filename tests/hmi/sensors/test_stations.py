@@ -10,6 +10,7 @@ from backend_clients.field.codec import encode
 from backend_clients.field.topics import Down, Up, topic
 from hmi.domain.role import Role
 from hmi.domain.sensors.calibration import Calibration
+from hmi.domain.sensors.gate import GateState, gate
 from hmi.domain.sensors.limit import SensorLimit
 from hmi.domain.sensors.quantity import Channel
 from tests.hmi.sensors.rig import PARCEL, SensorRig
@@ -65,6 +66,23 @@ async def test_after_a_restart_the_last_values_show_their_true_age(rig: SensorRi
     shown = rig.shown()
     assert (shown["state"], shown["is_accepted"], shown["battery"]) == ("late", True, 0.5)
     assert shown["values"][0]["age_s"] == pytest.approx(120, abs=1)
+
+
+@pytest.mark.parametrize("behind_s", [120.0, 7 * 3600.0])
+async def test_after_a_restart_with_the_clock_behind_nothing_that_is_kept_counts_as_measured_now(
+    rig: SensorRig, behind_s: float
+) -> None:
+    await rig.accepted()
+    rig.measures(soil_moisture_10=0.2)
+    await rig.passes(3600)
+    rig.clock.jump_wall(-3600 - behind_s)
+    await rig.restart()
+    board = rig.work.board
+    board.limits = [SensorLimit(MOISTURE, None, 0.35, is_treatment=True)]
+    assert rig.shown()["state"] == "never"
+    assert gate(board.limits, board.measured()).state is GateState.UNKNOWN
+    rig.measures(seq=2, soil_moisture_10=0.21)
+    assert gate(board.limits, board.measured()).state is GateState.OPEN
 
 
 async def test_a_repeat_changes_nothing_and_what_is_late_only_fills_the_history(rig: SensorRig) -> None:
