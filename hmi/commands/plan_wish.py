@@ -149,12 +149,14 @@ def surroundings_of(features: Sequence[Feature], field: Geometry, field_id: str 
     """Return what is near a field, any part of it; a farm may have sites on other continents."""
     around = _Box.around(field).grown(FAR_M)
     near = [one for one in features if one.id != field_id and around.meets(one.geometry)]
-    closed = [one for one in near if one.kind in CLOSED_KINDS]
+    solid = [one for one in near if one.kind in CLOSED_KINDS and one.kind not in CROSSED_KINDS]
+    crossed = [one for one in near if one.kind in CROSSED_KINDS]
     return Surroundings(
-        tuple((one.geometry, _width(one)) for one in closed if one.kind not in CROSSED_KINDS),
+        tuple((one.geometry, _width(one)) for one in solid),
         tuple((one.geometry, _width(one)) for one in near if one.kind in WAY_KINDS),
-        tuple((one.geometry, _width(one)) for one in closed if one.kind in CROSSED_KINDS),
+        tuple((one.geometry, _width(one)) for one in crossed),
         tuple((one.geometry, _slow_mps(one)) for one in near if one.kind == "slow"),
+        tuple(one.title for one in (*solid, *crossed)),
     )
 
 

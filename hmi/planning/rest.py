@@ -94,8 +94,9 @@ class _Rest:
 
     def _check_ahead(self, ahead: Sequence[Document], works: Sequence[Work]) -> None:
         """Say what can no longer be changed; raise if the robot would meet what is new before the new path."""
-        if any(self.ground.is_new_in_the_way(leg.points, is_backward=leg.is_backward) for leg in map(leg_of, ahead)):
-            what = "The obstacle, or the new edge of the field,"
+        legs = map(leg_of, ahead)
+        what = next(filter(None, (self.ground.met(leg.points, is_backward=leg.is_backward) for leg in legs)), "")
+        if what:
             text = f"{what} is on the path before the new one begins. Pause the robot, then change the rest."
             raise PlanRefused("obstacle_ahead", text, "areas")
         for work in works:
