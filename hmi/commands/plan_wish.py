@@ -22,6 +22,7 @@ from hmi.domain.mission_plan import (
     Treatment,
 )
 from hmi.domain.robot import Factsheet
+from hmi.mapping.attributes import LONGEST_NAME
 from hmi.store.errors import NotFound
 from hmi.store.features import Feature
 
@@ -97,7 +98,7 @@ def wish_for(
         mission_id=mission_id,
         name=order.name or f"{field.title[:60]}, {order.width_m:g} m",
         robot_id=order.robot_id,
-        field_name=field.title,
+        field_name=field.title[:LONGEST_NAME],  # maps of before have longer ones
         parcel=field.geometry,
         width_m=order.width_m,
         datum_lat_deg=round(origin[1], 7),
