@@ -7,7 +7,9 @@ import logging
 from typing import Any, NamedTuple
 
 from hmi.commands.map_watch import MapWatch
+from hmi.commands.ports import FleetReader
 from hmi.commands.refusal import OrderRefused
+from hmi.domain.planned_machine import battery_share_on
 from hmi.presenters.start_checks import MissionFacts, Place
 from hmi.store.database import Database
 from hmi.store.errors import NotFound, StoreError
@@ -30,7 +32,10 @@ class _Around(NamedTuple):
 class MissionFactsBook:
     """Answers at once; what it does not know yet it reads beside, for the next time it is asked."""
 
-    def __init__(self, missions: Missions, features: Features, watch: MapWatch, database: Database) -> None:
+    def __init__(
+        self, missions: Missions, features: Features, watch: MapWatch, database: Database, fleet: FleetReader
+    ) -> None:
+        self._fleet = fleet
         self._missions, self._features, self._watch, self._database = missions, features, watch, database
         self._around: dict[str, _Around] = {}
         self._reading: dict[str, asyncio.Task[None]] = {}
@@ -45,12 +50,12 @@ class MissionFactsBook:
         if (around is None or around.key != (mission.sha256, self._round)) and mission_id not in self._reading:
             task = asyncio.get_running_loop().create_task(self._read(mission), name="mission facts")
             self._reading[mission_id] = task
-        figures = mission.statistics
+        figures, robot = mission.statistics, self._fleet.robot(mission.robot_id or "")
         return MissionFacts(
             mission.sha256,
             mission.name,
             mission.revision,
-            figures.get("battery_share"),
+            battery_share_on(figures, None if robot is None else robot.factsheet),
             figures.get("duration_s"),
             None if around is None else around.map_number,
             None if around is None else around.map_text,

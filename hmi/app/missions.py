@@ -67,7 +67,7 @@ class MissionDesk:
         )
         self.acts = MissionActs(records.missions, records.database, fleet, clock, self.tracking.acted, self._moved)
         self.facts = MissionFactsBook(
-            records.missions, records.features, MapWatch(records.maps, records.database), records.database
+            records.missions, records.features, MapWatch(records.maps, records.database), records.database, fleet
         )
         self.checklists = ChecklistDesk(
             records.checklists,

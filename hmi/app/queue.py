@@ -76,6 +76,7 @@ class QueueDesk:
             farm_id=settings.farm_id,
             robots=fleet.robots,
         )
+        missions.queue_of = self.store.robot_of
         self.book = self._make_book()
         self.handover = self._make_handover()
         desk.missions.on_sent(self.handover.sent)

@@ -17,7 +17,7 @@ from hmi.map_files.errors import BadMapFile
 from hmi.map_files.exported import MapFile
 from hmi.map_files.imported import Imported, MapItem
 from hmi.map_files.progress import Progress, Report
-from hmi.mapping.attributes import LONGEST_TEXT
+from hmi.mapping.attributes import LONGEST_NAME
 from hmi.mapping.feature import parse_feature
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
@@ -175,7 +175,7 @@ def _changes(taken: Sequence[tuple[MapItem, str]], there: MapFeatures) -> list[F
 
 
 def _raw(item: MapItem, kind: str, feature_id: str, parcels: Mapping[str, str]) -> dict[str, Any]:
-    properties: dict[str, Any] = {**item.properties, "id": feature_id, "kind": kind, "name": item.name[:LONGEST_TEXT]}
+    properties: dict[str, Any] = {**item.properties, "id": feature_id, "kind": kind, "name": item.name[:LONGEST_NAME]}
     if kind == "rows" and (parcel := parcels.get(str(properties.get("parcel_id")))):
         properties["parcel_id"] = parcel  # rows stay with the field they came with, whatever it is called now
     return {"type": "Feature", "id": feature_id, "properties": properties, "geometry": item.geometry}

@@ -18,6 +18,7 @@ from hmi.mapping.feature import MapFeature, parse_feature
 from hmi.mapping.jobs import compare
 from hmi.store.database import Database
 from hmi.store.errors import NotFound
+from hmi.store.features import Feature
 from hmi.store.maps import Maps
 
 if TYPE_CHECKING:
@@ -53,6 +54,16 @@ class MapWatch:
             features = await self._run(self._maps.features_of, farm_id, version.number)
             self._stamps[key] = MapStamp(version.number, await asyncio.to_thread(_digest, features))
         return self._stamps[key]
+
+    async def features_of(self, farm_id: str, number: int | None) -> list[Feature] | None:
+        """Return the map as it was in a version, ``None`` if that is not known any more."""
+        if number is None:
+            return None
+        try:
+            known = await self._run(self._maps.features_of, farm_id, number)
+        except NotFound:
+            return None
+        return await asyncio.to_thread(lambda: [_feature(farm_id, raw) for raw in known.values()])
 
     async def check(self, farm_id: str, planned_on: int | None, document: Mapping[str, Any]) -> str:
         """Return a note about a newer map that changes nothing around this mission, empty if there is none.
@@ -94,6 +105,11 @@ def _parsed(features: MapFeatures) -> Iterator[MapFeature]:
     for raw in features.values():
         with contextlib.suppress(BadFeature):
             yield parse_feature(raw)
+
+
+def _feature(farm_id: str, raw: Mapping[str, Any]) -> Feature:
+    own = raw["properties"]
+    return Feature(raw["id"], farm_id, own["kind"], own.get("name", ""), raw["geometry"], dict(own))
 
 
 def _digest(features: MapFeatures) -> str:

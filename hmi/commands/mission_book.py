@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import AsyncGenerator, AsyncIterator, Sequence
+from collections.abc import AsyncGenerator, AsyncIterator, Callable, Sequence
 from contextlib import aclosing
 from dataclasses import dataclass, replace
 from typing import Any
@@ -12,14 +12,15 @@ from typing import Any
 from hmi.clock import Clock
 from hmi.commands.audit_line import audit_line
 from hmi.commands.map_watch import MapStamp, MapWatch
+from hmi.commands.mission_machine import misfit, planned_machine
 from hmi.commands.plan_wish import FAR_M, PlanOrder, metres, wish_for
 from hmi.commands.ports import AuditSink, FleetReader, StoredMission
-from hmi.commands.refusal import OrderRefused
+from hmi.commands.refusal import IN_QUEUE, OTHER_MACHINE, OrderRefused
 from hmi.commands.rest_words import forgotten_words
 from hmi.domain.ids import new_id
 from hmi.domain.mission import ENDED, UNDER_WAY, BadMove, MissionStatus, Mover
 from hmi.domain.mission_document import Document, for_robot, mission_sha256, renamed
-from hmi.domain.mission_plan import Candidate, Pattern, PlannedMission, Planner, PlanRefused, PlanWish
+from hmi.domain.mission_plan import Candidate, MissionRefused, Pattern, PlannedMission, Planner, PlanRefused, PlanWish
 from hmi.domain.mission_rest import Progress
 from hmi.domain.robot import Robot
 from hmi.domain.role import Permission
@@ -80,6 +81,8 @@ class MissionBook:
         self._missions, self._database = parts.missions, parts.database
         self.revisions = MissionRevisions(parts.missions, parts.database, parts.clock)
         self._map = MapWatch(parts.maps, parts.database)
+        self.queue_of: Callable[[str], str | None] = lambda _mission_id: None
+        """Tells in which robot's queue a mission stands, once there are queues; from memory."""
 
     async def load(self) -> None:
         """Read the missions into memory; at start."""
@@ -211,7 +214,8 @@ class MissionBook:
         """Return a mission as ``by`` sends it to this robot, ``None`` if there is none.
 
         Raises:
-            OrderRefused: another robot works on it, the robot is at another site, or the map changed around it.
+            OrderRefused: another robot works on it or has it in its queue, it was planned for a machine that can more,
+                the robot is at another site, or the map changed around it.
         """
         mission = self._missions.known(mission_id)
         if mission is None or mission.farm_id != farm_id:
@@ -227,6 +231,7 @@ class MissionBook:
             document, statistics = await self._database.run(self.revisions.whole, farm_id, mission_id)
         else:
             document, statistics = await self._database.run(self._missions.document, farm_id, mission_id), {}
+        self.refuse_other_robot(mission, robot_id)
         document = for_robot(document, robot_id)
         robot = self._parts.fleet.robot(robot_id)
         if robot is not None:
@@ -235,6 +240,26 @@ class MissionBook:
         if is_fresh:  # the same bytes again would be no new beginning for a robot that has them
             await self._database.run(self.revisions.propose, farm_id, mission_id, document, statistics, by, FRESH)
         return StoredMission(mission_id, mission.name, document, mission_sha256(document), note)
+
+    def machine_of(self, mission: Mission) -> dict[str, Any] | None:
+        """Return the machine a mission was planned for as it is stored, ``None`` if it is not known."""
+        machine = planned_machine(mission, self._parts.fleet)
+        return None if machine is None else machine.as_json()
+
+    def refuse_other_robot(self, mission: Mission, robot_id: str) -> None:
+        """Return if a mission may go to this robot.
+
+        Raises:
+            OrderRefused: it stands in the queue of another one, or was planned for a machine that can more.
+        """
+        queue = None if mission.status in ENDED else self.queue_of(mission.id)
+        if queue is not None and queue != robot_id:
+            robot = self._parts.fleet.robot(queue)
+            name = queue if robot is None else robot.name
+            raise OrderRefused(IN_QUEUE, f"It stands in the queue of {name}. Take it out there, or copy it.")
+        why = misfit(mission, robot_id, self._parts.fleet)
+        if why:
+            raise OrderRefused(OTHER_MACHINE, why)
 
     async def sent(self, farm_id: str, mission_id: str, robot_id: str, by: str) -> None:
         """Note that the robot holds this mission now."""
@@ -261,7 +286,10 @@ class MissionBook:
         is_queued = known is not None and known.status in (MissionStatus.QUEUED, MissionStatus.WAITING)
         mover = Mover.CONSOLE if is_queued else Mover.PERSON
         try:
-            self._missions.move(farm_id, mission_id, MissionStatus.SENT, mover, by, why, robot_id=robot_id)
+            machine = None if known is None else self.machine_of(known)
+            self._missions.move(
+                farm_id, mission_id, MissionStatus.SENT, mover, by, why, robot_id=robot_id, machine=machine
+            )
         except BadMove as error:
             log.warning("mission %s was sent to %s but stays as it is: %s", mission_id, robot_id, error)
 
@@ -280,9 +308,15 @@ class MissionBook:
 
         Raises:
             NotFound: there is no such mission.
-            MissionRefused: a robot holds it, a queue waits for it, or another robot could not resume it.
+            MissionRefused: a robot holds it, a queue waits for it, another robot could not resume it, or not drive it.
         """
         self._parts.authorize(session, Permission.EDIT_MISSION, robot_id)
+        known = self._missions.known(mission_id)
+        if known is not None and known.farm_id == session.farm_id and robot_id is not None:
+            try:
+                self.refuse_other_robot(known, robot_id)
+            except OrderRefused as refused:
+                raise MissionRefused(refused.code, refused.text) from refused
         stored = await self._database.run(
             self._missions.adjust,
             session.farm_id,
@@ -290,6 +324,7 @@ class MissionBook:
             session.user_name,
             is_supervised=is_supervised,
             robot_id=robot_id,
+            machine=None if known is None else self.machine_of(known),
         )
         self._audit(session, stored, "changed", {"is_supervised": is_supervised, "robot_id": robot_id})
         return stored

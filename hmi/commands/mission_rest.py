@@ -228,6 +228,7 @@ class MissionRests:
         base = await self._run(self._parts.missions.document, farm, mission.id)
         stamp = await self._map.now(farm)  # before the map itself: what is published in between is seen when it is sent
         features = await self._run(self._parts.features.all, farm)
+        before = await self._map.features_of(farm, mission.planned_on(base)) if is_running else None
         parcel = {"type": "Polygon", "coordinates": base["parcel"]}
         home = next((f.geometry["coordinates"] for f in features if f.id == order.home_id and f.kind == "home"), None)
         return RestWish(
@@ -245,6 +246,7 @@ class MissionRests:
             home=None if home is None else (float(home[0]), float(home[1])),
             field_now=_field_now(features, mission),
             surroundings=surroundings_of(features, parcel, mission.field_id),
+            around_before=None if before is None else surroundings_of(before, parcel, mission.field_id),
             robot=robot.factsheet,
             map_version=stamp.as_json() if stamp.number else None,
             lead_m=_leads(mission),

@@ -22,6 +22,7 @@ from hmi.domain.mission_plan import (
     Treatment,
 )
 from hmi.domain.robot import Factsheet
+from hmi.mapping.attributes import LONGEST_NAME
 from hmi.store.errors import NotFound
 from hmi.store.features import Feature
 
@@ -97,7 +98,7 @@ def wish_for(
         mission_id=mission_id,
         name=order.name or f"{field.title[:60]}, {order.width_m:g} m",
         robot_id=order.robot_id,
-        field_name=field.title,
+        field_name=field.title[:LONGEST_NAME],  # maps of before have longer ones
         parcel=field.geometry,
         width_m=order.width_m,
         datum_lat_deg=round(origin[1], 7),
@@ -149,12 +150,14 @@ def surroundings_of(features: Sequence[Feature], field: Geometry, field_id: str 
     """Return what is near a field, any part of it; a farm may have sites on other continents."""
     around = _Box.around(field).grown(FAR_M)
     near = [one for one in features if one.id != field_id and around.meets(one.geometry)]
-    closed = [one for one in near if one.kind in CLOSED_KINDS]
+    solid = [one for one in near if one.kind in CLOSED_KINDS and one.kind not in CROSSED_KINDS]
+    crossed = [one for one in near if one.kind in CROSSED_KINDS]
     return Surroundings(
-        tuple((one.geometry, _width(one)) for one in closed if one.kind not in CROSSED_KINDS),
+        tuple((one.geometry, _width(one)) for one in solid),
         tuple((one.geometry, _width(one)) for one in near if one.kind in WAY_KINDS),
-        tuple((one.geometry, _width(one)) for one in closed if one.kind in CROSSED_KINDS),
+        tuple((one.geometry, _width(one)) for one in crossed),
         tuple((one.geometry, _slow_mps(one)) for one in near if one.kind == "slow"),
+        tuple(one.title for one in (*solid, *crossed)),
     )
 
 

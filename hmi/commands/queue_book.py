@@ -14,7 +14,7 @@ from hmi.commands.mission_book import MissionBook
 from hmi.commands.ports import AuditSink
 from hmi.commands.refusal import UNKNOWN_MISSION, UNKNOWN_ROBOT, OrderRefused
 from hmi.domain.ids import new_id
-from hmi.domain.mission import ENDED, ON_ROBOT, UNDER_WAY, BadMove, MissionStatus, Mover
+from hmi.domain.mission import EDITABLE, ENDED, ON_ROBOT, UNDER_WAY, BadMove, MissionStatus, Mover
 from hmi.domain.mission_document import Document
 from hmi.domain.queue.blackout import MAX_WINDOWS, Blackout
 from hmi.domain.queue.entry import WINDOW_S, Conditions, Entry, EntryState
@@ -88,6 +88,8 @@ class QueueBook:
             if len(mine) >= MAX_ENTRIES:
                 raise OrderRefused("queue_full", f"The queue of {robot.name} is full: {MAX_ENTRIES} missions.")
             self._check(order, mission)
+            if mission.status in EDITABLE:
+                parts.book.refuse_other_robot(mission, robot_id)
             if mission.status in ENDED:
                 mission = await parts.book.again(session.farm_id, mission.id, mission.name, session.user_name)
             document = await parts.book.document(session, mission.id)

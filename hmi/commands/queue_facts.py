@@ -14,6 +14,7 @@ from hmi.commands.ports import FleetReader
 from hmi.domain.command import Action
 from hmi.domain.forecast import Forecast
 from hmi.domain.function_use import obstacle
+from hmi.domain.planned_machine import battery_share_on
 from hmi.domain.queue.arming import ArmingBook
 from hmi.domain.queue.entry import Entry
 from hmi.domain.queue.facts import Facts, MissionFacts, RobotFacts, Weather
@@ -65,7 +66,7 @@ class FactDesk:
             now=now,
             zone=source.zone,
             robot=robot,
-            mission=None if mission is None else _mission(mission),
+            mission=None if mission is None else _mission(mission, source.fleet.robot(entry.robot_id)),
             ahead="" if ahead is None else ahead.name,
             is_ahead_running=ahead is not None and ahead.status.value in ("running", "resuming"),
             may_replace=robot is not None and source.may_replace(entry.robot_id, robot.held_sha256),
@@ -138,7 +139,6 @@ def _stop(robot: Robot) -> str:
     return f"{names} pressed STOP. Reset it first." if names else "STOP was pressed. Reset it first."
 
 
-def _mission(mission: Mission) -> MissionFacts:
-    share = mission.statistics.get("battery_share")
-    known = float(share) if isinstance(share, int | float) else None
-    return MissionFacts(mission.name, mission.status, mission.sha256, mission.is_supervised, known)
+def _mission(mission: Mission, robot: Robot | None) -> MissionFacts:
+    share = battery_share_on(mission.statistics, None if robot is None else robot.factsheet)
+    return MissionFacts(mission.name, mission.status, mission.sha256, mission.is_supervised, share)

@@ -23,6 +23,7 @@ NOT_STANDING, OTHER_PRESS, NOTHING_TO_RESET = "not_standing", "other_press", "no
 NEW_PRESS = "new_press"
 UNKNOWN_MISSION, HASH_MISMATCH, HAS_PROGRESS = "unknown_mission", "hash_mismatch", "has_progress"
 NO_CLOUD, NO_REVERSE = "no_cloud", "no_reverse"
+OTHER_MACHINE, IN_QUEUE = "other_machine", "in_queue"
 MAP_CHANGED, NOT_READ_BACK, CHECKLIST_MISSING = "map_changed", "not_read_back", "checklist_missing"
 HARDWARE_STOP, SAFETY_UNKNOWN, WRONG_MISSION = "hardware_stop", "safety_unknown", "wrong_mission"
 LEASE_REVOKED = "lease_revoked"  # the robot's own word, edge.md

@@ -130,12 +130,14 @@ class Surroundings:
         ways: roads and yards it may use on its way to the field.
         crossed: water, hedges and trees: as obstacles, but for where a way is drawn across.
         slow: zones, each with the most that may be driven there, m/s, in place of a width.
+        names: what people call the obstacles, and after them what is crossed; empty where nobody is told of them.
     """
 
     obstacles: tuple[tuple[Geometry, float], ...] = ()
     ways: tuple[tuple[Geometry, float], ...] = ()
     crossed: tuple[tuple[Geometry, float], ...] = ()
     slow: tuple[tuple[Geometry, float], ...] = ()
+    names: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

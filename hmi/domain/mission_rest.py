@@ -128,6 +128,7 @@ class RestWish:
         end: ``as_planned``, ``stay`` or ``home``.
         home: another home; ``None`` keeps it.
         field_now: the field as the map shows it now; what the base has beyond it is closed. ``None`` keeps the base's.
+        around_before: what stood around it on the map that the base was planned on, ``None`` if that is not known.
         map_version: number and hash of the map whose obstacles and roads count.
         lead_m: how long the tool is on before and after treated ground in ``base``; ``None``: as long as this tool is.
     """
@@ -146,6 +147,7 @@ class RestWish:
     home: tuple[float, float] | None = None
     field_now: Geometry | None = None
     surroundings: Surroundings = field(default_factory=Surroundings)
+    around_before: Surroundings | None = None
     robot: Factsheet | None = None
     map_version: Mapping[str, Any] | None = None
     lead_m: tuple[float, float] | None = None

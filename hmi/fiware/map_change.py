@@ -15,6 +15,7 @@ from hmi.fiware.building import building_entity
 from hmi.fiware.parcel import parcel_entity
 from hmi.fiware.road import road_entities
 from hmi.fiware.urn import OWN, KeyValues, Urns
+from hmi.mapping.attributes import LONGEST_NAME
 from hmi.mapping.errors import BadFeature
 from hmi.mapping.feature import MapFeature, parse_feature
 
@@ -70,9 +71,9 @@ def proposed(
         raise BadFeature("other_kind", f"{feature.title} is a {feature.kind} here.", feature.id)
     before = {} if feature is None else _entity(feature, urns)
     changed = {key: value for key, value in entity.items() if _plain(before.get(key)) != _plain(value)}
-    name = feature.name if feature is not None else str(entity.get("name") or "")
+    name = feature.name if feature is not None else str(entity.get("name") or "")[:LONGEST_NAME]
     if "name" in changed and isinstance(changed["name"], str):
-        name = changed["name"][:80]
+        name = changed["name"][:LONGEST_NAME]
     geometry = changed.get("location", feature.geometry if feature is not None else None)
     properties = {**(feature.properties if feature is not None else {}), **_properties(kind, changed, names or {})}
     raw = {"type": "Feature", "id": feature_id, "geometry": geometry,

@@ -19,6 +19,7 @@ from hmi.map_files.limits import Allowance
 from hmi.map_files.own_words import settled
 from hmi.map_files.shape import BadShape, fit, lines_of, simple_parts
 from hmi.map_files.source import Source, SourceFeature, SourceLayer
+from hmi.mapping.attributes import LONGEST_NAME
 
 _GEOD = Geod(ellps="WGS84")
 TOLD_EVERY = 50  # shapes
@@ -97,9 +98,12 @@ class _Reaper:
     def _items(self, layer: str, feature: SourceFeature, found: list[tuple[Geometry, list[str]]]) -> None:
         told: list[str] = []
         name, kind, properties = _told(feature, told)
+        if name and len(name) > LONGEST_NAME:
+            told.append(f"Its name is longer than {LONGEST_NAME} letters; the rest was left out.")
         shapes = [(one, problems) for shape, problems in found for one in _by_kind(shape, kind, layer, name, feature)]
         for i, (shape, problems) in enumerate(shapes):
-            named = f"{name} ({i + 1})" if name and len(shapes) > 1 else name
+            number = f" ({i + 1})" if name and len(shapes) > 1 else ""
+            named = name and f"{name[: LONGEST_NAME - len(number)]}{number}"
             best = guess(shape["type"], kind, feature.properties, [layer, name or ""])
             kinds = (best, *(k for k in possible(shape["type"]) if k != best))
             if kind in ALL_KINDS and kind not in kinds:

@@ -11,6 +11,7 @@ from hmi.domain.ids import is_id
 from hmi.mapping.errors import BadFeature
 from hmi.mapping.kinds import KINDS, POINT
 
+LONGEST_NAME = 80  # of a feature; a robot is told names of fields, and takes no longer ones
 LONGEST_TEXT = 200
 LARGEST_BYTES = 32_768  # of one feature's properties as JSON: a note of some pages, never a picture
 DEEPEST = 8

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hmi.domain.ids import is_id
-from hmi.mapping.attributes import LONGEST_TEXT, parse_attributes
+from hmi.mapping.attributes import LONGEST_NAME, LONGEST_TEXT, parse_attributes
 from hmi.mapping.coordinates import Geometry, parse_geometry
 from hmi.mapping.errors import BadFeature
 from hmi.mapping.kinds import KINDS
@@ -43,6 +43,7 @@ def parse_feature(raw: Mapping[str, Any]) -> MapFeature:
     """Return the feature of a GeoJSON feature, shape and attributes checked.
 
     What can be drawn wrong and mended is let in: crossing edges and wrong winding are for ``hmi.mapping.checks``.
+    So are longer names, which maps of before have: ``check_name`` is for those that are given now.
 
     Raises:
         BadFeature: says which rule is broken and how to mend it; carries the feature's id if that could be read.
@@ -57,6 +58,17 @@ def parse_feature(raw: Mapping[str, Any]) -> MapFeature:
         called = properties.get("name")
         title = called if isinstance(called, str) and 0 < len(called) <= LONGEST_TEXT else feature_id
         raise BadFeature(error.code, f"{title}: {error.text}", feature_id) from error
+
+
+def check_name(feature_id: str, name: str) -> None:
+    """Return if a feature may be given this name.
+
+    Raises:
+        BadFeature: it is too long.
+    """
+    if len(name) > LONGEST_NAME:
+        text = f"{name[:40]}…: Its name has {len(name)} letters, a name has at most {LONGEST_NAME}. Shorten it."
+        raise BadFeature("bad_name", text, feature_id)
 
 
 def as_geojson(feature: MapFeature) -> dict[str, Any]:

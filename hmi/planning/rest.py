@@ -16,6 +16,7 @@ from hmi.domain.family import Family
 from hmi.domain.mission_document import Document, canonical, mission_sha256
 from hmi.domain.mission_plan import PlanRefused
 from hmi.domain.mission_rest import PlannedRest, RestWish, cut, is_work, length_m
+from hmi.domain.planned_machine import MACHINE
 from hmi.planning.dubins import Pose
 from hmi.planning.estimate import effort
 from hmi.planning.machine import RobotProfile
@@ -33,6 +34,7 @@ from hmi.planning.rest_work import (
     turned,
     turned_line,
 )
+from hmi.planning.statistics import planned_machine
 
 AHEAD_M = 10.0  # a running robot drives on while a person looks at the new rest: the new path begins beyond this
 MAX_SEGMENTS = 20_000
@@ -94,8 +96,9 @@ class _Rest:
 
     def _check_ahead(self, ahead: Sequence[Document], works: Sequence[Work]) -> None:
         """Say what can no longer be changed; raise if the robot would meet what is new before the new path."""
-        if any(self.ground.is_new_in_the_way(leg.points, is_backward=leg.is_backward) for leg in map(leg_of, ahead)):
-            what = "The obstacle, or the new edge of the field,"
+        legs = map(leg_of, ahead)
+        what = next(filter(None, (self.ground.met(leg.points, is_backward=leg.is_backward) for leg in legs)), "")
+        if what:
             text = f"{what} is on the path before the new one begins. Pause the robot, then change the rest."
             raise PlanRefused("obstacle_ahead", text, "areas")
         for work in works:
@@ -354,8 +357,10 @@ class _Rest:
 
     def _statistics(self, segments: Sequence[Document], share: float) -> dict[str, Any]:
         """Return the figures of the whole mission that changed; ``share`` of its area is left."""
-        work = effort(legs_of(segments), self.machine)
+        legs = legs_of(segments)
+        work = effort(legs, self.machine)
         return {
+            MACHINE: planned_machine(self.base["robot"], self.wish.robot, self.machine, legs),
             "length_m": round(work.length_m, 4),
             "working_length_m": round(work.working_length_m, 4),
             "duration_s": round(work.duration_s, 4),

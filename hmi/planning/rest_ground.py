@@ -13,10 +13,10 @@ from shapely.geometry.base import BaseGeometry
 from hmi.domain.mission_plan import PlanRefused
 from hmi.domain.mission_rest import LEAVE_OUT, OBSTACLE, DrawnArea, RestWish
 from hmi.planning.dubins import Pose
-from hmi.planning.ground import Ground, erode, polygons_of
+from hmi.planning.ground import CHECK_STEP_M, Ground, erode, polygons_of
 from hmi.planning.links import Linker
 from hmi.planning.machine import RobotProfile
-from hmi.planning.plan import Leg, LegKind
+from hmi.planning.plan import Leg, LegKind, poses_along
 from hmi.planning.projection import Floats, LocalFrame
 from hmi.planning.surroundings import area_of, closed_areas, limits_of, rings_of, way_areas
 from hmi.planning.treatment import DoseMap
@@ -27,6 +27,8 @@ GAP_M = 0.04  # neighbouring features drawn by hand leave hairline gaps
 LEAST_PART_M = 1.0  # shorter remains of a row are not worth a turn
 LEAST_DRAWN_M2 = 0.01
 SAME_EDGE_M = 0.01  # an edge that moved by less is the same one, rounded
+TOUCH_M = 0.03  # an outline this far inside an obstacle touches it; paths from elsewhere are checked to 0.02 m
+TOLD = "The obstacle, or the new edge of the field,"
 WIDER_THAN_A_FIELD_M = 3e4
 INSIDE_M = 0.01  # a row is cut this far inside the turning ground, so that rounding does not put its end outside
 
@@ -55,10 +57,9 @@ class RestGround:
         # left out is left out: no lead, unlike a border of treatment
         self.doses = DoseMap(tuple((area, 0.0) for area in left_out))
         self.limits = limits_of(wish.surroundings, frame, machine)
-        self._new = shapely.union_all([*drawn, self._lost])
-        reach_m = machine.reach_m + machine.margin_m
-        self._near = self.obstacles.buffer(reach_m)
-        self._near_new = self._new.buffer(reach_m)
+        self._told = shapely.union_all([*drawn, self._lost])
+        self._reach_m = machine.reach_m + machine.margin_m
+        self._near = self.obstacles.buffer(self._reach_m)
         shapely.prepare(self._near)
         self._field = self._parcel.difference(self.obstacles)
 
@@ -90,11 +91,21 @@ class RestGround:
             return True
         return self._open.fits(points, is_backward=is_backward)
 
-    def is_new_in_the_way(self, points: Floats, *, is_backward: bool = False) -> bool:
-        """Say whether a path meets a drawn obstacle, or ground that is no field any more."""
-        if not shapely.intersects(self._near_new, shapely.linestrings(points)):
-            return False
-        return not Ground(_all_but(self._new), self._machine).fits(points, is_backward=is_backward)
+    def met(self, points: Floats, *, is_backward: bool = False) -> str:
+        """Return in words what is in the way of a path that stays, empty if nothing is.
+
+        That is what is new since it was planned, with the machine's margin, and whatever the outline itself touches:
+        beside an obstacle that was there already a path may run as near as it was planned.
+        """
+        line = shapely.linestrings(points)
+        if not shapely.intersects(self._near, line):
+            return ""
+        outlines = self._machine.outline_polygons(poses_along(points, CHECK_STEP_M, is_backward=is_backward))
+        is_free = not shapely.intersects(self._near_new, line) or self._but_new.fits(points, is_backward=is_backward)
+        if is_free and not shapely.intersects(self._solid, outlines).any():
+            return ""
+        swept = shapely.union_all(outlines).buffer(2 * self._machine.margin_m)  # for sure more than has to stay free
+        return self._name_of(swept.intersection(self._solid if is_free else self._new))
 
     def around(self, points: Floats) -> list[Floats] | None:
         """Return the parts of a row that can still be driven, ``None`` if all of it can."""
@@ -112,6 +123,37 @@ class RestGround:
     def _open(self) -> Ground:
         """Everywhere but where something stands: borders were looked at when the path was planned."""
         return Ground(_all_but(self.obstacles), self._machine)
+
+    @cached_property
+    def _new(self) -> BaseGeometry:
+        """What stands there and was not known when the path was planned; of an unknown map only what was told since."""
+        before = self._wish.around_before
+        if before is None:
+            return self._told
+        known = shapely.union_all(closed_areas(before, self._frame)).buffer(SAME_EDGE_M, join_style="mitre")
+        return shapely.union_all([self._told, self._closed.difference(known)])
+
+    @cached_property
+    def _near_new(self) -> BaseGeometry:
+        return self._new.buffer(self._reach_m)
+
+    @cached_property
+    def _but_new(self) -> Ground:
+        return Ground(_all_but(self._new), self._machine)
+
+    @cached_property
+    def _solid(self) -> BaseGeometry:
+        solid = self._closed.buffer(-TOUCH_M)
+        shapely.prepare(solid)
+        return solid
+
+    def _name_of(self, hit: BaseGeometry) -> str:
+        """Return what people call the obstacle that lies at a place."""
+        around = self._wish.surroundings
+        closed = (area_of(geometry, width, self._frame) for geometry, width in (*around.obstacles, *around.crossed))
+        far_m = [(hit.distance(area), name) for area, name in zip(closed, around.names, strict=False)]
+        told_m = math.inf if self._told.is_empty else hit.distance(self._told)
+        return min([(told_m, TOLD), *far_m], key=lambda one: one[0])[1]
 
     @cached_property
     def _ground(self) -> Ground:

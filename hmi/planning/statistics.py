@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from hmi.domain.mission_plan import PlanWish, Rows
-from hmi.domain.robot import Family
+from hmi.domain.planned_machine import MACHINE, PlannedMachine
+from hmi.domain.robot import Factsheet, Family
 from hmi.planning.job import Job
-from hmi.planning.machine import SEEDLINGS_PER_M2
-from hmi.planning.plan import Plan
+from hmi.planning.machine import SEEDLINGS_PER_M2, RobotProfile
+from hmi.planning.plan import Leg, Plan
 
 LEAST_RESERVE = 0.15  # of the battery, never planned away: cold, wind and an aged cell take as much
 DETOUR = 1.4  # a way home along headlands and roads is so much longer than the straight line
@@ -29,6 +31,7 @@ def statistics(wish: PlanWish, job: Job, plan: Plan) -> dict[str, Any]:
         "energy_basis": _energy_basis(wish, job),
         "is_tank": job.machine.energy.is_tank,
         "reserve_share": round(_reserve_share(job, plan), 4),
+        MACHINE: planned_machine(wish.robot_id, wish.robot, job.machine, plan.legs),
     }
     if wish.robot is not None and wish.robot.charge_w is not None:
         found["charge_w"] = wish.robot.charge_w
@@ -43,6 +46,24 @@ def statistics(wish: PlanWish, job: Job, plan: Plan) -> dict[str, Any]:
         found["plant_spacing_m"] = round(spacing, 3)
         found["seedlings"] = round(plan.figures.working_length_m / spacing)
     return found
+
+
+def planned_machine(
+    robot_id: str, sheet: Factsheet | None, machine: RobotProfile, legs: Sequence[Leg]
+) -> dict[str, Any]:
+    """Return what a path asks of a machine, as it is stored."""
+    return PlannedMachine(
+        robot_id=robot_id,
+        family=None if sheet is None else sheet.family.value,
+        length_m=machine.length_m,
+        width_m=machine.width_m,
+        base_to_front_m=machine.base_to_front_m,
+        turning_radius_m=machine.turning_radius_m,
+        turns_on_spot=any(leg.pivot for leg in legs[1:]),
+        reverse_mps=round(max((leg.speed_mps for leg in legs if leg.is_backward), default=0.0), 3),
+        top_mps=round(max((leg.speed_mps for leg in legs), default=0.0), 3),
+        battery_wh=None if sheet is None else sheet.battery_wh,
+    ).as_json()
 
 
 def _rows_along(wish: PlanWish) -> str:

@@ -382,7 +382,7 @@ def _feature_row(farm_id: str, number: int, raw: dict[str, Any], now: datetime) 
         id=raw["id"],
         farm_id=farm_id,
         kind=raw["properties"]["kind"],
-        name=raw["properties"].get("name", ""),
+        name=(raw["properties"].get("name") or "")[:80],  # as wide as its column; the version has all of it
         properties=own,
         geometry=raw["geometry"],
         map_version=number,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from typing import Any
@@ -16,6 +16,7 @@ from hmi.domain.mission import EDITABLE, ENDED, BadMove, MissionChange, MissionS
 from hmi.domain.mission_document import Document, for_robot, mission_sha256, renamed
 from hmi.domain.mission_plan import MissionRefused
 from hmi.domain.mission_rest import Progress
+from hmi.domain.planned_machine import MACHINE
 from hmi.store.database import Database
 from hmi.store.errors import AlreadyExists, NotFound
 from hmi.store.mission_tables import MissionRevisionRow
@@ -218,8 +219,12 @@ class Missions:
         *,
         is_supervised: bool | None = None,
         robot_id: str | None = None,
+        machine: Mapping[str, Any] | None = None,
     ) -> Mission:
         """Mark a mission attended or not, or give it to another robot; its hash changes with the robot.
+
+        Args:
+            machine: it was planned for, kept when it goes to another robot and its figures do not tell.
 
         Raises:
             NotFound: there is no such mission.
@@ -233,7 +238,7 @@ class Missions:
                 if mission.is_resumable:
                     text = f"{mission.name} was interrupted on {document['robot']}, where it can be resumed later."
                     raise MissionRefused("has_progress", f"{text} Copy it for another robot.")
-                document = for_robot(document, robot_id)
+                document, mission = for_robot(document, robot_id), _planned_for(mission, machine)
             attended = mission.is_supervised if is_supervised is None else is_supervised
             return replace(mission, is_supervised=attended, robot_id=robot_id or mission.robot_id), document
 
@@ -253,11 +258,13 @@ class Missions:
         robot_id: str | None = None,
         at: datetime | None = None,
         data: dict[str, Any] | None = None,
+        machine: Mapping[str, Any] | None = None,
     ) -> tuple[Mission, MissionChange]:
         """Move a mission on in its life.
 
         Args:
             robot_id: the robot it goes to, if it changes: the document is addressed to it.
+            machine: as of ``adjust``.
             at: when it happened, if not now.
 
         Raises:
@@ -271,7 +278,7 @@ class Missions:
             before = mission.status
             check_move(before, after, mover)
             if robot_id is not None and robot_id != document["robot"]:
-                document = for_robot(document, robot_id)
+                document, mission = for_robot(document, robot_id), _planned_for(mission, machine)
             return replace(mission, status=after, robot_id=robot_id or mission.robot_id), document
 
         moved = self._change(farm_id, mission_id, change, by, why, data or {}, at)
@@ -351,6 +358,12 @@ class Missions:
             why=why,
             data=data,
         )
+
+
+def _planned_for(mission: Mission, machine: Mapping[str, Any] | None) -> Mission:
+    if machine is None or MACHINE in mission.statistics:
+        return mission
+    return replace(mission, statistics={**mission.statistics, MACHINE: dict(machine)})
 
 
 def _row(session: Session, farm_id: str, mission_id: str) -> MissionRow:

@@ -82,6 +82,11 @@ class QueueStore:
             raise NotFound(f"there is no entry {entry_id!r} in the queue")
         return entry
 
+    def robot_of(self, mission_id: str) -> str | None:
+        """Return the robot in whose queue a mission stands, ``None`` if it stands in none."""
+        found = (one.robot_id for one in tuple(self._entries.values()) if one.mission_id == mission_id and one.is_open)
+        return next(found, None)
+
     def revision(self, robot_id: str) -> int:
         """Return how often people changed a robot's queue."""
         return self._revisions.get(robot_id, 0)

@@ -43,6 +43,35 @@ test('the first offer of headland laps is what the headland on the map takes', (
   assert.deepEqual([offered('a', '3'), offered('b', '3')], ['1', '1']);
 });
 
+test('headland laps that were offered follow the field after a reload too, entered ones stay', () => {
+  const kept = {};
+  const draft = { get: (key) => kept[key], set: (key, value) => (kept[key] = JSON.parse(JSON.stringify(value))) };
+  const { Inputs } = load(['plan_inputs'], { ...bare(), draft }).planner;
+  const opened = () => {
+    const inputs = Object.assign(Object.create(Inputs.prototype), {
+      places: { fields: [{ id: 'a', properties: { headland_m: 12 } }, { id: 'b', properties: {} }] },
+      all: { field_id: { value: 'a' }, width_m: { value: '3' }, headland_passes: { value: '' } },
+      fill: (values) => Object.entries(values).forEach(([key, value]) => key in inputs.all && (inputs.all[key].value = value)),
+    });
+    inputs.recall();
+    return inputs;
+  };
+  const first = opened();
+  first.offerLaps();
+  first.keep();
+  const again = opened();
+  assert.equal(again.all.headland_passes.value, '4');
+  again.all.field_id.value = 'b';
+  again.offerLaps();
+  assert.equal(again.all.headland_passes.value, '');
+  again.all.headland_passes.value = '2';
+  again.keep();
+  const last = opened();
+  last.all.field_id.value = 'a';
+  last.offerLaps();
+  assert.equal(last.all.headland_passes.value, '2');
+});
+
 test('robots with nothing to show come after the others and in their own list', () => {
   const { split } = load(['queue_data'], { port: {} }).queue;
   const robot = (robot_id, more = {}) => ({ robot_id, ...more });

@@ -10,6 +10,7 @@ from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
+from hmi.mapping.attributes import LONGEST_NAME
 from hmi.mapping.errors import BadFeature, OperationRefused
 from hmi.mapping.feature import MapFeature, as_geojson, parse_feature
 from hmi.mapping.operations.arguments import Arguments
@@ -92,6 +93,8 @@ def _checked(change: Change) -> Change:
     if change.after is None:
         return change
     try:
-        return replace(change, after=parse_feature(as_geojson(change.after)))
+        after = parse_feature(as_geojson(change.after))
+        is_renamed = change.before is None or change.before.name != after.name
+        return replace(change, after=replace(after, name=after.name[:LONGEST_NAME]) if is_renamed else after)
     except BadFeature as error:
         raise OperationRefused(error.code, error.text) from error

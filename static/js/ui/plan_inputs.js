@@ -158,6 +158,7 @@
     recall() {
       const kept = HL.draft.get(DRAFT);
       this.isKept = Boolean(kept);
+      this.laps = kept?.laps; // offered before, not entered: they go on following the field
       this.fill(kept || {});
     }
 
@@ -172,7 +173,7 @@
     }
 
     keep() {
-      HL.draft.set(DRAFT, Object.fromEntries(Object.entries(this.all).map(([key, input]) => [key, input.type === "checkbox" ? input.checked : input.value])));
+      HL.draft.set(DRAFT, { laps: this.laps, ...Object.fromEntries(Object.entries(this.all).map(([key, input]) => [key, input.type === "checkbox" ? input.checked : input.value])) });
     }
 
     forget() {

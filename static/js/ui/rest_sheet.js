@@ -81,6 +81,8 @@
     soon() {
       clearTimeout(this.timer);
       this.button.disabled = true;
+      this.turn += 1; // what is still on its way was planned without this
+      this.planned = null;
       this.say("Planning", "");
       this.timer = setTimeout(() => this.plan(), WAIT_MS);
     }
@@ -88,7 +90,8 @@
       const turn = ++this.turn;
       this.button.disabled = true;
       this.say("Planning the rest", "busy");
-      const answer = await HL.port.api("POST", `${of(this.mission.id)}/rest/preview`, this.wish(), PLAN_MS);
+      const wish = this.wish(), wished = JSON.stringify(wish);
+      const answer = await HL.port.api("POST", `${of(this.mission.id)}/rest/preview`, wish, PLAN_MS);
       if (turn !== this.turn || !this.said.isConnected) return;
       this.shown.replaceChildren();
       if (answer.code === "not_standing") { // it was paused a moment ago
@@ -98,8 +101,9 @@
       }
       if (!answer.ok) return this.say(answer.text || "Not planned: no answer. Try again.", "error");
       this.planned = answer.data;
+      this.wished = wished;
       const { left_out: out, notes, kept_until: kept, way_m: way } = this.planned;
-      const isSame = this.kind === "change" && JSON.stringify(this.wish()) === this.asItIs;
+      const isSame = this.kind === "change" && this.wished === this.asItIs;
       this.say(isSame ? "Nothing changed yet." : this.kind === "change" ? kept : `Way back ${Math.round(way)} m.`, "ready");
       const lines = [...(out.length ? [`Left out: ${out.join(", ")}.`] : []), ...notes];
       this.shown.append(this.kind === "change" ? table(this.planned) : "", ...lines.map((line) => el("div", { class: "h-row h-t14 h-b" }, icon("info", "m"), line)));
@@ -113,6 +117,8 @@
     }
     async send() {
       if (this.button.disabled) return;
+      if (!this.planned || JSON.stringify(this.wish()) !== this.wished) return this.soon();
+      const { turn } = this;
       const tick = window.headland.tick();
       if (tick === null) return this.say("Not sent: the link to the server is lost.", "error");
       this.button.disabled = true;
@@ -123,6 +129,7 @@
         this.close();
         return HL.toast(this.kind === "change" ? "The robot has read the new rest back" : "The robot has the way back. Slide to resume", "check");
       }
+      if (turn !== this.turn) return HL.toast(`Not changed: ${answer.data?.text || answer.text || "no answer"}`, "cloud_off"); // another one is planned already
       this.say(`Not changed: ${answer.data?.text || answer.text || "no answer. Look at the robot before you send again."}`, "error");
       this.button.disabled = false;
     }

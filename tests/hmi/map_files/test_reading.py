@@ -54,6 +54,16 @@ def test_the_possible_kinds_are_those_of_the_map() -> None:
     assert {shape: set(possible(shape)) for shape in KINDS_OF} == allowed
 
 
+def test_a_name_that_is_too_long_is_cut_and_said_so() -> None:
+    square = [[[4.0, 51.0], [4.001, 51.0], [4.001, 51.001], [4.0, 51.0]]]
+    parts = [square, [[[x + 0.01, y] for x, y in square[0]]]]
+    features = [shape("Polygon", square, name="L" * 90), shape("MultiPolygon", parts, name="M" * 90)]
+    data = json.dumps({"type": "FeatureCollection", "features": features}).encode()
+    items = read_map(data, "long.geojson").items
+    assert [one.name for one in items] == ["L" * 80, "M" * 76 + " (1)", "M" * 76 + " (2)"]
+    assert all("Its name is longer than 80 letters; the rest was left out." in one.problems for one in items)
+
+
 def test_geojson_of_2008_is_moved_from_its_coordinate_system() -> None:
     imported = read("fields-2008.geojson")
     assert imported.crs == "ETRS89 / UTM zone 32N (EPSG:25832)"

@@ -8,9 +8,11 @@ from typing import Any
 import httpx
 import pytest
 
+from hmi.commands.plan_wish import PlanOrder
 from hmi.domain.role import Role
+from hmi.store.features import Feature
 from tests.hmi.maps.conftest import MapRig
-from tests.hmi.missions.rig import OTHER_FARM, lon_lat
+from tests.hmi.missions.rig import FARM, OTHER_FARM, lon_lat, parcel_geometry
 
 
 def parcel(feature_id: str, x_m: float, *, side_m: float = 40.0, **own: Any) -> dict[str, Any]:
@@ -164,6 +166,33 @@ async def test_an_older_version_comes_back_as_a_draft(rig: MapRig) -> None:
         assert "bow-tie" in {one["id"] for one in draft["features"]["features"]}
         assert draft["undo"] == "Back to version 1"
         assert (await client.post("/map/versions/9/restore")).status_code == 404
+
+
+async def test_a_name_is_as_long_as_a_robot_and_the_database_take_it(rig: MapRig) -> None:
+    async with rig.browser(Role.PLANNER) as client:
+        await without_bow_tie(client)
+        long = parcel("long", -200, name="L" * 81)
+        answer = await client.post("/map/draft/transactions", json=one_change("ref-long", None, long))
+        assert answer.status_code == 422
+        assert answer.json()["text"].endswith("Its name has 81 letters, a name has at most 80. Shorten it.")
+        fits = parcel("long", -200, name="L" * 80)
+        answer = await client.post("/map/draft/transactions", json=one_change("ref-fits", None, fits))
+        assert answer.status_code == 200
+
+
+async def test_a_field_with_a_longer_name_of_before_is_still_changed_published_and_planned(rig: MapRig) -> None:
+    name = "Das Feld hinter der dritten Hecke links, " * 3
+    rig.features.put([Feature("old", FARM, "parcel", name, parcel_geometry(), {"row_bearing_deg": 90.0})])
+    async with rig.browser(Role.PLANNER) as client:
+        await without_bow_tie(client)
+        there = (await opened(client))["old"]
+        after = {**there, "properties": {**there["properties"], "crop": "Maize"}}
+        answer = await client.post("/map/draft/transactions", json=one_change("ref-crop", there, after))
+        assert answer.status_code == 200, answer.text
+        answer = await client.post("/map/draft/publish", json={})
+        assert answer.status_code == 200, answer.text
+    mission = await rig.book.plan(rig.person(Role.PLANNER), PlanOrder("old", "weeder-01", 3.0))
+    assert mission.field_name == name[:80]
 
 
 async def test_a_discarded_draft_changes_nothing(rig: MapRig) -> None:

@@ -87,7 +87,7 @@ async def known(desk: Desk, mission_id: str) -> MissionFacts:
     """Return what the start checks know, once it is read."""
     rig = desk.rig
     watch = MapWatch(Maps(rig.database, rig.clock), rig.database)
-    book = MissionFactsBook(rig.missions, rig.features, watch, rig.database)
+    book = MissionFactsBook(rig.missions, rig.features, watch, rig.database, rig.fleet)
     book.of(mission_id)
     await asyncio.gather(*(one for one in asyncio.all_tasks() if one.get_name() == "mission facts"))
     facts = book.of(mission_id)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -11,6 +12,7 @@ from hmi.commands.plan_wish import PlanOrder
 from hmi.commands.refusal import OrderRefused
 from hmi.domain.map_log import FeatureChange, Transaction
 from hmi.domain.role import Role
+from hmi.store.features import Feature
 from hmi.store.maps import Maps
 from tests.hmi.missions.rig import FARM, Rig, farm_map, lon_lat
 
@@ -30,6 +32,25 @@ def publish(rig: Rig, name: str, x_m: float, y_m: float) -> None:
     change = FeatureChange(name, None, feature)
     maps.append(FARM, "anna", Transaction(f"ref-{name}", "Drawn", "Anna", rig.clock.utc(), (change,)))
     maps.publish(FARM, "anna", "Anna", "")
+
+
+async def test_what_is_published_while_a_plan_is_made_makes_it_look_old(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read = rig.features.all
+
+    def published_after(farm_id: str, kinds: Sequence[str] = ()) -> list[Feature]:
+        features = read(farm_id, kinds)
+        monkeypatch.undo()
+        publish(rig, "ditch", 30.0, 30.0)
+        return features
+
+    monkeypatch.setattr(rig.features, "all", published_after)
+    mission = await rig.book.plan(rig.person(Role.PLANNER), ORDER)
+    assert mission.map_version == 1
+    with pytest.raises(OrderRefused, match="map is v2 now, plan uses v1") as caught:
+        await rig.book.stored(FARM, mission.id, "weeder-01")
+    assert caught.value.code == "map_changed"
 
 
 async def test_a_plan_carries_the_number_and_hash_of_its_map(rig: Rig) -> None:

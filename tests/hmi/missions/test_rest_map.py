@@ -20,6 +20,7 @@ from hmi.planning.mission_map import mission_geojson
 from hmi.planning.projection import LocalFrame
 from hmi.store.maps import Maps
 from tests.hmi.missions.rig import FARM, FRAME, Rig, lon_lat
+from tests.hmi.missions.test_map_watch import publish
 from tests.hmi.missions.test_rest_book import Desk
 
 HOLE = shapely.box(22, 24, 30, 34)
@@ -124,6 +125,26 @@ async def test_a_robot_that_would_leave_the_field_before_the_new_path_is_paused_
     with pytest.raises(PlanRefused, match="new edge of the field") as caught:
         await desk.change()
     assert caught.value.code == "obstacle_ahead"
+
+
+async def test_a_robot_that_would_meet_what_was_just_published_is_paused_first(desk: Desk) -> None:
+    document = desk.rig.missions.document(FARM, desk.id)
+    frame = LocalFrame(document["datum"]["lat_deg"], document["datum"]["lon_deg"])
+    row = np.asarray(document["segments"][desk.row_2]["points"])
+    along = shapely.LineString(FRAME.to_local(frame.to_lon_lat(row)))
+    assert (await desk.change()).document["continues"]["segments"] > desk.row_2  # row 2 stays
+    ahead = along.interpolate(15.0)
+    publish(desk.rig, "ditch", ahead.x, ahead.y)
+    with pytest.raises(PlanRefused, match="ahead: Ditch is on the path before the new one begins") as caught:
+        await desk.change()
+    assert caught.value.code == "obstacle_ahead"
+    desk.reports(OrderStatus.PAUSED, Mode.PAUSED)
+    assert (await desk.change()).difference["notes"]
+
+
+async def test_what_is_published_elsewhere_keeps_no_running_robot_from_its_new_rest(desk: Desk) -> None:
+    publish(desk.rig, "ditch", -20.0, 30.0)
+    assert (await desk.change()).document["map_version"]["number"] == 2
 
 
 async def test_the_rest_of_a_field_that_is_no_more_is_refused(desk: Desk) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -48,6 +49,11 @@ def planned() -> PlannedMission:
 def ways(*obstacles: tuple[float, float, float]) -> Surroundings:
     solid = tuple(({"type": "Point", "coordinates": lon_lat((x, y))[0]}, 2 * r) for x, y, r in obstacles)
     return Surroundings(solid, ((ROAD, 6.0),))
+
+
+def published(x: float, y: float, r: float, name: str = "Open ditch") -> Surroundings:
+    """Return the map with one more obstacle."""
+    return replace(ways((x, y, r)), names=(name,))
 
 
 def at(segment: int, s_m: float) -> Progress:

@@ -11,8 +11,9 @@ import shapely
 from hypothesis import assume, event, example, given, settings
 from hypothesis import strategies as st
 
-from hmi.domain.mission_plan import PlanRefused
+from hmi.domain.mission_plan import PlanRefused, Surroundings
 from hmi.domain.mission_rest import LEAVE_OUT, OBSTACLE, DrawnArea, PlannedRest, is_work, length_m, pieces_of
+from hmi.planning.machine import RobotProfile
 from tests.hmi.missions.rig import lon_lat
 from tests.hmi.planning.test_rest import (
     at,
@@ -21,8 +22,10 @@ from tests.hmi.planning.test_rest import (
     placed,
     places,
     planned,
+    published,
     rest,
     segments,
+    ways,
     work_m,
 )
 
@@ -78,6 +81,27 @@ def test_a_running_robot_that_would_meet_a_drawn_obstacle_first_must_be_paused()
         rest(at(number, 5.0), areas=(obstacle,), is_running=True)
     assert caught.value.code == "obstacle_ahead"
     assert new_part(rest(at(number, 5.0), areas=(obstacle,)))
+
+
+@pytest.mark.parametrize("before", [ways(), None], ids=["known map", "unknown map"])
+def test_a_running_robot_that_would_meet_a_published_obstacle_first_must_be_paused(before: Surroundings | None) -> None:
+    number = number_of(3)
+    x = segments()[number]["points"][0][0]
+    now = {"surroundings": published(x, 20.0, 1.0), "around_before": before}
+    with pytest.raises(PlanRefused, match=r"ahead: Open ditch is on the path.*Pause the robot") as caught:
+        rest(at(number, 5.0), is_running=True, **now)
+    assert caught.value.code == "obstacle_ahead"
+    assert new_part(rest(at(number, 5.0), **now))  # paused, it is driven around
+    assert new_part(rest(at(number_of(2), 5.0), is_running=True, **now))
+
+
+def test_only_what_is_new_keeps_the_machines_margin_from_a_path_that_stays() -> None:
+    number = number_of(3)
+    x = segments()[number]["points"][0][0]
+    beside = published(x + RobotProfile().width_m / 2 + 1.0 + 0.02, 20.0, 1.0)  # two centimetres beside the outline
+    assert new_part(rest(at(number, 5.0), is_running=True, surroundings=beside, around_before=beside))
+    with pytest.raises(PlanRefused, match="ahead: Open ditch is on the path"):
+        rest(at(number, 5.0), is_running=True, surroundings=beside, around_before=ways())
 
 
 def test_a_running_robot_says_which_row_it_can_no_longer_leave_out() -> None:
