@@ -278,15 +278,15 @@ class Camera:
         return bool(self.watches) or self._clock.mono_s() - self._looked_s < LINGER_S
 
     def _take(self, piece: Piece) -> None:
+        is_again = self.newest is not None and piece.captured_ms == self.newest.captured_ms
         self.newest = piece
-        self._arrived_s = self._clock.mono_s()
+        if not is_again:  # a picture in another form, or the last one of a silent camera for who comes late
+            self._arrived_s, self.reason = self._clock.mono_s(), ""
         if piece.kind is Kind.JPEG:
             if piece.wanted_width == 0 or self._is_better(piece, self.newest_jpeg):
                 self.newest_jpeg = piece
         elif piece.kind is Kind.H264:
             self._group.add(piece)
-        if self.reason:
-            self.reason = ""
         for watch in tuple(self.watches):
             if self._ways.get(watch) is WAYS[piece.kind] and self._is_for(piece, watch):
                 watch.take(piece)
