@@ -54,8 +54,11 @@ def run() -> Iterator[dict[str, Any]]:
     small = asyncio.run(_small())
     viewer = max(0.01, (small["many"] - small["one"]) / (VIEWERS - 1))
     conditions = (
-        f"640x480@15, {small['one']:.1f} % for 1 viewer and {small['many']:.1f} % for {VIEWERS}, all got "
-        f"{small['fps']:.1f} pictures/s; naive: {naive_one:.0f} % for 1 and {naive_many:.0f} % for {NAIVE_VIEWERS}"
+        f"640x480@15, {small['one']:.1f} % for 1 viewer and {small['many']:.1f} % for {VIEWERS}; of "
+        f"{small['given']:.1f} pictures/s that came from the robot the one viewer of this process got "
+        f"{small['seen']:.1f} and each of the others {small['fps']:.1f}, in one process that took "
+        f"{small['crowd']:.0f} % of a core for it; "
+        f"naive: {naive_one:.0f} % for 1 and {naive_many:.0f} % for {NAIVE_VIEWERS}"
     )
     naive_32 = naive_one + naive_viewer * (VIEWERS - 1)
     yield _figure("video_32_viewers_cpu_pct", small["many"], "% of a core", naive_32, conditions)
@@ -119,8 +122,7 @@ class Site:
         await self.link.close()
 
     def _cpu_s(self) -> float:
-        times = [one.cpu_times() for one in (self.process, *self.process.children(recursive=True))]
-        return sum(one.user + one.system for one in times)
+        return sum(_used_s(one) for one in (self.process, *self.process.children(recursive=True)))
 
     async def _ping(self) -> None:
         while True:
@@ -188,12 +190,20 @@ async def _small() -> dict[str, float]:
         assert crowd.stdout is not None
         await asyncio.to_thread(crowd.stdout.readline)
         await asyncio.sleep(SETTLE_S)
-        before, began_s = await asyncio.to_thread(_units, crowd), time.monotonic()
+        others = psutil.Process(crowd.pid)
+        before, used_s, began_s = await asyncio.to_thread(_units, crowd), _used_s(others), time.monotonic()
+        seen = len(one.seen)
         cpu_many = await site.cpu_pct()
-        fps = (await asyncio.to_thread(_units, crowd) - before) / (time.monotonic() - began_s) / (VIEWERS - 1)
+        units, span_s = await asyncio.to_thread(_units, crowd) - before, time.monotonic() - began_s
+        got = {
+            "fps": units / span_s / (VIEWERS - 1),
+            "seen": (len(one.seen) - seen) / span_s,
+            "crowd": 100 * (_used_s(others) - used_s) / span_s,
+            "given": (await site.link.ask("GET", "/cameras")).json()["cameras"][0]["fps"],
+        }
         await one.peer.close()
         await site.close()
-        return {"one": cpu_one, "many": cpu_many, "fps": fps, "delay": statistics.median(delays), "first": first_ms}
+        return {"one": cpu_one, "many": cpu_many, "delay": statistics.median(delays), "first": first_ms, **got}
 
 
 async def _large() -> dict[str, float]:
@@ -222,6 +232,12 @@ def _crowd(site: Site) -> Iterator[subprocess.Popen[str]]:
             yield process
         finally:
             process.terminate()
+
+
+def _used_s(process: psutil.Process) -> float:
+    """Return the CPU a process used so far."""
+    times = process.cpu_times()
+    return times.user + times.system
 
 
 def _units(crowd: subprocess.Popen[str]) -> int:

@@ -68,6 +68,7 @@ class TwinDesk:
         if self._task is not None:
             self._task.cancel()
             await asyncio.gather(self._task, return_exceptions=True)
+        await self._pictures.close()
         await self.link.close()
 
     def rest(self, records: Records, clock: Clock) -> APIRouter:
@@ -105,9 +106,8 @@ class TwinDesk:
             with contextlib.suppress(MediaDown):  # it comes back, and is told everything then
                 wanted = await self._news.tell(self._robots())
             for _ in range(PICTURES):
-                rest = asyncio.create_task(asyncio.sleep(NEWS_S / PICTURES))
-                await self._pictures.carry(wanted)
-                await rest
+                self._pictures.carry(wanted)
+                await asyncio.sleep(NEWS_S / PICTURES)
         self._task = None
 
     async def _page(self, request: Request) -> Response:

@@ -22,14 +22,33 @@ class TwinPictures:
 
     def __init__(self, link: MediaLink, process: Callable[[], CameraProcess | None]) -> None:
         self._link, self._process = link, process
+        self._tasks: dict[tuple[str, str], asyncio.Task[None]] = {}
 
-    async def carry(self, wanted: Mapping[str, Sequence[str]]) -> None:
-        """Carry the newest pictures; a camera that shows nothing leaves its place in the scene empty."""
+    def carry(self, wanted: Mapping[str, Sequence[str]]) -> None:
+        """Have the newest pictures carried; a camera that shows nothing leaves its place in the scene empty.
+
+        Each camera by itself: one that gives no picture is waited for, for seconds, while the others go on.
+        """
         process = self._process()
         if process is None:
             return
-        cameras = [(robot_id, camera) for robot_id, names in wanted.items() for camera in names]
-        await asyncio.gather(*(self._one(process, *one) for one in cameras))
+        for robot_id, names in wanted.items():
+            for camera in names:
+                if (robot_id, camera) not in self._tasks:
+                    self._begin(process, robot_id, camera)
+
+    async def close(self) -> None:
+        """End what is under way."""
+        tasks = list(self._tasks.values())
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+
+    def _begin(self, process: CameraProcess, robot_id: str, camera: str) -> None:
+        name = f"twin picture {robot_id}/{camera}"
+        task = asyncio.get_running_loop().create_task(self._one(process, robot_id, camera), name=name)
+        self._tasks[(robot_id, camera)] = task
+        task.add_done_callback(lambda _done: self._tasks.pop((robot_id, camera)))
 
     async def _one(self, process: CameraProcess, robot_id: str, camera: str) -> None:
         try:
@@ -37,3 +56,5 @@ class TwinPictures:
             await self._link.picture(robot_id, camera, still.data, still.captured_s)
         except (CamerasAway, NoPicture, MediaDown) as error:
             log.debug("no picture of %s of %s for the twin: %s", camera, robot_id, error)
+        except Exception:
+            log.exception("the picture of %s of %s did not get to the twin", camera, robot_id)

@@ -71,7 +71,7 @@ class Camera:
         self.restarts, self.reason, self.fps, self.kbit_s = 0, "", 0.0, 0.0
         self._worker: WorkerProcess | None = None
         self._task: asyncio.Task[None] | None = None
-        self._again = asyncio.Event()
+        self._again, self._is_let_go = asyncio.Event(), False
         self._plan = Plan()
         self._arrived_s: float | None = None
         self._began_s = self._looked_s = 0.0
@@ -214,6 +214,8 @@ class Camera:
                 reason = await self._one_worker()
                 if not self._is_wanted():
                     return
+                if self._is_let_go:
+                    continue  # somebody looked again while it ended; nothing failed
                 failures = 0 if self._clock.mono_s() - began_s > STEADY_S and self._arrived_s else failures
                 self.restarts += 1
                 self.reason = reason or self.reason or "it ended"
@@ -232,6 +234,7 @@ class Camera:
     async def _one_worker(self) -> str:
         """Start a worker and take what it makes until it ends; return why it did."""
         self._again.clear()
+        self._is_let_go = False
         self._arrived_s, self._news = None, None
         self._group.clear()
         self._seq_before = 0 if self.newest is None else self.newest.seq
@@ -270,23 +273,23 @@ class Camera:
         while True:
             await asyncio.sleep(TICK_S)
             if not self._is_wanted() and self._worker is not None:
+                self._is_let_go = True
                 self._worker.let_go()  # its messages end, and with them the task
-                return
             self._tell()
 
     def _is_wanted(self) -> bool:
         return bool(self.watches) or self._clock.mono_s() - self._looked_s < LINGER_S
 
     def _take(self, piece: Piece) -> None:
+        is_again = self.newest is not None and piece.captured_ms == self.newest.captured_ms
         self.newest = piece
-        self._arrived_s = self._clock.mono_s()
+        if not is_again:  # a picture in another form, or the last one of a silent camera for who comes late
+            self._arrived_s, self.reason = self._clock.mono_s(), ""
         if piece.kind is Kind.JPEG:
             if piece.wanted_width == 0 or self._is_better(piece, self.newest_jpeg):
                 self.newest_jpeg = piece
         elif piece.kind is Kind.H264:
             self._group.add(piece)
-        if self.reason:
-            self.reason = ""
         for watch in tuple(self.watches):
             if self._ways.get(watch) is WAYS[piece.kind] and self._is_for(piece, watch):
                 watch.take(piece)

@@ -11,7 +11,7 @@ from hmi.cameras.demand import Way, Wish
 from hmi.cameras.jpeg_header import BadPicture, checked_size
 from hmi.cameras.picture_wire import Piece
 from hmi.clock import Clock
-from hmi.domain.camera import Source
+from hmi.domain.camera import Source, SourceKind
 
 STILL_S = 4.0  # so long a still is waited for
 
@@ -62,8 +62,11 @@ class Hub:
         camera.upload(data, width, height, self._clock.mono_s() * 1000 - age_ms)
 
     async def still(self, camera: Camera, fresh_s: float | None) -> Piece | None:
-        """Return the newest JPEG; with ``fresh_s`` one of at most this age, looked for if need be."""
-        if fresh_s is None or self._is_young(camera.newest_jpeg, fresh_s):
+        """Return the newest JPEG; with ``fresh_s`` one of at most this age, looked for if need be.
+
+        A camera that sends by itself cannot be looked at: its newest is what there is, as old as it says.
+        """
+        if fresh_s is None or camera.source.kind is SourceKind.UPLOAD or self._is_young(camera.newest_jpeg, fresh_s):
             return camera.newest_jpeg
         glance = _Glance(camera.pulled_width or 0)
         camera.join(glance)

@@ -6,16 +6,19 @@ import json
 import ssl
 import time
 from collections.abc import Callable, Generator
+from math import isfinite
 from typing import Any
 from urllib.parse import quote
 
 import httpx
 
 from hmi.cameras.addresses import Target, target_of
+from hmi.cameras.congestion import Congestion
 from hmi.cameras.inbox import Inbox, Shot
 from hmi.cameras.jpeg_header import MAX_BYTES, BadPicture, checked_size
 from hmi.cameras.multipart import MultipartReader, Part, boundary_of
 from hmi.cameras.picture_wire import Plan
+from hmi.cameras.transit import Transit
 from hmi.clock import mono_s
 from hmi.domain.camera import Source, SourceKind
 
@@ -41,6 +44,7 @@ class HttpPull:
         self._rtt_ms = float("inf")
         self._connect_ms = 0.0
         self._before = b""
+        self._transit, self._congestion = Transit(), Congestion()
 
     def run(self) -> None:
         """Pull until it fails; raises ``PullFailed``, ``BadAddress``, ``multipart.Refused`` or ``httpx.HTTPError``."""
@@ -78,11 +82,12 @@ class HttpPull:
         if self._source.kind is not SourceKind.ROBOT:
             return {}
         plan = self._plan_of()
-        limits = {"fps": f"{plan.fps:g}"}
+        limits = {"fps": f"{self._congestion.fps(plan.fps):g}"}
         return {**limits, "width": str(plan.width)} if plan.width else limits
 
     def _stream(self, client: httpx.Client, target: Target) -> None:
-        limits = self._limits()
+        limits, renewals = self._limits(), self._congestion.renewals
+        self._transit.asked(_now_ms())
         with client.stream("GET", target.url, params=limits or None, extensions=self._extensions(target)) as response:
             _check(response)
             reader = MultipartReader(boundary_of(response.headers.get("content-type", "")))
@@ -90,8 +95,8 @@ class HttpPull:
                 for part in reader.feed(data, _now_ms()):
                     self._take(part)
                 self._count(reader)
-                if limits != self._limits():
-                    return
+                if limits != self._limits() or renewals != self._congestion.renewals or self._transit.is_hidden:
+                    return  # what waits in the robot goes with the connection
             raise PullFailed("the camera ended its stream")
 
     def _count(self, reader: MultipartReader) -> None:
@@ -116,11 +121,17 @@ class HttpPull:
             self._inbox.put(Shot(part.body, part.began_ms, False))
             return
         way_ms = 0.0 if self._rtt_ms == float("inf") else self._rtt_ms / 2
+        taken_ms = clock_ms_of(part.headers.get("x-captured-ms"))
+        if taken_ms is not None:
+            waited_ms = self._transit.waited_ms(taken_ms + age_ms, part.began_ms)
+            self._congestion.note(waited_ms, part.began_ms)
+            way_ms += waited_ms
         self._inbox.put(Shot(part.body, part.began_ms - age_ms - way_ms, True))
 
     def _snapshots(self, client: httpx.Client, target: Target) -> None:
         period_s = max(self._source.expected_period_s, 1.0 / self._plan_of().fps)
         began_s = mono_s()
+        self._transit.asked(began_s * 1000)
         with client.stream("GET", target.url, extensions=self._extensions(target)) as response:
             _check(response)
             at_ms, body = _now_ms(), bytearray()
@@ -205,6 +216,15 @@ def age_ms_of(said: str | None) -> float | None:
     except ValueError:
         return None
     return age if age is not None and 0 <= age <= MAX_AGE_MS else None
+
+
+def clock_ms_of(said: str | None) -> float | None:
+    """Return what a header tells of its robot's clock, ``None`` if it tells nothing."""
+    try:
+        at = float(said) if said is not None else float("nan")
+    except ValueError:
+        return None
+    return at if isfinite(at) else None
 
 
 def _now_ms() -> float:

@@ -19,6 +19,7 @@ from hmi.domain.picture import Moment, Picture, PictureKind
 from hmi.domain.picture_header import BadPicture, Header, read_picture
 from hmi.store.camera_sources import StoredSource
 from hmi.store.database import Database
+from hmi.store.picture_files import NewestFrame
 from hmi.store.picture_shelf import PictureShelf
 
 BURST = 3.0  # frames that a camera may send at once after a pause
@@ -103,7 +104,7 @@ class FieldFrames:
         state.tokens -= 1.0
 
     async def take(self, one: StoredSource, data: bytes, age_s: float | None, place: Moment = NOWHERE) -> Header:
-        """Take a frame: the newest, one to show, and now and then one to keep.
+        """Take a frame: the newest if it is, one to show, and now and then one to keep.
 
         Args:
             age_s: how old it was when it was sent, if the camera tells.
@@ -117,7 +118,8 @@ class FieldFrames:
         known_s = min(max(age_s or 0.0, 0.0), MOST_AGE_S)
         captured_s = self._clock.mono_s() - known_s
         await self._show(one, header, data, known_s)
-        await self._shelf.set_newest_frame(one.camera, data, self._clock.utc().timestamp() - known_s)
+        newest = NewestFrame(data, self._clock.utc().timestamp() - known_s, is_dated=age_s is not None)
+        await self._shelf.set_newest_frame(one.camera, newest)
         await self._sources.noted_size(one, header.width_px, header.height_px)
         state = self._cameras.setdefault(one.camera, _Camera(at_s=self._clock.mono_s()))
         if one.keep_every_s > 0 and self._clock.mono_s() - state.kept_s >= one.keep_every_s:
@@ -132,11 +134,11 @@ class FieldFrames:
 
     async def newest(self, camera: str) -> Still:
         """Return the newest frame of a field camera; raises ``NoPicture``."""
-        found = await self._shelf.newest_frame(camera)
-        if found is None or self._sources.stored(FIELD, camera) is None:
+        found, one = await self._shelf.newest_frame(camera), self._sources.stored(FIELD, camera)
+        if found is None or one is None or one.kind is not SourceKind.UPLOAD:
             raise NoPicture("no_picture", "This camera has sent nothing yet.")
-        data, taken_unix_s = found
-        return Still(data, self._clock.mono_s() - max(0.0, self._clock.utc().timestamp() - taken_unix_s))
+        age_s = max(0.0, self._clock.utc().timestamp() - found.taken_unix_s)
+        return Still(found.data, self._clock.mono_s() - age_s, found.is_dated)
 
     async def show_again(self) -> None:
         """Tell a new camera process the newest frame of each camera, as old as it is: the next may come in an hour."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 from hmi.clock import Clock
 from hmi.commands.audit_line import audit_line
-from hmi.commands.camera_ports import CameraProcess, CamerasAway, NoPicture, Still
+from hmi.commands.camera_ports import CameraProcess, NoPicture, Still
 from hmi.commands.mission_pictures import draft
 from hmi.commands.ports import AuditSink, LaneEvent
 from hmi.commands.watermark import mark_of, watermarked
@@ -91,14 +92,12 @@ class PictureBook:
         return kept
 
     async def _still(self, robot_id: str, camera: str) -> Still:
-        """Ask the camera process; what a field camera sent is here anyway."""
-        async with self._few:
-            try:
-                return await self._parts.process.still(robot_id, camera, FRESH_S)
-            except (NoPicture, CamerasAway):
-                if robot_id != FIELD:
-                    raise
+        """Ask the camera process; what a field camera sent by itself is here anyway."""
+        if robot_id == FIELD:
+            with contextlib.suppress(NoPicture):
                 return await self._parts.newest_frame(camera)
+        async with self._few:
+            return await self._parts.process.still(robot_id, camera, FRESH_S)
 
     async def listed(self, session: SessionInfo, wanted: PictureFilter, limit: int) -> Listed:
         """Return the newest pictures that fit."""

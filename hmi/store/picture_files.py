@@ -11,6 +11,7 @@ import os
 import re
 import shutil
 from collections.abc import Callable, Collection
+from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 
@@ -21,6 +22,15 @@ _NAMED = re.compile(r"([0-9a-f]{32})\.(?:jpg|png|mp4)")
 _CHUNK = 1 << 20
 
 FreeBytes = Callable[[Path], int]
+
+
+@dataclass(frozen=True, slots=True)
+class NewestFrame:
+    """What a field camera sent last; ``taken_unix_s`` is when it came where the camera told no age (not dated)."""
+
+    data: bytes
+    taken_unix_s: float
+    is_dated: bool
 
 
 def free_bytes(folder: Path) -> int:
@@ -98,30 +108,45 @@ class PictureFiles:
         folder = self._kept / _checked(farm_id, _FARM)
         return [path for path in folder.glob("*/*") if (named := _NAMED.fullmatch(path.name)) and named[1] not in known]
 
-    def set_newest(self, farm_id: str, camera: str, data: bytes, taken_unix_s: float) -> None:
+    def set_newest(self, farm_id: str, camera: str, frame: NewestFrame) -> None:
         """Replace the newest frame of a field camera; a power cut may lose it. Raises ``OSError``."""
-        place = self._newest_place(farm_id, camera)
+        place, other = self._newest_places(farm_id, camera, is_dated=frame.is_dated)
         place.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
         beside = place.with_suffix(".new")
-        beside.write_bytes(data)
-        os.utime(beside, (taken_unix_s, taken_unix_s))
+        beside.write_bytes(frame.data)
+        os.utime(beside, (frame.taken_unix_s, frame.taken_unix_s))
         os.replace(beside, place)
+        other.unlink(missing_ok=True)
 
-    def newest(self, farm_id: str, camera: str) -> tuple[bytes, float] | None:
-        """Return the newest frame of a field camera and when it was taken, Unix seconds; ``None`` without one."""
-        place = self._newest_place(farm_id, camera)
-        try:
-            with open(place, "rb") as file:
-                return file.read(), os.fstat(file.fileno()).st_mtime
-        except FileNotFoundError:
-            return None
+    def newest(self, farm_id: str, camera: str) -> NewestFrame | None:
+        """Return the newest frame of a field camera; ``None`` without one."""
+        found = None
+        for is_dated in (True, False):
+            place, _other = self._newest_places(farm_id, camera, is_dated=is_dated)
+            with contextlib.suppress(FileNotFoundError), open(place, "rb") as file:
+                taken_unix_s = os.fstat(file.fileno()).st_mtime
+                if found is None or taken_unix_s > found.taken_unix_s:
+                    found = NewestFrame(file.read(), taken_unix_s, is_dated)
+        return found
+
+    def newest_taken_unix_s(self, farm_id: str, camera: str) -> float:
+        """Return when the newest frame of a field camera was taken; long ago without one."""
+        taken = [float("-inf")]
+        for place in self._newest_places(farm_id, camera, is_dated=True):
+            with contextlib.suppress(FileNotFoundError):
+                taken.append(place.stat().st_mtime)
+        return max(taken)
 
     def drop_newest(self, farm_id: str, camera: str) -> None:
         """Forget the newest frame of a field camera."""
-        self._newest_place(farm_id, camera).unlink(missing_ok=True)
+        for place in self._newest_places(farm_id, camera, is_dated=True):
+            place.unlink(missing_ok=True)
 
-    def _newest_place(self, farm_id: str, camera: str) -> Path:
-        return self._newest / _checked(farm_id, _FARM) / f"{_checked(camera, _FARM)}.picture"
+    def _newest_places(self, farm_id: str, camera: str, *, is_dated: bool) -> tuple[Path, Path]:
+        """Return where a frame is, and where the one would be of which the opposite is known about its time."""
+        folder, name = self._newest / _checked(farm_id, _FARM), _checked(camera, _FARM)
+        dated, undated = folder / f"{name}.picture", folder / f"{name}.undated.picture"
+        return (dated, undated) if is_dated else (undated, dated)
 
     def _place(self, farm_id: str, picture_id: str, media_type: str, at: datetime) -> Path:
         name = f"{_checked(picture_id, _PICTURE)}.{ENDINGS[media_type]}"

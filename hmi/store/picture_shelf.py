@@ -18,7 +18,7 @@ from hmi.clock import Clock
 from hmi.domain.picture import Picture
 from hmi.domain.picture_retention import Retention, too_many
 from hmi.store.errors import NotFound, PicturesBusy, PicturesFull, TooMuchMarked
-from hmi.store.picture_files import PictureFiles
+from hmi.store.picture_files import NewestFrame, PictureFiles
 from hmi.store.pictures import Held, PictureRecords
 
 P = ParamSpec("P")
@@ -88,12 +88,16 @@ class PictureShelf:
         """Keep a file that was written to ``files.incoming``; raises as ``keep``."""
         return await self._bounded(self._keep, one, None)
 
-    async def set_newest_frame(self, camera: str, data: bytes, taken_unix_s: float) -> None:
-        """Replace the newest frame of a field camera; raises ``PicturesFull`` and ``PicturesBusy``."""
-        await self._bounded(self._newest, camera, data, taken_unix_s)
+    async def set_newest_frame(self, camera: str, frame: NewestFrame) -> None:
+        """Replace the newest frame of a field camera, unless this one was taken before it.
 
-    async def newest_frame(self, camera: str) -> tuple[bytes, float] | None:
-        """Return the newest frame of a field camera and when it was taken, Unix seconds."""
+        Raises:
+            PicturesFull, PicturesBusy: it was not kept.
+        """
+        await self._bounded(self._newest, camera, frame)
+
+    async def newest_frame(self, camera: str) -> NewestFrame | None:
+        """Return the newest frame of a field camera."""
         return await asyncio.to_thread(self.files.newest, self._farm_id, camera)
 
     async def forget_frames(self, camera: str) -> None:
@@ -153,9 +157,12 @@ class PictureShelf:
             self._sweep()
         return kept
 
-    def _newest(self, camera: str, data: bytes, taken_unix_s: float) -> None:
+    def _newest(self, camera: str, frame: NewestFrame) -> None:
         self._check_room()
-        self.files.set_newest(self._farm_id, camera, data, taken_unix_s)
+        kept_unix_s = self.files.newest_taken_unix_s(self._farm_id, camera)
+        if frame.taken_unix_s < kept_unix_s <= self._clock.utc().timestamp():  # one of tomorrow had a wrong clock
+            return
+        self.files.set_newest(self._farm_id, camera, frame)
 
     def _check_room(self) -> None:
         self._free = self.files.free_bytes()

@@ -122,6 +122,29 @@ test("a picture is live with its delay and rate, and frozen one second after the
   assert.equal(sight.judge(last + 41000, last + 41000, INFO, "direct").state, "off", "so old a picture tells nothing about now");
 });
 
+test("the last picture of a frozen camera, sent again for somebody who comes late, is not live", () => {
+  const sight = looked(3000);
+  const { last } = sight;
+  const frozen = () => assert.equal(sight.judge(6100, 6100, INFO).state, "frozen");
+  assert.ok(sight.isSilent(6000, 0.066), "its time decides whether it counts");
+  sight.picture(6000, last - 110, 6000);
+  frozen();
+  sight.dated(last - 110, 6000, 6000);
+  frozen();
+  assert.equal(sight.judge(6100, 6100, INFO).ageMs, 6100 - (last - 110));
+  sight.picture(6050, 5950, 6050);
+  assert.equal(sight.judge(6100, 6100, INFO).state, "live");
+});
+
+test("a picture that counted before its time was told counts no more when it is the one before once more", () => {
+  const sight = looked(3000);
+  const { last } = sight;
+  assert.ok(!sight.isSilent(last + 800, 0.066));
+  sight.picture(last + 800, null, last + 800);
+  sight.dated(last - 110, last + 800, last + 800);
+  assert.equal(sight.judge(last + 1010, last + 1010, INFO).state, "frozen");
+});
+
 test("a picture of a slow camera that was old when it came is late, and says its age", () => {
   const slow = { ...INFO, fps: 0.2, period_s: 5 };
   const sight = new Sight(0);
@@ -195,7 +218,7 @@ test("the time of a direct picture is found whether it is told before or after i
   assert.equal(times.shown(900, 210), 100);
   assert.equal(times.shown(6900, 280), null);
   const [found] = times.told([[6900, 166, 2]]);
-  assert.deepEqual({ ...found }, { captured: 166, shownM: 280 });
+  assert.deepEqual({ ...found }, { captured: 166, at: 280 });
   for (let i = 0; i < 2000; i += 1) times.told([[10000 + i, i, i]]);
   assert.ok(times.known.size <= 256);
 });

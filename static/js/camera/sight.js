@@ -20,22 +20,22 @@
       this.known = new Map();
       this.waiting = new Map();
     }
-    // -> [{captured, shownM}] of pictures that were shown before their time was told
+    // -> [{captured, at}] of pictures that were shown before their time was told
     told(list) {
       const found = [];
       for (const [rtp, captured] of list) {
-        if (this.waiting.has(rtp)) found.push({ captured, shownM: this.waiting.get(rtp) });
+        if (this.waiting.has(rtp)) found.push({ captured, at: this.waiting.get(rtp) });
         this.waiting.delete(rtp);
         this.known.set(rtp, captured);
       }
       this.#trim(this.known);
       return found;
     }
-    // -> capture time of the picture that is shown now, null while nobody told it
-    shown(rtp, shownM) {
+    // at: when it is shown -> capture time of that picture, null while nobody told it
+    shown(rtp, at) {
       const captured = this.known.get(rtp);
       if (captured !== undefined) return captured;
-      this.waiting.set(rtp, shownM);
+      this.waiting.set(rtp, at);
       this.#trim(this.waiting);
       return null;
     }
@@ -49,8 +49,10 @@
       Object.assign(this, { began: now, last: null, captured: null, isDated: true, delays: [], shown: [] });
     }
 
-    // a new picture is on the screen; captured and m on the console's clock, null while unknown
+    // a picture is on the screen; captured and m on the console's clock, null while unknown
     picture(now, captured, m, isDated = true) {
+      if (captured !== null && captured === this.captured) return; // the same once more
+      this.before = this.last;
       this.last = now;
       this.isDated = isDated;
       this.shown.push(now);
@@ -58,9 +60,10 @@
       if (captured !== null) this.dated(captured, m);
     }
 
-    // when the picture on the screen was taken; older news changes nothing
-    dated(captured, m) {
-      if (this.captured !== null && captured < this.captured) return;
+    // when the picture that was shown at now was taken; older news changes nothing, and the same once more is no new picture
+    dated(captured, m, now = null) {
+      if (captured === this.captured && now === this.last) this.last = this.before;
+      if (this.captured !== null && captured <= this.captured) return;
       this.captured = captured;
       if (m === null) return;
       this.delays.push(Math.max(0, m - captured));
@@ -80,6 +83,11 @@
       const [first] = this.shown;
       if (this.shown.length < 2) return null;
       return ((this.shown.length - 1) * 1000) / Math.max(1, Math.max(this.last - first, now - this.last > FPS_MS ? now - first : 0));
+    }
+
+    // after a silence a camera's last picture may be sent once more: only its time tells
+    isSilent(now, periodS) {
+      return this.last !== null && now - this.last > this.limitMs(periodS);
     }
 
     // without a new picture for longer than this it is frozen

@@ -136,16 +136,23 @@
       const now = performance.now();
       if (rtp !== null && rtp === this.lastRtp) return; // shown again, not new
       this.lastRtp = rtp;
-      const m = pageM();
+      const at = { now, m: pageM(), isCounted: !this.sight.isSilent(now, this.info?.period_s) };
       this.ways.directPicture(now);
-      const captured = rtp === null ? null : this.times.shown(rtp, m);
-      this.sight.picture(now, captured, m, this.info?.is_dated ?? true);
+      const captured = rtp === null ? null : this.times.shown(rtp, at);
+      if (rtp === null || captured !== null || at.isCounted) this.#seen(captured, at);
       this.#show("direct", this.video.videoWidth, this.video.videoHeight);
     }
 
     #told(list) {
       this.ways.cameraPicture(performance.now());
-      for (const { captured, shownM } of this.times.told(list)) this.sight.dated(captured, shownM);
+      for (const { captured, at } of this.times.told(list)) {
+        if (at.isCounted) this.sight.dated(captured, at.m, at.now);
+        else this.#seen(captured, at);
+      }
+    }
+
+    #seen(captured, { now, m }) {
+      this.sight.picture(now, captured, m, this.info?.is_dated ?? true);
     }
 
     // one is decoded at a time; of those that come meanwhile only the newest is kept

@@ -36,6 +36,7 @@ class FakeCamera:
 
     def __init__(self, width: int = 640, height: int = 480, fps: float = 15.0) -> None:
         self.fps, self.age_ms = fps, 5.0
+        self.waited_ms = 0.0  # in the send buffer, after the age was written
         self.pictures = [jpeg(width, height, number) for number in range(10)]
         self.instead: bytes | None = None
         self.refusal: tuple[int, bytes] | None = None
@@ -110,7 +111,7 @@ def _handler(camera: FakeCamera) -> type[BaseHTTPRequestHandler]:
             camera.open += 1
             number = 0
             try:
-                while True:
+                while camera.refusal is None:
                     if not camera.is_frozen:
                         self._part(number)
                         number += 1
@@ -122,9 +123,10 @@ def _handler(camera: FakeCamera) -> type[BaseHTTPRequestHandler]:
 
         def _part(self, number: int) -> None:
             body = camera.instead if camera.instead is not None else camera.pictures[number % len(camera.pictures)]
+            taken_ms = time.time() * 1000 - camera.age_ms - camera.waited_ms
             head = (
                 f"--frame\r\nContent-Type: image/jpeg\r\nContent-Length: {len(body)}\r\n"
-                f"X-Captured-Ms: {time.time() * 1000:.0f}\r\nX-Age-Ms: {camera.age_ms}\r\n\r\n"
+                f"X-Captured-Ms: {taken_ms:.0f}\r\nX-Age-Ms: {camera.age_ms}\r\n\r\n"
             )
             self.wfile.write(head.encode() + body + b"\r\n")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 
 import av
 import httpx
@@ -11,12 +12,14 @@ import pytest
 from hmi.cameras.addresses import Target
 from hmi.cameras.camera import NEWEST_S, Camera
 from hmi.cameras.encoders import Decoder, VideoEncoder
+from hmi.cameras.hub import STILL_S, Hub
 from hmi.cameras.inbox import Inbox
 from hmi.cameras.picture_wire import Kind, Piece
 from hmi.cameras.pull_http import PullFailed
 from hmi.cameras.pull_whep import MAX_ANSWER_BYTES, WhepPull
 from hmi.clock import SystemClock
 from hmi.domain.camera import CameraInfo, Source, SourceKind
+from tests.hmi.cameras.fake_camera import jpeg
 
 SOURCE = Source("weeder-01", CameraInfo("front", "Front", 640, 480), SourceKind.WHEP, "http://192.0.2.1/whep")
 
@@ -50,6 +53,17 @@ async def test_an_answer_without_end_is_not_read_to_its_end() -> None:
         with pytest.raises(PullFailed, match="not understood"):
             await WhepPull(SOURCE, Inbox())._answer(client, Target(SOURCE.url, "192.0.2.1", "192.0.2.1"), "offer")
     assert sent <= MAX_ANSWER_BYTES + 1024
+
+
+async def test_a_camera_that_sends_by_itself_is_not_waited_for() -> None:
+    hub = Hub(SystemClock(), 1280)
+    await hub.set_sources([replace(SOURCE, kind=SourceKind.UPLOAD, url="")])
+    camera = hub.cameras[SOURCE.name]
+    async with asyncio.timeout(STILL_S / 2):
+        assert await hub.still(camera, 1.0) is None
+        hub.upload(camera, jpeg(64, 48), 300_000.0)
+        assert await hub.still(camera, 1.0) is camera.newest_jpeg
+    assert camera.newest_jpeg is not None
 
 
 async def test_a_large_still_that_nobody_renews_gives_way_to_a_smaller_one() -> None:

@@ -11,6 +11,8 @@ import psutil
 import pytest
 
 from hmi.cameras import camera as camera_module
+from hmi.cameras.demand import Way, Wish
+from hmi.cameras.picture_wire import Piece
 from hmi.cameras.ring import Rings
 from hmi.cameras.worker import MEMORY_BYTES
 from hmi.domain.camera import Recording, SourceKind
@@ -118,6 +120,34 @@ async def test_a_camera_that_sends_nothing_new_is_frozen_within_seconds() -> Non
         await until(lambda: rig.camera.state == "frozen", 3.0)
         rig.robot.is_frozen = False
         await until(lambda: rig.camera.state == "live")
+
+
+class Recorder:
+    """Takes direct pictures."""
+
+    wish, is_person = Wish(Way.H264), False
+
+    def __init__(self) -> None:
+        self.pieces: list[Piece] = []
+
+    def take(self, piece: Piece) -> None:
+        """See ``Watch``."""
+        self.pieces.append(piece)
+
+
+@pytest.mark.slow
+async def test_the_last_picture_of_a_frozen_camera_is_given_to_who_comes_late_and_makes_nothing_live() -> None:
+    async with camera_rig() as rig:
+        recorder = Recorder()
+        rig.camera.join(recorder)
+        await until(lambda: recorder.pieces)
+        rig.robot.is_frozen = True
+        await until(lambda: rig.camera.state == "frozen")
+        count, rig.camera.reason = len(recorder.pieces), "what is wrong with it"
+        rig.camera.ask_key()
+        await until(lambda: len(recorder.pieces) > count)
+        assert recorder.pieces[-1].captured_ms == recorder.pieces[count - 1].captured_ms
+        assert (rig.camera.state, rig.camera.reason) == ("frozen", "what is wrong with it")
 
 
 @pytest.mark.slow

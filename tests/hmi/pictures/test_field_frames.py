@@ -91,6 +91,40 @@ async def test_the_newest_is_there_after_a_restart_and_can_be_kept_by_hand(make_
     assert (made.status_code, made.json()["kind"], made.json()["lat_deg"]) == (201, "snapshot", None)
 
 
+async def test_a_frame_that_comes_after_a_newer_one_does_not_take_its_place(make_rig: MakeRig) -> None:
+    rig = await make_rig()
+    barn, newest = await sender(rig), picture(shade=10)
+    await barn.send(newest, **{"X-Age-Ms": "1000"})
+    rig.clock.advance(5.0)
+    assert (await barn.send(picture(shade=90), **{"X-Age-Ms": "600000"})).status_code == 204
+    assert (await rig.desk.frames.newest("barn")).data == newest
+    rig = await make_rig()
+    barn = Sender(rig, rig.browser(None), barn.token)
+    await barn.send(picture(shade=90), **{"X-Age-Ms": "600000"})
+    still = await rig.desk.frames.newest("barn")
+    assert still.data == newest
+    assert rig.clock.mono_s() - still.captured_s < 60.0
+
+
+async def test_a_frame_of_a_clock_that_ran_ahead_gives_way(rig: PictureRig) -> None:
+    barn, next_one = await sender(rig), picture(shade=10)
+    rig.clock.jump_wall(86_400.0)
+    await barn.send(picture())
+    rig.clock.jump_wall(-86_400.0)
+    await barn.send(next_one)
+    assert (await rig.desk.frames.newest("barn")).data == next_one
+
+
+async def test_a_snapshot_of_a_camera_that_tells_no_age_claims_none_and_asks_no_camera(rig: PictureRig) -> None:
+    barn, operator = await sender(rig), rig.browser(Role.OPERATOR)
+    for headers, age_s in (({}, None), ({"X-Age-Ms": "1500"}, 241.5), ({}, None)):
+        await barn.send(picture(), **headers)
+        rig.clock.advance(240.0)
+        made = await operator.post(BARN + "/snapshot", json={})
+        assert (made.status_code, made.json()["age_s"]) == (201, age_s)
+    assert rig.cameras.asked == [], "what it sent is here"
+
+
 async def test_one_in_a_quarter_of_an_hour_is_kept_also_over_a_restart(make_rig: MakeRig) -> None:
     rig = await make_rig()
     barn = await sender(rig)

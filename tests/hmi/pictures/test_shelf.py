@@ -12,6 +12,7 @@ import pytest
 from hmi.domain.picture import Moment, Picture, PictureKind
 from hmi.domain.role import Role
 from hmi.store.errors import NotFound, PicturesBusy, PicturesFull, TooMuchMarked
+from hmi.store.picture_files import NewestFrame
 from hmi.store.picture_shelf import MOST_WAITING
 from hmi.store.pictures import PictureFilter
 from tests.hmi.commands.field import FARM
@@ -150,7 +151,7 @@ async def test_no_id_and_no_name_of_a_camera_leads_out_of_the_folder(rig: Pictur
             lambda name=name: files.incoming(name, "image/jpeg"),
             lambda name=name: files.path(FARM, name, "image/jpeg", at),
             lambda name=name: files.path(name, f"{1:032x}", "image/jpeg", at),
-            lambda name=name: files.set_newest(FARM, name, b"", 0.0),
+            lambda name=name: files.set_newest(FARM, name, NewestFrame(b"", 0.0, is_dated=True)),
             lambda name=name: files.newest(name, "barn"),
         ):
             with pytest.raises(FileNotFoundError):
