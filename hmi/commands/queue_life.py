@@ -18,7 +18,7 @@ from hmi.domain.ids import new_id
 from hmi.domain.mission import ENDED, UNDER_WAY, BadMove, MissionStatus, Mover
 from hmi.domain.queue.entry import Entry, EntryState
 from hmi.domain.queue.reason import clock_text
-from hmi.domain.queue.repeat import next_start
+from hmi.domain.queue.repeat import kept, next_start
 from hmi.domain.queue.waiting import Verdict
 from hmi.store.audit_chain import AuditEntry
 from hmi.store.database import Database
@@ -116,7 +116,7 @@ class QueueLife:
     async def _following(self, entry: Entry, mission: Mission, now: datetime) -> Entry | None:
         """Make the next occurrence of a repeating job, as a copy of its mission."""
         start = self._next(entry, now)
-        if start is None:
+        if start is None or entry.repeat is None or entry.earliest is None:
             return None
         parts, local = self._parts, start.astimezone(self._parts.zone)
         base = _DATED.sub("", mission.name)[:64]
@@ -131,6 +131,7 @@ class QueueLife:
             mission_id=copy.id,
             position=last + 10,
             earliest=start,
+            repeat=kept(entry.repeat, entry.earliest, parts.zone),
             added_at=now,
             started_at=None,
         )
@@ -144,11 +145,11 @@ class QueueLife:
         """Leave out a day that was missed: its mission waits for the next one."""
         now, parts = self._parts.clock.utc(), self._parts
         start = self._next(entry, now)
-        if start is None or entry.earliest is None:
+        if start is None or entry.repeat is None or entry.earliest is None:
             return
         missed = clock_text(entry.earliest, now, parts.zone)
         text = f"Missed {missed}. Next: {clock_text(start, now, parts.zone)}."
-        await self._amend(entry, earliest=start)
+        await self._amend(entry, earliest=start, repeat=kept(entry.repeat, entry.earliest, parts.zone))
         await parts.database.run(parts.missions.note, entry.farm_id, mission.id, BY, text)
         self._note(entry, "skipped", f"{mission.name}: {text}")
 

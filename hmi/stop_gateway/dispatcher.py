@@ -28,6 +28,7 @@ POLL_IF_OLDER_S = 0.3  # no question while MQTT brings the answer at 5 to 10 Hz
 KEEP_S, KEEP_IF_OLDER_S = 0.5, 0.7  # of a stopped robot: a report counts 2 s, and lines of large fleets come at 1 Hz
 ASK_S, ASK_MAX_S = 1.0, 8.0  # signs of life by HTTP from robots that are silent on MQTT
 PING_S = (0.9, 1.5)  # jittered: the robot echoes one nonce a heartbeat, and the console measures too
+LISTED_S = 5.0  # whoever a browser's last ``hb`` listed is sent to, also if he was dropped from the list since
 LONGEST_WAIT_S = 0.1
 
 _log = logging.getLogger("headland.stop")
@@ -69,7 +70,8 @@ class StopDispatcher:
         now_s = self._clock.mono_s()
         utc = self._clock.utc()
         attempts, known = [], self._known()
-        for robot_id in self._admitted(self._everyone(now_s) if isinstance(robots, str) else dict.fromkeys(robots)):
+        asked = self._everyone(now_s, LISTED_S) if isinstance(robots, str) else dict.fromkeys(robots)
+        for robot_id in self._admitted(asked):
             speed = self.watch.speed_mps(robot_id, now_s)
             target = replace(self.registry.target(robot_id), is_stranger=robot_id not in known)
             attempts.append(
@@ -106,7 +108,7 @@ class StopDispatcher:
                 names[robot_id] = self.registry.target(robot_id).name
         return {robot_id: self.watch.line(robot_id, name, now_s) for robot_id, name in names.items()}
 
-    def _everyone(self, now_s: float) -> list[str]:
+    def _everyone(self, now_s: float, more_s: float = 0.0) -> list[str]:
         """Return what ``all`` means: the registered robots, whoever else was heard lately, and who has an open press.
 
         Before the first list it means whoever was heard. A browser expects an answer from every robot of ``hb``:
@@ -116,7 +118,7 @@ class StopDispatcher:
         registered = self.registry.robots
         if not self.registry.is_known:
             return list(dict.fromkeys([*self.watch.known(), *pressed]))
-        strangers = [r for r in self.watch.lately(now_s, STRANGER_HEARD_S) if r not in registered]
+        strangers = [r for r in self.watch.lately(now_s, STRANGER_HEARD_S + more_s) if r not in registered]
         return list(dict.fromkeys([*registered, *strangers[:MAX_STRANGERS], *pressed]))
 
     def _admitted(self, robots: Iterable[str]) -> list[str]:

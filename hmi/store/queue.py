@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
-from datetime import date, datetime, timedelta
+from datetime import date, datetime, time, timedelta
 from typing import Any
 
 from sqlalchemy import or_, select
@@ -195,14 +195,17 @@ _SAME = (
 def repeat_fields(rule: Repeat) -> dict[str, Any]:
     """Return a rule as plain values."""
     until = None if rule.until is None else rule.until.isoformat()
-    return {"kind": rule.kind.value, "days": sorted(rule.days), "every_days": rule.every_days, "until": until}
+    at = None if rule.at is None else rule.at.isoformat()
+    return {"kind": rule.kind.value, "days": sorted(rule.days), "every_days": rule.every_days, "until": until, "at": at}
 
 
 def repeat_of(fields: dict[str, Any]) -> Repeat:
     """Return the rule of plain values; raises ``ValueError`` for one that is none."""
-    until = fields.get("until")
+    until, at = fields.get("until"), fields.get("at")
     last = None if until is None else date.fromisoformat(until)
-    return Repeat(RepeatKind(fields["kind"]), frozenset(fields.get("days", ())), fields.get("every_days", 1), last)
+    meant = None if at is None else time.fromisoformat(at)
+    days = frozenset(fields.get("days", ()))
+    return Repeat(RepeatKind(fields["kind"]), days, fields.get("every_days", 1), last, meant)
 
 
 def _window_row(one: Blackout) -> QueueBlackoutRow:

@@ -86,6 +86,10 @@ def _is_behind(now: datetime, kept: Iterable[datetime]) -> bool:
 
 
 def _is_usable(known: StationNow, value: ValueNow, now_s: float) -> bool:
+    # What was measured before this machine was switched on is dated by the wall clock alone, and one without a battery
+    # stands while the machine is off. The monotonic clock begins with the machine.
+    if value.measured_s < 0:
+        return False
     age_s, is_slow = now_s - value.measured_s, value.channel.about().is_slow
     return is_usable(age_s, known.station.period_s, is_slow=is_slow)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, date, datetime, time, timedelta
 from enum import StrEnum
 from zoneinfo import ZoneInfo
@@ -22,12 +22,13 @@ class RepeatKind(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Repeat:
-    """A rule; the time of day is that of the job itself.
+    """A rule; the time of day is that of the first job.
 
     Args:
         days: weekdays 0 (Monday) to 6 for ``weekly``, else empty.
         every_days: distance of two days for ``every_n_days``, else 1.
         until: last local day on which it may come.
+        at: local time of day, ``None`` that of the job itself; see ``kept``.
 
     Raises:
         ValueError: a weekly rule without days, or a distance out of 1 to 60.
@@ -37,6 +38,7 @@ class Repeat:
     days: frozenset[int] = frozenset()
     every_days: int = 1
     until: date | None = None
+    at: time | None = None
 
     def __post_init__(self) -> None:
         if self.kind is RepeatKind.WEEKLY and not self.days:
@@ -47,6 +49,11 @@ class Repeat:
             raise ValueError(f"Every 1 to {MAX_EVERY_DAYS} days.")
 
 
+def kept(rule: Repeat, start: datetime, zone: ZoneInfo) -> Repeat:
+    """Return the rule for the job after ``start``: its time of day stays also where a gap of the clock moves a job."""
+    return rule if rule.at is not None else replace(rule, at=_time_of_day(start.astimezone(zone)))
+
+
 def next_start(rule: Repeat, start: datetime, now: datetime, zone: ZoneInfo) -> datetime | None:
     """Return the next time after both ``start`` and ``now``, UTC; ``None`` when the rule has ended.
 
@@ -54,7 +61,7 @@ def next_start(rule: Repeat, start: datetime, now: datetime, zone: ZoneInfo) -> 
     through a change of the clocks; a time that does not exist that day comes an hour later by the clock.
     """
     local = start.astimezone(zone)
-    day, at = local.date(), local.timetz().replace(tzinfo=None, fold=0)
+    day, at = local.date(), rule.at or _time_of_day(local)
     for _ in range(_most_days(start, now)):
         day += timedelta(days=1)
         if rule.until is not None and day > rule.until:
@@ -63,6 +70,10 @@ def next_start(rule: Repeat, start: datetime, now: datetime, zone: ZoneInfo) -> 
         if _is_day(rule, local.date(), day) and found > now:
             return found
     return None
+
+
+def _time_of_day(local: datetime) -> time:
+    return local.timetz().replace(tzinfo=None, fold=0)
 
 
 def local_instant(day: date, at: time, zone: ZoneInfo) -> datetime:

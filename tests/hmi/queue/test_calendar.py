@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from hmi.domain.queue.blackout import Blackout, blocked_until
 from hmi.domain.queue.daylight import daylight, sun_day
-from hmi.domain.queue.repeat import Repeat, RepeatKind, local_instant, next_start
+from hmi.domain.queue.repeat import Repeat, RepeatKind, kept, local_instant, next_start
+from hmi.store.queue import repeat_fields, repeat_of
 
 AMSTERDAM = ZoneInfo("Europe/Amsterdam")
 moments = st.integers(0, 7 * 365 * 86_400).map(lambda s: datetime(2024, 1, 1, tzinfo=UTC) + timedelta(seconds=s))
@@ -58,6 +59,18 @@ def test_the_next_day_of_a_job_is_never_in_the_past_and_keeps_its_time_of_day(
 def test_a_job_at_half_past_two_comes_an_hour_later_when_the_clocks_go_forward() -> None:
     found = next_start(Repeat(RepeatKind.DAILY), local("2026-03-28T02:30"), local("2026-03-28T12:00"), AMSTERDAM)
     assert found == local("2026-03-29T03:30")
+
+
+def test_a_job_that_was_moved_by_the_clocks_is_back_at_its_time_the_day_after() -> None:
+    rule, start = Repeat(RepeatKind.DAILY), local("2026-03-28T02:30")
+    times = []
+    for _ in range(3):
+        rule = repeat_of(repeat_fields(kept(rule, start, AMSTERDAM)))  # as it is stored
+        following = next_start(rule, start, start, AMSTERDAM)
+        assert following is not None
+        start = following
+        times.append(start)
+    assert times == [local("2026-03-29T03:30"), local("2026-03-30T02:30"), local("2026-03-31T02:30")]
 
 
 def test_a_job_at_half_past_two_comes_once_when_the_clocks_go_back() -> None:

@@ -85,6 +85,24 @@ async def test_after_a_restart_with_the_clock_behind_nothing_that_is_kept_counts
     assert gate(board.limits, board.measured()).state is GateState.OPEN
 
 
+async def test_after_the_machine_was_off_what_was_kept_opens_no_gate_before_the_station_speaks(rig: SensorRig) -> None:
+    await rig.accepted()
+    rig.measures(soil_moisture_10=0.2)
+    await rig.passes(20)
+    rig.clock.reboot(30.0)  # a wall clock without a battery goes on where it stood: the hours between are in no clock
+    await rig.restart()
+    board = rig.work.board
+    board.limits = [SensorLimit(MOISTURE, None, 0.35, is_treatment=True)]
+    assert gate(board.limits, board.measured()).state is GateState.OPEN, "measured in the 30 s since it is on"
+    rig.clock.reboot(10.0)
+    await rig.restart()
+    board = rig.work.board
+    board.limits = [SensorLimit(MOISTURE, None, 0.35, is_treatment=True)]
+    assert gate(board.limits, board.measured()).state is GateState.UNKNOWN
+    rig.measures(seq=2, soil_moisture_10=0.21)
+    assert gate(board.limits, board.measured()).state is GateState.OPEN
+
+
 async def test_a_repeat_changes_nothing_and_what_is_late_only_fills_the_history(rig: SensorRig) -> None:
     await rig.accepted()
     start = rig.clock.utc()

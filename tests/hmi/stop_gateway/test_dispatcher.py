@@ -55,6 +55,15 @@ async def test_stop_all_goes_to_every_robot_that_the_heartbeat_lists(farm: Farm)
     assert farm.gateway.heartbeat()["new-robot"]["name"] == "new-robot (not registered)"
 
 
+async def test_stop_all_goes_to_a_robot_that_left_the_list_after_the_last_heartbeat(farm: Farm) -> None:
+    farm.hear("new-robot")
+    farm.clock.advance(59.9)
+    assert "new-robot" in farm.gateway.heartbeat()
+    farm.clock.advance(1.0)
+    assert "new-robot" not in farm.gateway.heartbeat()
+    assert farm.press("stop-all-1") == {"weeder-01", "new-robot"}
+
+
 async def test_before_the_first_list_stop_all_goes_to_presses_of_before_a_restart_too(tmp_path: Path) -> None:
     before, after = Farm(tmp_path), Farm(tmp_path)
     await before.gateway.refresh()
