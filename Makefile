@@ -42,10 +42,12 @@ types: $(DEV_STAMP)
 	$(BIN)/mypy
 
 # Two runs: the browser's driver keeps an event loop of its own in the main thread, where asyncio tests run theirs.
-# There a file stays in one process, so that its stories share one running demo.
+# There a file stays in one process, so that its stories share one running demo. The others wait more than they compute:
+# one process more than there are processors is quicker.
 MANY := -n auto --maxprocesses 4
+MANY_WAITING := -n $(shell n=$$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2); echo $$((n < 4 ? n + 1 : 4)))
 test: tools lint types
-	$(BIN)/python -m tests.second_try $(MANY) --dist worksteal -m "not long and not browser"
+	$(BIN)/python -m tests.second_try $(MANY_WAITING) --dist worksteal -m "not long and not browser"
 	$(BIN)/python -m tests.second_try $(MANY) --dist loadfile -m "not long and browser"
 
 # The inner loop: no browser, no broker, no app with its database, nothing that takes seconds.

@@ -22,7 +22,7 @@ def test_operate_and_stop_from_another_address(person: Callable[..., Person], ca
     assert martha.page.evaluate("window.isSecureContext") is False
     martha.sees("value-speed", "fresh|late")
     martha.hook("lease-request").click()
-    wait_for(lambda: "You have control" in martha.hook("lease-owner").inner_text(), within_s=5, what="control")
+    wait_for(lambda: "You have control" in martha.hook("lease-owner").inner_text(), within_s=20, what="control")
     martha.press_stop()
     martha.sees("stop", "standstill")
     assert calm.world("weeder-01")["latched"]

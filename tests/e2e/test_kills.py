@@ -45,7 +45,8 @@ def let_it_drive(martha: Person, calm: Installation) -> None:
     wait_for(lambda: calm.world(ROBOT)["speed_mps"] > 0.1, within_s=20, what="it drives")
 
 
-@pytest.mark.parametrize("part", PARTS)
+# a dead broker is also part of test_stop
+@pytest.mark.parametrize("part", ["console", "stop", pytest.param("broker", marks=pytest.mark.long)])
 def test_stop_works_while_a_part_is_dead_and_nothing_moves_when_it_is_back(
     person: Come, calm: Installation, part: str
 ) -> None:

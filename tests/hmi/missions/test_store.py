@@ -154,5 +154,7 @@ def test_features_are_read_back_and_told_as_geojson(rig: Rig) -> None:
 def test_a_feature_of_another_farm_is_neither_shown_nor_replaced(rig: Rig) -> None:
     with pytest.raises(NotFound):
         rig.features.get(OTHER_FARM, "field-1")
-    with pytest.raises(AlreadyExists):
-        rig.features.put([Feature("field-1", OTHER_FARM, "parcel", "Mine now", parcel_geometry())])
+    ours = rig.features.get(FARM, "field-1")
+    rig.features.put([Feature("field-1", OTHER_FARM, "parcel", "Theirs", parcel_geometry())])
+    assert rig.features.get(OTHER_FARM, "field-1").name == "Theirs"
+    assert rig.features.get(FARM, "field-1") == ours
