@@ -257,6 +257,7 @@ class Console:
             self.alarms.robot_removed(robot_id)
         if gone:
             self._soon(self.fleet.duty.let_go(robots=gone))
+            self._soon(self.queue.book.robots_removed(gone))
 
     def client_frame(self, session: SessionInfo, lane_id: str, frame: Here | Drive | Jog) -> None:
         """Take a ``here``, ``drive`` or ``jog`` frame of a browser."""

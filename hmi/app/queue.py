@@ -203,6 +203,8 @@ class QueueDesk:
         """Read the queues into memory; nothing is armed."""
         await self._records.database.run(self.store.load)
         await self.arming.load()
+        gone = {one.robot_id for one in self.store.entries() if self._records.robots.get(one.robot_id) is None}
+        await self.book.robots_removed(gone)
         await self._life.mend(self._farm_id)
 
     def start(self) -> None:

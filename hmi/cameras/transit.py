@@ -16,13 +16,15 @@ class Transit:
     least of it is the quickest way, and what a part has on top it waited.
 
     That least is never forgotten: a line that is full for long would teach that waiting is normal. It rises by the
-    drift of two clocks, a third of a second in an hour. A clock that is set back makes pictures look older than they
-    are until the source is opened anew; one that is set forward hides what waits now, and ``is_hidden`` says so.
+    drift of two clocks, a third of a second in an hour. A clock that is set back by more than the distance of two
+    parts is seen by the next one; one that is set forward hides what waits now, and ``is_hidden`` says so.
     """
 
     def __init__(self) -> None:
         self._least_ms: float | None = None
         self._came_ms = 0.0
+        self._begun_ms = float("-inf")
+        self._waited_ms = 0.0
         self._asked_ms: float | None = None
         self.is_hidden = False
 
@@ -38,6 +40,10 @@ class Transit:
             came_ms: when its first byte came on ours.
         """
         apart_ms, asked_ms, self._asked_ms = came_ms - begun_ms, self._asked_ms, None
+        if self._least_ms is not None and begun_ms < self._begun_ms:
+            # parts are begun one after the other: its clock was set back, and this one waited as the one before
+            self._least_ms, self._came_ms = apart_ms - self._waited_ms, came_ms
+        self._begun_ms = begun_ms
         least_ms = apart_ms
         if self._least_ms is not None:
             least_ms = self._least_ms + DRIFT * (came_ms - self._came_ms)
@@ -46,4 +52,5 @@ class Transit:
             elif apart_ms - least_ms > came_ms - asked_ms + STEP_MS:
                 least_ms = apart_ms  # begun before it was asked for? the robot's clock was set back
         self._least_ms, self._came_ms = min(least_ms, apart_ms), came_ms
-        return apart_ms - self._least_ms
+        self._waited_ms = apart_ms - self._least_ms
+        return self._waited_ms

@@ -22,6 +22,7 @@ from hmi.domain.mission import ENDED, UNDER_WAY, BadMove, MissionStatus, Mover
 from hmi.domain.mission_document import Document, for_robot, mission_sha256, renamed
 from hmi.domain.mission_plan import Candidate, MissionRefused, Pattern, PlannedMission, Planner, PlanRefused, PlanWish
 from hmi.domain.mission_rest import Progress
+from hmi.domain.planned_machine import MACHINE
 from hmi.domain.robot import Robot
 from hmi.domain.role import Permission
 from hmi.security.authorization import Authorize
@@ -238,6 +239,7 @@ class MissionBook:
             _refuse_if_far(robot, mission, document)
         note = await self._map.check(farm_id, mission.planned_on(document), document)
         if is_fresh:  # the same bytes again would be no new beginning for a robot that has them
+            statistics = self._with_machine(mission, statistics)
             await self._database.run(self.revisions.propose, farm_id, mission_id, document, statistics, by, FRESH)
         return StoredMission(mission_id, mission.name, document, mission_sha256(document), note)
 
@@ -245,6 +247,11 @@ class MissionBook:
         """Return the machine a mission was planned for as it is stored, ``None`` if it is not known."""
         machine = planned_machine(mission, self._parts.fleet)
         return None if machine is None else machine.as_json()
+
+    def _with_machine(self, mission: Mission, statistics: dict[str, Any]) -> dict[str, Any]:
+        """Return figures that say which machine they are of, also those of missions from before that was kept."""
+        machine = self.machine_of(mission)
+        return statistics if machine is None else {MACHINE: machine, **statistics}
 
     def refuse_other_robot(self, mission: Mission, robot_id: str) -> None:
         """Return if a mission may go to this robot.

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping, Sequence
+import logging
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from typing import Any
@@ -29,6 +30,7 @@ from hmi.store.robots import Robots
 
 MAX_ENTRIES = 60  # one robot; more is a plan, not a queue
 STEP = 10
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,6 +177,25 @@ class QueueBook:
             window = await self._parts.database.run(self._store.remove_blackout, window_id)
             await self._windows_changed(session, [window], "blackout_removed", f"{window.name} was deleted.")
 
+    async def robots_removed(self, robots: Collection[str]) -> None:
+        """End what waits for robots that were taken out of the registry: nobody could take it out there any more."""
+        parts, why = self._parts, "Its robot was taken out of the registry."
+        async with self._one_at_a_time:
+            for entry in [one for one in self._store.entries() if one.robot_id in robots]:
+                gone = {"state": EntryState.REMOVED, "ended_at": parts.clock.utc(), "why": why}
+                await self._amend({entry.id: gone}, entry.robot_id)
+                mission = parts.missions.known(entry.mission_id)
+                if mission is not None and mission.status in (MissionStatus.QUEUED, MissionStatus.WAITING):
+                    await parts.database.run(self._free, mission, why)
+
+    def _free(self, mission: Mission, why: str) -> None:
+        try:
+            self._parts.missions.move(
+                mission.farm_id, mission.id, MissionStatus.VALIDATED, Mover.PERSON, "Headland", why
+            )
+        except BadMove:
+            log.warning("mission %s left the queue of a robot that is gone and stays as it is", mission.id)
+
     def _check(self, order: EntryOrder, mission: Mission) -> None:
         if order.is_unattended and mission.is_supervised:
             text = f"{mission.name} is supervised: a person must be there. Mark it unattended first."
@@ -193,12 +214,17 @@ class QueueBook:
     async def _move(
         self, session: SessionInfo, mission: Mission, after: MissionStatus, why: str, robot_id: str | None = None
     ) -> None:
-        move = self._parts.missions.move
-        by = session.user_name
-        try:
-            await self._parts.database.run(
-                lambda: move(session.farm_id, mission.id, after, Mover.PERSON, by, why, robot_id=robot_id)
+        parts, by = self._parts, session.user_name
+        # it is addressed to another robot: what it was planned for stays known
+        machine = None if robot_id is None else parts.book.machine_of(mission)
+
+        def move() -> None:
+            parts.missions.move(
+                session.farm_id, mission.id, after, Mover.PERSON, by, why, robot_id=robot_id, machine=machine
             )
+
+        try:
+            await parts.database.run(move)
         except BadMove as error:
             raise OrderRefused("changed_meanwhile", f"{mission.name} changed meanwhile. Look again.") from error
 

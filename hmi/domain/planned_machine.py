@@ -11,6 +11,7 @@ from hmi.domain.robot import Factsheet
 MACHINE = "machine"  # among a mission's figures
 SAME_M = 0.01  # outlines are told in centimetres
 SAME_MPS = 0.005
+PIVOTING_RADIUS_M = 1.0  # arcs planned for a machine that could also turn on the spot
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +46,7 @@ class PlannedMachine:
             sheet.length_m,
             sheet.width_m,
             sheet.base_to_front_m,
-            sheet.turning_radius_m,
+            max(sheet.turning_radius_m, PIVOTING_RADIUS_M if sheet.can_pivot else 0.0),
             sheet.can_pivot,
             sheet.path_reverse_mps or 0.0,
             sheet.max_speed_mps,

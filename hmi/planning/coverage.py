@@ -61,7 +61,8 @@ def plan_coverage(job: Job, tell: Tell = nobody) -> Plan:
             refusals.append(refusal)
             if refusal.code != "turn_does_not_fit":
                 break
-    said = refusals[0]  # as it was before the headland took ground for nothing
+    # as it was before the headland took ground for nothing; a home without a way stays one
+    said = refusals[-1] if refusals[-1].code == "home_unreachable" else refusals[0]
     if said.code != "turn_does_not_fit":
         raise said
     text = said.text.replace(_MORE_PASSES, "Choose a larger working width, another row direction or row order.")

@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 
 from hmi.domain.mission_plan import PlanRefused
+from hmi.domain.planned_machine import PIVOTING_RADIUS_M
 from hmi.domain.robot import Factsheet
 from hmi.planning.energy import WEEDER, Energy, energy_of
 from hmi.planning.projection import Floats
@@ -20,7 +21,6 @@ SEEDLINGS_PER_M2 = 0.25
 """2,500 a hectare, the usual density of planted forest."""
 _WAY_MPS = 0.6
 _LEAD_OUT_M = {"laser": 0.1, "planter": 0.0}
-PIVOTING_RADIUS_M = 1.0  # arcs planned for a machine that could also turn on the spot
 
 
 @dataclass(frozen=True, slots=True)

@@ -118,8 +118,10 @@ class StopDispatcher:
         registered = self.registry.robots
         if not self.registry.is_known:
             return list(dict.fromkeys([*self.watch.known(), *pressed]))
-        strangers = [r for r in self.watch.lately(now_s, STRANGER_HEARD_S + more_s) if r not in registered]
-        return list(dict.fromkeys([*registered, *strangers[:MAX_STRANGERS], *pressed]))
+        listed = [r for r in self.watch.lately(now_s, STRANGER_HEARD_S) if r not in registered]
+        more = [r for r in self.watch.lately(now_s, STRANGER_HEARD_S + more_s) if r not in registered]
+        # whoever is listed now goes before who was dropped: together they may be more than are kept
+        return list(dict.fromkeys([*registered, *listed[:MAX_STRANGERS], *more[:MAX_STRANGERS], *pressed]))
 
     def _admitted(self, robots: Iterable[str]) -> list[str]:
         asked = list(robots)

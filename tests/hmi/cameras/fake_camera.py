@@ -37,6 +37,7 @@ class FakeCamera:
     def __init__(self, width: int = 640, height: int = 480, fps: float = 15.0) -> None:
         self.fps, self.age_ms = fps, 5.0
         self.waited_ms = 0.0  # in the send buffer, after the age was written
+        self.waits_longer = 0.0  # by this share of the time between two pictures, with each of them
         self.pictures = [jpeg(width, height, number) for number in range(10)]
         self.instead: bytes | None = None
         self.refusal: tuple[int, bytes] | None = None
@@ -123,6 +124,7 @@ def _handler(camera: FakeCamera) -> type[BaseHTTPRequestHandler]:
 
         def _part(self, number: int) -> None:
             body = camera.instead if camera.instead is not None else camera.pictures[number % len(camera.pictures)]
+            camera.waited_ms += camera.waits_longer * 1000 / camera.fps
             taken_ms = time.time() * 1000 - camera.age_ms - camera.waited_ms
             head = (
                 f"--frame\r\nContent-Type: image/jpeg\r\nContent-Length: {len(body)}\r\n"

@@ -66,3 +66,34 @@ async def test_a_queue_takes_no_mission_of_a_smaller_machine(two: QueueFarm) -> 
     assert caught.value.code == "other_machine"
     assert two.status("wheat-1") == "validated"
     assert await two.add("wheat-1")
+
+
+async def test_what_waited_for_a_robot_that_was_taken_out_is_free_again(two: QueueFarm) -> None:
+    for mission_id in ("wheat-1", "wheat-2"):
+        await two.add(mission_id)
+    await two.queue.book.robots_removed({"weeder-01"})
+    assert two.queue.store.entries("weeder-01") == []
+    assert two.status("wheat-1") == "validated"
+    assert (await two.desk.missions.send(PIETER, "weeder-02", "wheat-1")).outcome is Outcome.ACCEPTED
+
+
+async def test_what_was_stuck_with_a_robot_that_is_gone_is_free_after_the_next_start(two: QueueFarm) -> None:
+    await two.add("wheat-1")
+    two.kept.robots.remove("weeder-01")
+    await two.again()
+    assert two.queue.store.entries("weeder-01") == []
+    assert two.status("wheat-1") == "validated"
+
+
+async def test_an_old_mission_fits_its_first_robot_also_after_it_stood_in_the_queue_of_a_smaller_one(
+    two: QueueFarm,
+) -> None:
+    two.weeder.factsheet = factsheet()
+    two.robots["weeder-02"].factsheet = replace(factsheet(), width_m=factsheet().width_m - 0.4)
+    known = two.missions.known("wheat-1")
+    assert known is not None
+    figures = {key: value for key, value in known.statistics.items() if key != MACHINE}
+    two.missions.change(FARM, "wheat-1", lambda _s, one, document: (replace(one, statistics=figures), document), "", "")
+    entry = await two.add("wheat-1", robot_id="weeder-02")
+    await two.queue.book.remove(PIETER, entry.id)
+    assert (await two.desk.missions.send(PIETER, "weeder-01", "wheat-1")).outcome is Outcome.ACCEPTED

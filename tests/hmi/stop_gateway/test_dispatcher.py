@@ -9,6 +9,7 @@ import pytest
 
 from hmi.clock import FakeClock
 from hmi.domain.stop import SafetyReport
+from hmi.domain.stop_book import MAX_STRANGERS
 from hmi.domain.stop_token import StopToken
 from hmi.stop_gateway.dispatcher import StopDispatcher
 from hmi.stop_gateway.registry import Registry
@@ -62,6 +63,15 @@ async def test_stop_all_goes_to_a_robot_that_left_the_list_after_the_last_heartb
     farm.clock.advance(1.0)
     assert "new-robot" not in farm.gateway.heartbeat()
     assert farm.press("stop-all-1") == {"weeder-01", "new-robot"}
+
+
+async def test_who_was_dropped_from_the_list_takes_no_listed_robots_place(farm: Farm) -> None:
+    farm.hear("gone-01")
+    farm.clock.advance(61.0)
+    listed = {f"new-{number}" for number in range(MAX_STRANGERS)}
+    for robot_id in listed:
+        farm.hear(robot_id)
+    assert farm.press("stop-all-1") >= listed
 
 
 async def test_before_the_first_list_stop_all_goes_to_presses_of_before_a_restart_too(tmp_path: Path) -> None:
