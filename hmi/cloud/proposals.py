@@ -168,7 +168,8 @@ class ProposalBook:
         elif known is None or (known.after, known.problem) != (found.after, found.problem):
             self._open[feature_id] = found
         else:
-            self._open[feature_id] = replace(known, mark=found.mark)
+            # as our map is now: what was published since is no difference to it
+            self._open[feature_id] = replace(found, at=known.at, by=known.by)
 
     def _proposal(
         self, entity: KeyValues, feature_id: str, features: Mapping[str, MapFeature], now: datetime,
