@@ -526,3 +526,29 @@ def test_a_slow_cloud_is_said_to_be_slow_and_its_clock_is_compared(tmp_path: Pat
 def test_ranks_drop_events_first() -> None:
     assert min(Rank) is Rank.EVENT
     assert max(Rank) is Rank.MISSION
+
+
+def test_a_long_answer_that_never_gets_through_stops_neither_robots_nor_what_waits(tmp_path: Path) -> None:
+    async def story(rig: Rig) -> None:
+        inner = rig.road._inner
+
+        class Slow(httpx.AsyncBaseTransport):
+            async def handle_async_request(self, request: httpx.Request) -> httpx.Response:
+                if request.method == "GET" and "StateMessage" in str(request.url):
+                    raise httpx.ReadTimeout("slow", request=request)
+                return await inner.handle_async_request(request)
+
+        rig.road._inner = Slow()
+        asked = 0
+        for number in range(int(LEFT_AFTER_S) + 20):
+            robot_at(rig, "weeder-01", 50.0 + number * 1e-3)
+            event(rig, number)
+            rig.road.requests.clear()
+            await rig.run(1, 1)
+            asked += sum("StateMessage" in str(one.url) for one in rig.road.requests)
+        assert asked == 1, "and is asked for again much later"
+        assert (rig.link.link.state, rig.backlog.total) == (LinkState.OK, 0)
+        [found] = (await rig.in_cloud("StateMessage")).values()
+        assert found["location"]["coordinates"][1] == pytest.approx(50.0 + number * 1e-3)
+
+    played(tmp_path, story)
