@@ -200,13 +200,18 @@ class Mirror:
             self._sent_wish = wish
             self._sent.clear()
         entities = [one for one in await self._whole() if self._sent.get(_ref(one)) != one]
-        found = await self._deliver(entities) if entities else Delivery()
-        if self.changes is not None:
-            await self.changes.written(found.done)
-        if found.is_cut:
+        while entities:
+            size = self.link.most
+            part, entities = entities[:size], entities[size:]
+            found = await self._deliver(part)
+            if self.changes is not None:
+                await self.changes.written(found.done)
             settled = found.done | set(found.refused)
-            self._sent.update((_ref(one), one) for one in entities if _ref(one) in settled)
-            return False
+            self._sent.update((_ref(one), one) for one in part if _ref(one) in settled)
+            if found.is_cut:
+                return False
+            if entities and not await self.guard.run("Robots", self._send_robots):  # they wait for one request at most
+                return False
         self._told_wish = wish
         self._sent.clear()
         return True
