@@ -564,3 +564,28 @@ async def test_a_proposal_compares_with_the_map_as_it_is_now_after_something_els
     assert taken is not None
     assert taken.name == "Theirs"
     await farm.rig.close()
+
+
+async def test_names_that_are_never_told_hold_up_no_other_entity_and_nothing_is_written_over(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH)
+    await farm.rig.run(2)
+    inner = farm.rig.road._inner
+
+    class Nameless(httpx.AsyncBaseTransport):
+        async def handle_async_request(self, request: httpx.Request) -> httpx.Response:
+            if request.method == "GET" and "AgriCrop" in str(request.url):
+                return httpx.Response(400, json={"error": "BadRequest", "description": "no"}, request=request)
+            return await inner.handle_async_request(request)
+
+    farm.rig.road._inner = Nameless()
+    await farm.others.patch(REF, {"name": make.text("Theirs")})
+    farm.features["barn"] = BARN
+    farm.tell()
+    await farm.rig.run(60, step_s=5)
+    assert farm.rig.link.link.is_well
+    assert await farm.rig.in_cloud("Building")
+    assert ((await farm.in_cloud())[REF.id]["name"], farm.book.left_out) == ("Theirs", 1)
+    farm.rig.road._inner = inner
+    await farm.rig.run(301, step_s=50)
+    assert ([one.id for one in farm.book.all()], farm.book.left_out) == (["north"], 0)
+    await farm.rig.close()
