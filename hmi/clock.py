@@ -64,7 +64,3 @@ class FakeClock:
     def jump_wall(self, seconds: float) -> None:
         """Set the wall clock off by ``seconds``, as NTP or a person would."""
         self._utc += timedelta(seconds=seconds)
-
-    def reboot(self, uptime_s: float) -> None:
-        """Begin the monotonic clock anew, as a machine that was switched on ``uptime_s`` ago."""
-        self._mono_s = uptime_s

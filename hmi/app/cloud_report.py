@@ -50,8 +50,13 @@ class CloudReport:
         return (*broker_findings(self._mirror.link.link, self._backlog.total), *self._stuck(), *self._dropped())
 
     def _stuck(self) -> Findings:
-        text = self._mirror.guard.text
+        text = self._stuck_text
         return (Finding("cloud-stuck", text[:MAX_TEXT]),) if text else ()
+
+    @property
+    def _stuck_text(self) -> str:
+        """What does not go up though the link is well; while it is not, nobody tries, so nobody knows."""
+        return self._mirror.guard.text if self._mirror.link.link.is_well else ""
 
     def _dropped(self) -> Findings:
         waiting, counts = self._backlog.waiting, self._mirror.counts
@@ -69,7 +74,7 @@ class CloudReport:
 
     def health(self) -> dict[str, dict[str, Any]]:
         """Return the part of the cloud for ``/api/v1/health``; a cloud that is away makes nothing else worse."""
-        is_degraded = self._mirror.link.link.state in NEEDS_PERSON or bool(self._mirror.guard.trouble)
+        is_degraded = self._mirror.link.link.state in NEEDS_PERSON or bool(self._stuck_text)
         return {"cloud": {"state": "degraded" if is_degraded else "ok", "url": self._settings.cloud_url}}
 
     def whole(self) -> dict[str, Any]:
@@ -106,8 +111,8 @@ class CloudReport:
 
     def _partly(self) -> dict[str, Any]:
         """Return what stands in the place of ``Connected`` while something does not go up."""
-        why = self._mirror.guard.text
-        if not why or not self._mirror.link.link.is_well:
+        why = self._stuck_text
+        if not why:
             return {}
         return {**PARTLY._asdict(), "why": why[:MAX_WHY], "mend": PARTLY_MEND}
 

@@ -7,9 +7,8 @@ from datetime import timedelta
 from hmi.clock import Clock
 from hmi.commands.weather import WeatherBoard
 from hmi.domain.queue.facts import Weather
-from hmi.domain.sensors.freshness import is_usable
 from hmi.domain.sensors.quantity import Channel
-from hmi.store.sensor_board import SensorBoard, ValueNow
+from hmi.store.sensor_board import SensorBoard, ValueNow, usable
 
 RAIN, WIND = Channel("rain_rate"), Channel("wind_speed")
 
@@ -24,7 +23,7 @@ def feed_weather(board: SensorBoard, weather: WeatherBoard, clock: Clock) -> Non
             value = known.values.get(channel)
             if value is None or not value.is_plausible:
                 continue
-            if is_usable(now_s - value.measured_s, known.station.period_s):
+            if usable(known, value, now_s):
                 values.append(value)
                 names.add(known.station.name)
     every = [value for values in found.values() for value in values]

@@ -6,6 +6,7 @@ import asyncio
 import logging
 import secrets
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from hmi.api.sensor_view import SensorView, SensorViewParts
@@ -25,6 +26,7 @@ from hmi.ingest.field import FieldCoordinator, FieldListeners, field_link
 from hmi.ingest.supervision.stations import AtWork, condition_of, source_of, station_findings, work_findings
 from hmi.planning.side_process import SideProcess
 from hmi.store.errors import StoreError
+from hmi.store.machine_boot import measured_since
 from hmi.store.sensor_board import SensorBoard, StationNow
 from hmi.store.sensor_history import SensorHistory
 from hmi.store.sensor_stations import SensorStations
@@ -33,6 +35,7 @@ ROUND_S = 5.0
 THIN_S = 1800.0
 KEEP_S = 600.0  # how often battery and last sign of life are written
 NEWS_S = 1.0
+BOOT_FILE = Path("run") / "boot.json"
 log = logging.getLogger(__name__)
 
 
@@ -79,7 +82,14 @@ class SensorWork:
         is_new = await self._seed()
         calibrations = await run(self.stations.calibrations)
         stations, limits = await run(self.stations.all), await run(self.stations.limits)
-        self.board.load(stations, calibrations, limits, await run(self.history.newest))
+        newest, path, now = (
+            await run(self.history.newest),
+            self._wiring.settings.data / BOOT_FILE,
+            self._wiring.clock.utc(),
+        )
+        kept = [row[2] for row in newest]
+        since = await asyncio.to_thread(measured_since, path, kept, now)
+        self.board.load(stations, calibrations, limits, newest, since)
         self.book.load(calibrations)
         self.history.start()
         await self.link.start()

@@ -20,6 +20,8 @@ from hmi.service_link import LinkState, ServiceLink
 
 _NEVER_TAKEN = frozenset({400, 413, 422})  # whatever else is said to a write may be otherwise next time
 ASKED = 50  # ids in one question: they stand in its address
+SMALL, SMALLEST = 20, 10  # a request that small is late for another reason than its size, if larger ones arrive
+GROW_S = 30.0  # small requests say little of larger ones: with them the size grows so often and no oftener
 LOOK_EVERY_S = 60.0  # a proxy may send us to another tenant at any time
 
 
@@ -54,7 +56,9 @@ class CloudLink:
         self.placed = 0
         """How often the tenant turned out to know nothing of us: then everything has to be told again."""
         self._look_s = float("-inf")
-        self._most = MAX_ENTITIES  # in one request
+        self.most = MAX_ENTITIES
+        """Entities in one request that the way up carries in time."""
+        self._fitted_s = float("-inf")
 
     async def is_ready(self) -> bool:
         """Say whether something can be delivered now; tries a lost link again when it is time."""
@@ -80,7 +84,7 @@ class CloudLink:
         for one in entities:
             if once.setdefault(one.ref, one) is not one:  # a mistake of ours about one thing: the others go up
                 found.refused[one.ref] = "two at once under one id, of which the first was sent"
-        outcome = await self.client.batch("append", list(once.values()), most=self._most)
+        outcome = await self.client.batch("append", list(once.values()), most=self.most)
         self._fit(len(once), is_late=any(isinstance(error, NoAnswer) for error in outcome.failed.values()))
         found.done.update(outcome.done)
         for ref, error in outcome.failed.items():
@@ -97,10 +101,15 @@ class CloudLink:
 
     def _fit(self, count: int, *, is_late: bool) -> None:
         """Fit the size of requests to what the way up carries in time; what went is only slowly followed by more."""
-        if is_late:
-            self._most = max(1, min(self._most, count) // 2)
-        elif count >= self._most:
-            self._most = min(MAX_ENTITIES, self._most + max(1, self._most // 4))
+        now_s, before = self._clock.mono_s(), self.most
+        if is_late and before > SMALLEST:
+            self.most = max(SMALLEST, min(before, max(count, SMALL)) // 2)
+        elif is_late and count >= before:
+            self.most = max(1, before // 2)
+        elif not is_late and (count >= before or now_s >= self._fitted_s + GROW_S):
+            self.most = min(MAX_ENTITIES, before + max(1, before // 4))
+        if self.most != before:
+            self._fitted_s = now_s
 
     async def _delete(self, gone: Mapping[EntityRef, frozenset[str]]) -> None:
         """Delete attributes that entities have in the cloud; nothing else of them is touched."""

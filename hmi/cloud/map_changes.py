@@ -17,6 +17,7 @@ from backend_clients.ngsi.subscription import Wanted
 from backend_clients.ngsi.subscriptions import Subscriptions
 from hmi.clock import Clock
 from hmi.cloud.hints import Hints
+from hmi.cloud.link import is_about_one
 from hmi.cloud.proposals import ProposalBook
 from hmi.cloud.told_ids import ToldIds
 from hmi.fiware.map_change import KIND_OF, is_as_told
@@ -181,8 +182,17 @@ class MapChanges:
     async def _look(self, entities: Sequence[KeyValues]) -> None:
         if not entities:
             return
-        is_named = any("hasAgriCrop" in one or "hasAgriSoil" in one for one in entities)
-        names = await self._names() if is_named else {}  # without them a change of a crop would look like none
+        named = [one for one in entities if "hasAgriCrop" in one or "hasAgriSoil" in one]
+        names: dict[str, str] = {}
+        try:
+            names = await self._names() if named else {}
+        except NgsiError as error:
+            if not is_about_one(error):
+                raise
+            log.warning("the names of crops and soils cannot be read: %s", error)
+            # without them a change of a crop would look like none: what is open stays, and nothing is written over
+            self.book.hold(named)
+            entities = [one for one in entities if one not in named]
         if self.book.look(entities, await self._features(), self._clock.utc(), names):
             self._on_changed()
 

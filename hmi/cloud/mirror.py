@@ -15,7 +15,7 @@ from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
 from hmi.cloud.delays import Delays
 from hmi.cloud.guard import Guard
-from hmi.cloud.link import CloudLink, Delivery, is_about_one
+from hmi.cloud.link import CloudLink, Delivery
 from hmi.cloud.map_changes import MapChanges
 from hmi.cloud.newest import Newest
 from hmi.cloud.outbox import Piece
@@ -118,8 +118,12 @@ class Mirror:
             await run("Map", self._send_map)
 
     async def _send_robots(self) -> bool:
-        if not await self._look_for_left():
-            return False
+        is_up = await self._send_reports()
+        if is_up:  # after what is new: a long answer may not get through a slow way
+            await self._look_for_left()
+        return is_up
+
+    async def _send_reports(self) -> bool:
         reports = self._states.reports(MOST_ROBOTS)
         if not reports:
             return True
@@ -132,20 +136,21 @@ class Mirror:
         self._time(arrived, now_s)
         return not found.is_cut
 
-    async def _look_for_left(self) -> bool:
-        """Read once, some time after the start, what an earlier run told of robots: some are heard no more."""
+    async def _look_for_left(self) -> None:
+        """Read once, some time after the start, what an earlier run told of robots: some are heard no more.
+
+        It takes the link down for nobody: where it is down, what is told next shows it.
+        """
         wanted = self._states.wanted()
         if wanted is None:
-            return True
+            return
         try:
             left = [key_values(one) async for one in self.link.client.entities(wanted)]
         except NgsiError as error:
-            if not is_about_one(error):
-                self.link.failed(error)
-                return False
-            left = []
+            log.warning("cloud: what an earlier run told of robots cannot be read: %s", error)
+            self._states.left_later()
+            return
         self._states.found(left)
-        return True
 
     async def _send_others(self) -> bool:
         for other in self._others():
@@ -195,13 +200,18 @@ class Mirror:
             self._sent_wish = wish
             self._sent.clear()
         entities = [one for one in await self._whole() if self._sent.get(_ref(one)) != one]
-        found = await self._deliver(entities) if entities else Delivery()
-        if self.changes is not None:
-            await self.changes.written(found.done)
-        if found.is_cut:
+        while entities:
+            size = self.link.most
+            part, entities = entities[:size], entities[size:]
+            found = await self._deliver(part)
+            if self.changes is not None:
+                await self.changes.written(found.done)
             settled = found.done | set(found.refused)
-            self._sent.update((_ref(one), one) for one in entities if _ref(one) in settled)
-            return False
+            self._sent.update((_ref(one), one) for one in part if _ref(one) in settled)
+            if found.is_cut:
+                return False
+            if entities and not await self.guard.run("Robots", self._send_robots):  # they wait for one request at most
+                return False
         self._told_wish = wish
         self._sent.clear()
         return True

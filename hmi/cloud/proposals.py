@@ -90,6 +90,13 @@ class ProposalBook:
             self._put(feature_id, found and replace(found, mark=mark))
         return before != self._open
 
+    def hold(self, entities: Iterable[KeyValues]) -> None:
+        """Leave what was changed in the cloud as it is until it can be looked at."""
+        for entity in entities:
+            feature_id = feature_id_of(entity, self._urns) or str(entity["id"])[-64:]
+            if entity["type"] in KIND_OF and feature_id not in self._open and not is_as_told(entity):
+                self._left_out[feature_id] = str(entity["id"])
+
     def gone(self, entity_id: str, model: str, features: Mapping[str, MapFeature], now: datetime) -> bool:
         """Take that an entity was deleted in the cloud by somebody else; return whether that is a proposal."""
         feature_id = self._urns.name_of(model, entity_id)
@@ -168,7 +175,8 @@ class ProposalBook:
         elif known is None or (known.after, known.problem) != (found.after, found.problem):
             self._open[feature_id] = found
         else:
-            self._open[feature_id] = replace(known, mark=found.mark)
+            # as our map is now: what was published since is no difference to it
+            self._open[feature_id] = replace(found, at=known.at, by=known.by)
 
     def _proposal(
         self, entity: KeyValues, feature_id: str, features: Mapping[str, MapFeature], now: datetime,

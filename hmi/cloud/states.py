@@ -18,6 +18,7 @@ from hmi.store.fleet import FleetStore
 
 SIGN_OF_LIFE_S = 10.0  # a robot that stands is told again so often, so that the cloud knows it is there
 LEFT_AFTER_S = 30.0  # until then every robot that is on was heard
+LEFT_AGAIN_S = 300.0  # after a question that got no answer
 MOVED_DEG = 4e-7  # some 4 cm: less is noise of the fix
 _MODELS = ("StateMessage", "UnmannedAerialVehicle")
 _TIMES = frozenset({"commandTime", "observedAt"})
@@ -94,6 +95,10 @@ class RobotStates:
         """Return what to ask of robots that an earlier run told of, once when it is time; see ``found``."""
         is_time = self._left_s is not None and self._clock.mono_s() >= self._left_s
         return Query(types=_MODELS) if is_time else None
+
+    def left_later(self) -> None:
+        """Ask again later: the question got no answer."""
+        self._left_s = self._clock.mono_s() + LEFT_AGAIN_S
 
     def found(self, entities: Iterable[KeyValues]) -> None:
         """Take what the cloud has of robots; those that this run has told nothing of are looked at."""

@@ -12,7 +12,16 @@ from datetime import datetime, timedelta
 
 from hmi.clock import Clock
 from hmi.domain.sensors.calibration import Calibration
-from hmi.domain.sensors.freshness import CLOCK_WRONG_S, Arrival, Fate, Receipt, State, is_usable, state_of
+from hmi.domain.sensors.freshness import (
+    CLOCK_WRONG_S,
+    LATE_PERIODS,
+    Arrival,
+    Fate,
+    Receipt,
+    State,
+    is_usable,
+    state_of,
+)
 from hmi.domain.sensors.gate import Measured
 from hmi.domain.sensors.limit import SensorLimit, limit_for
 from hmi.domain.sensors.quantity import Channel
@@ -31,6 +40,7 @@ class ValueNow:
     Args:
         measured_s: when, on the console's monotonic clock; see ``freshness``.
         is_plausible: whether nature can do this.
+        is_kept: out of the history, from before this machine was switched on: nobody knows for how long it was off.
         trail: a value each ten minutes of the last hours, oldest first.
     """
 
@@ -39,6 +49,7 @@ class ValueNow:
     measured_s: float
     measured_at: datetime
     is_plausible: bool = True
+    is_kept: bool = False
     trail: deque[tuple[float, float]] = field(default_factory=deque)
 
     def trend(self) -> str | None:
@@ -51,11 +62,16 @@ class ValueNow:
 
     def take(self, value: float, arrival: Arrival) -> None:
         """Take a newer value."""
-        self.value, self.measured_s, self.measured_at = value, arrival.measured_s, arrival.measured_at
+        self.put(value, arrival)
         if not self.trail or arrival.measured_s - self.trail[-1][0] >= TREND_STEP_S:
             self.trail.append((arrival.measured_s, value))
         while self.trail and arrival.measured_s - self.trail[0][0] > TREND_S:
             self.trail.popleft()
+
+    def put(self, value: float, arrival: Arrival) -> None:
+        """Take a newer value that is no part of the trail."""
+        self.value, self.measured_s, self.measured_at = value, arrival.measured_s, arrival.measured_at
+        self.is_kept = False
 
 
 @dataclass(slots=True)
@@ -85,10 +101,9 @@ def _is_behind(now: datetime, kept: Iterable[datetime]) -> bool:
     return any((at - now).total_seconds() > CLOCK_WRONG_S for at in kept)
 
 
-def _is_usable(known: StationNow, value: ValueNow, now_s: float) -> bool:
-    # What was measured before this machine was switched on is dated by the wall clock alone, and one without a battery
-    # stands while the machine is off. The monotonic clock begins with the machine.
-    if value.measured_s < 0:
+def usable(known: StationNow, value: ValueNow, now_s: float) -> bool:
+    """Say whether a decision may still go by a value of a station."""
+    if value.is_kept:
         return False
     age_s, is_slow = now_s - value.measured_s, value.channel.about().is_slow
     return is_usable(age_s, known.station.period_s, is_slow=is_slow)
@@ -120,38 +135,58 @@ class SensorBoard:
         calibrations: Iterable[Calibration],
         limits: Sequence[SensorLimit],
         newest: Iterable[tuple[str, Channel, datetime, float]],
+        since: datetime | None = None,
     ) -> None:
-        """Begin with what is kept; what was measured before shows its true age, nothing where that is not known."""
+        """Begin with what is kept; what was measured before shows its true age, nothing where that is not known.
+
+        Args:
+            since: what was measured later was since this machine was switched on; see ``fill``.
+        """
         for one in stations:
             self._stations[one.id] = StationNow(one)
         for calibration in calibrations:  # oldest first: the newest counts
             self._calibrations[calibration.station_id, calibration.channel] = calibration
         self.limits = list(limits)
         now, now_s = self._clock.utc(), self._clock.mono_s()
-        kept = list(newest)
+        kept = self._of_ours(newest)
         heard = [one.station.heard_at for one in self._stations.values() if one.station.heard_at is not None]
         if _is_behind(now, [*heard, *(row[2] for row in kept)]):
+            for known in self._stations.values():
+                if known.station.heard_at is not None:  # late now, and silent if it does not speak
+                    known.receipt.newest_s = now_s - LATE_PERIODS * known.station.period_s - 1.0
             return
-        self.fill(kept)
+        self.fill(kept, since)
         for known in self._stations.values():
             if known.station.heard_at is not None:
                 heard_s = now_s - max(0.0, (now - known.station.heard_at).total_seconds())
                 known.receipt.newest_s = max(known.receipt.newest_s, heard_s)
 
-    def fill(self, newest: Iterable[tuple[str, Channel, datetime, float]]) -> None:
-        """Take values out of the history where nothing was heard yet; nothing while the clock is behind it."""
+    def fill(self, newest: Iterable[tuple[str, Channel, datetime, float]], since: datetime | None = None) -> None:
+        """Take values out of the history where nothing was heard yet; nothing while the clock is behind it.
+
+        Args:
+            since: only what was measured later is good for a decision: a clock without a battery stands while the
+                machine is off. ``None``: nothing is.
+        """
         now, now_s = self._clock.utc(), self._clock.mono_s()
-        kept = list(newest)
+        kept = self._of_ours(newest)
         if _is_behind(now, (row[2] for row in kept)):
             return
         for station_id, channel, at, value in kept:
-            known = self._stations.get(station_id)
-            if known is None or channel in known.values:
+            known = self._stations[station_id]
+            if channel in known.values:
                 continue
             measured_s = now_s - max(0.0, (now - at).total_seconds())
-            known.values[channel] = ValueNow(channel, value, measured_s, at, channel.about().is_plausible(value))
+            is_plausible, is_kept = channel.about().is_plausible(value), since is None or at <= since
+            known.values[channel] = ValueNow(channel, value, measured_s, at, is_plausible, is_kept)
             known.receipt.newest_s = max(known.receipt.newest_s, measured_s)
             self._tell(station_id)
+
+    def _of_ours(
+        self, rows: Iterable[tuple[str, Channel, datetime, float]]
+    ) -> list[tuple[str, Channel, datetime, float]]:
+        """Leave out stations that are not there: their times say nothing about anything that is shown."""
+        return [row for row in rows if row[0] in self._stations]
 
     # ---- what is asked ----
 
@@ -180,7 +215,7 @@ class SensorBoard:
         now_s = self._clock.mono_s()
         return [
             Measured(one.channel, one.value,
-                     one.is_plausible and _is_usable(known, one, now_s), known.station.id)
+                     one.is_plausible and usable(known, one, now_s), known.station.id)
             for known in self.accepted() for one in known.values.values()
         ]  # fmt: skip
 
@@ -277,7 +312,7 @@ class SensorBoard:
         if is_plausible:
             shown.take(value, arrival)
         else:
-            shown.value, shown.measured_s, shown.measured_at = value, arrival.measured_s, arrival.measured_at
+            shown.put(value, arrival)
 
     def _tell(self, station_id: str) -> None:
         for listener in self.on_changed:

@@ -83,3 +83,16 @@ async def test_what_was_dropped_is_an_alarm_and_is_counted(tmp_path: Path) -> No
     assert report.whole()["counts"]["dropped"] > 0
     assert report.whole()["waiting"]["bytes"] <= 2000
     await rig.close()
+
+
+async def test_what_does_not_go_up_is_no_alarm_while_nothing_can(tmp_path: Path) -> None:
+    rig = Rig(tmp_path)
+    report = report_of(rig)
+    await rig.run(1)
+    rig.mirror.guard.trouble["Map"] = "RuntimeError: the database is away"
+    assert (codes(report), report.health()["cloud"]["state"]) == (["cloud-stuck"], "degraded")
+    rig.road.broken = lambda request: httpx.ConnectError("no route", request=request)
+    await rig.run(120)
+    rig.mirror.guard.trouble["Map"] = "RuntimeError: the database is away"  # as it was when the link went
+    assert (codes(report), report.health()["cloud"]["state"]) == (["cloud-away"], "ok")
+    await rig.close()

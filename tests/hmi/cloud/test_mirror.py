@@ -526,3 +526,84 @@ def test_a_slow_cloud_is_said_to_be_slow_and_its_clock_is_compared(tmp_path: Pat
 def test_ranks_drop_events_first() -> None:
     assert min(Rank) is Rank.EVENT
     assert max(Rank) is Rank.MISSION
+
+
+def test_a_long_answer_that_never_gets_through_stops_neither_robots_nor_what_waits(tmp_path: Path) -> None:
+    async def story(rig: Rig) -> None:
+        inner = rig.road._inner
+
+        class Slow(httpx.AsyncBaseTransport):
+            async def handle_async_request(self, request: httpx.Request) -> httpx.Response:
+                if request.method == "GET" and "StateMessage" in str(request.url):
+                    raise httpx.ReadTimeout("slow", request=request)
+                return await inner.handle_async_request(request)
+
+        rig.road._inner = Slow()
+        asked = 0
+        for number in range(int(LEFT_AFTER_S) + 20):
+            robot_at(rig, "weeder-01", 50.0 + number * 1e-3)
+            event(rig, number)
+            rig.road.requests.clear()
+            await rig.run(1, 1)
+            asked += sum("StateMessage" in str(one.url) for one in rig.road.requests)
+        assert asked == 1, "and is asked for again much later"
+        assert (rig.link.link.state, rig.backlog.total) == (LinkState.OK, 0)
+        [found] = (await rig.in_cloud("StateMessage")).values()
+        assert found["location"]["coordinates"][1] == pytest.approx(50.0 + number * 1e-3)
+
+    played(tmp_path, story)
+
+
+def crops(count: int) -> list[dict[str, str]]:
+    """Return a large map."""
+    return [{"id": f"urn:ngsi-ld:AgriCrop:hof:c{n}", "type": "AgriCrop", "name": f"c{n}"} for n in range(count)]
+
+
+def test_lost_answers_to_one_robot_make_requests_no_smaller_than_they_need_be_and_they_grow_again(
+    tmp_path: Path,
+) -> None:
+    async def story(rig: Rig) -> None:
+        robot_at(rig, "weeder-01", 50.0)
+        await rig.run(2)
+        rig.road.broken = lambda request: httpx.ReadTimeout("dropped", request=request)
+        for number in range(5):
+            robot_at(rig, "weeder-01", 50.1 + number * 0.01)
+            await rig.run(20)
+            rig.road.broken = None
+            await rig.run(20)
+            rig.road.broken = lambda request: httpx.ReadTimeout("dropped", request=request)
+        rig.road.broken = None
+        assert rig.link.most >= 10
+        for number in range(120):
+            robot_at(rig, "weeder-01", 51.0 + number * 0.01)
+            await rig.run(10, 10)
+        assert rig.link.most == 200
+
+    played(tmp_path, story)
+
+
+def test_robots_are_told_between_the_parts_of_a_large_map(tmp_path: Path) -> None:
+    async def story(rig: Rig) -> None:
+        robot_at(rig, "weeder-01", 50.0)
+        await rig.run(2)
+        rig.link.most, rig.whole = 10, crops(60)
+        rig.mirror.tell_whole()
+        inner, kinds = rig.road._inner, list[str]()
+
+        class Going(httpx.AsyncBaseTransport):
+            async def handle_async_request(self, request: httpx.Request) -> httpx.Response:
+                if request.url.path == "/v2/op/update":
+                    body = json.loads(request.content)
+                    if body["actionType"] == "append":
+                        kinds.append(body["entities"][0]["type"])
+                    robot_at(rig, "weeder-01", 50.0 + len(kinds) * 0.01)
+                return await inner.handle_async_request(request)
+
+        rig.road._inner = Going()
+        await rig.run(0.5)
+        told = [kind for kind in kinds if kind in ("AgriCrop", "StateMessage")]
+        first = told.index("AgriCrop")
+        assert told[first : first + 4] == ["AgriCrop", "StateMessage", "AgriCrop", "StateMessage"]
+        assert len(await rig.in_cloud("AgriCrop")) == 60
+
+    played(tmp_path, story)

@@ -31,6 +31,7 @@ from hmi.fiware.map_change import KIND_OF, is_as_told, proposed, signed
 from hmi.fiware.normalized import key_values, normalized
 from hmi.fiware.urn import Urns
 from hmi.mapping.feature import MapFeature
+from hmi.mapping.merging import merged
 from tests.hmi.cloud.rig import Rig
 from tests.hmi.map_files.features import maps
 
@@ -545,4 +546,46 @@ async def test_what_was_taken_beside_changes_of_our_own_is_done_once_both_are_pu
     await farm.others.patch(REF, {"hasAgriCrop": make.relationship(maize)})
     await farm.rig.run(301, step_s=50)
     assert [one.what for one in farm.book.all()] == ["changed"], "who asks for it now is heard"
+    await farm.rig.close()
+
+
+async def test_a_proposal_compares_with_the_map_as_it_is_now_after_something_else_was_published(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH)
+    await farm.rig.run(2)
+    await farm.others.patch(REF, {"name": make.text("Theirs")})
+    await farm.rig.run(301, step_s=50)
+    farm.features["north"] = ours = replace(NORTH, name="North field")
+    farm.book.published(farm.features)
+    farm.tell()
+    await farm.rig.run(2)
+    [one] = farm.book.all()
+    assert one.before == ours
+    taken = merged(ours, one.before, one.after)
+    assert taken is not None
+    assert taken.name == "Theirs"
+    await farm.rig.close()
+
+
+async def test_names_that_are_never_told_hold_up_no_other_entity_and_nothing_is_written_over(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH)
+    await farm.rig.run(2)
+    inner = farm.rig.road._inner
+
+    class Nameless(httpx.AsyncBaseTransport):
+        async def handle_async_request(self, request: httpx.Request) -> httpx.Response:
+            if request.method == "GET" and "AgriCrop" in str(request.url):
+                return httpx.Response(400, json={"error": "BadRequest", "description": "no"}, request=request)
+            return await inner.handle_async_request(request)
+
+    farm.rig.road._inner = Nameless()
+    await farm.others.patch(REF, {"name": make.text("Theirs")})
+    farm.features["barn"] = BARN
+    farm.tell()
+    await farm.rig.run(60, step_s=5)
+    assert farm.rig.link.link.is_well
+    assert await farm.rig.in_cloud("Building")
+    assert ((await farm.in_cloud())[REF.id]["name"], farm.book.left_out) == ("Theirs", 1)
+    farm.rig.road._inner = inner
+    await farm.rig.run(301, step_s=50)
+    assert ([one.id for one in farm.book.all()], farm.book.left_out) == (["north"], 0)
     await farm.rig.close()

@@ -3,16 +3,25 @@
 from __future__ import annotations
 
 from datetime import timedelta
+from pathlib import Path
 
 import pytest
 
 from backend_clients.field.codec import encode
 from backend_clients.field.topics import Down, Up, topic
+from hmi.app.sensor_weather import feed_weather
+from hmi.clock import FakeClock
+from hmi.commands.weather import WeatherBoard
+from hmi.domain.queue.facts import Weather
 from hmi.domain.role import Role
 from hmi.domain.sensors.calibration import Calibration
 from hmi.domain.sensors.gate import GateState, gate
 from hmi.domain.sensors.limit import SensorLimit
+from hmi.domain.sensors.observation import SensorKind
 from hmi.domain.sensors.quantity import Channel
+from hmi.domain.sensors.station import FieldStation, Report
+from hmi.store import machine_boot
+from hmi.store.sensor_board import SensorBoard
 from tests.hmi.sensors.rig import PARCEL, SensorRig
 
 MOISTURE = Channel("soil_moisture", 10)
@@ -79,28 +88,78 @@ async def test_after_a_restart_with_the_clock_behind_nothing_that_is_kept_counts
     await rig.restart()
     board = rig.work.board
     board.limits = [SensorLimit(MOISTURE, None, 0.35, is_treatment=True)]
-    assert rig.shown()["state"] == "never"
+    assert (rig.shown()["state"], rig.shown()["values"]) == ("late", [])
     assert gate(board.limits, board.measured()).state is GateState.UNKNOWN
     rig.measures(seq=2, soil_moisture_10=0.21)
     assert gate(board.limits, board.measured()).state is GateState.OPEN
 
 
-async def test_after_the_machine_was_off_what_was_kept_opens_no_gate_before_the_station_speaks(rig: SensorRig) -> None:
+async def test_a_station_that_stays_dead_over_a_restart_with_the_clock_behind_is_silent(rig: SensorRig) -> None:
     await rig.accepted()
     rig.measures(soil_moisture_10=0.2)
+    rig.clock.jump_wall(-1800)
+    await rig.restart()
+    rig.clock.jump_wall(8 * 3600)  # set right
+    await rig.passes(3600, 60)
+    assert rig.shown()["state"] == "silent"
+    assert [one.code for _, found in rig.work.findings().values() for one in found] == ["station-silent"]
+
+
+async def test_a_station_that_was_removed_hides_none_of_the_others(rig: SensorRig) -> None:
+    await rig.accepted()
+    rig.measures(soil_moisture_10=0.2)
+    rig.work.history.see("gone-01", MOISTURE, rig.clock.utc() + timedelta(days=30), 0.2)
+    await rig.restart()
+    assert values(rig) == {"soil_moisture@0.10": 20}
+
+
+@pytest.mark.parametrize("saved_s", [0.0, 90.0])
+async def test_after_the_machine_was_off_what_was_kept_opens_no_gate_before_the_station_speaks(
+    rig: SensorRig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, saved_s: float
+) -> None:
+    def judged() -> GateState:
+        return gate([SensorLimit(MOISTURE, None, 0.35, is_treatment=True)], rig.work.board.measured()).state
+
+    boot = tmp_path / "boot_id"
+    monkeypatch.setattr(machine_boot, "BOOT_ID", boot)
+    boot.write_text("one\n")
+    await rig.restart()
+    await rig.accepted()
+    await rig.passes(100)
+    rig.measures(soil_moisture_10=0.2)
     await rig.passes(20)
-    rig.clock.reboot(30.0)  # a wall clock without a battery goes on where it stood: the hours between are in no clock
     await rig.restart()
-    board = rig.work.board
-    board.limits = [SensorLimit(MOISTURE, None, 0.35, is_treatment=True)]
-    assert gate(board.limits, board.measured()).state is GateState.OPEN, "measured in the 30 s since it is on"
-    rig.clock.reboot(10.0)
+    assert judged() is GateState.OPEN, "the console alone began again"
+    boot.write_text("two\n")  # the machine was off for hours, and its clock went on where it was saved last
+    rig.clock.jump_wall(-saved_s)
+    await rig.passes(40)
     await rig.restart()
-    board = rig.work.board
-    board.limits = [SensorLimit(MOISTURE, None, 0.35, is_treatment=True)]
-    assert gate(board.limits, board.measured()).state is GateState.UNKNOWN
+    assert judged() is GateState.UNKNOWN
+    await rig.passes(60)
+    await rig.restart()
+    assert judged() is GateState.UNKNOWN, "nor does it once the console begins again"
     rig.measures(seq=2, soil_moisture_10=0.21)
-    assert gate(board.limits, board.measured()).state is GateState.OPEN
+    assert judged() is GateState.OPEN
+    await rig.passes(20)
+    await rig.restart()
+    assert judged() is GateState.OPEN
+    boot.unlink()
+    await rig.restart()
+    assert judged() is GateState.UNKNOWN, "where it is not known, nothing that is kept counts"
+
+
+async def test_the_weather_of_the_queue_takes_no_wind_of_before_the_machine_was_off() -> None:
+    clock, wind, told = FakeClock(), Channel("wind_speed"), list[Weather]()
+    board = SensorBoard(clock, lambda *_: None)
+    weather = WeatherBoard(clock, lambda *_: None, "hof")  # type: ignore[arg-type]  # nobody reports by hand
+    about = FieldStation("wx", "Wx", SensorKind.WEATHER, 52.0, 5.0, 60.0, {wind: "m/s"}, is_accepted=True)
+    board.load([about], [], [], [("wx", wind, clock.utc() - timedelta(seconds=30), 2.0)])
+    weather.take = told.append  # type: ignore[assignment,method-assign]
+    feed_weather(board, weather, clock)
+    assert not told
+    board.reported(Report("wx", "boot-0001", 1, clock.utc(), ((wind, 3.0),), None), clock.mono_s())
+    feed_weather(board, weather, clock)
+    assert [one.wind_mps for one in told] == [3.0]
 
 
 async def test_a_repeat_changes_nothing_and_what_is_late_only_fills_the_history(rig: SensorRig) -> None:
