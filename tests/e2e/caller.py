@@ -97,3 +97,8 @@ class Caller:
         if busy:
             self.command(robot, "abort")
         self.post(f"/robots/{robot}/lease", {"op": "release", "tick": None})
+
+    def thaw(self) -> None:
+        """Release the queue if a STOP ALL froze it, which outlasts the reset of the robots."""
+        if self.get("/queue")["frozen"]:
+            self.post("/queue/release", {"reason": "end of a test", "tick": None}).raise_for_status()

@@ -111,7 +111,7 @@ class Installation:
         self.simulator("DELETE", f"/_faults/{robot}" + (f"?fault={name}" if name else ""))
 
     def calm(self) -> None:
-        """Let every robot be healthy, heard, not stopped and idle, and the console know it."""
+        """Let every robot be healthy, heard, not stopped and idle, the console know it, and the queue not be frozen."""
         for robot in ROBOTS:
             self.mend(robot)
         deadline_s = time.monotonic() + CALM_LIMIT_S
@@ -122,6 +122,7 @@ class Installation:
                 for robot in ROBOTS:
                     caller.calm(robot)
                 time.sleep(0.1)
+            caller.thaw()
         finally:
             caller.close()
 

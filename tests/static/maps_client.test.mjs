@@ -262,3 +262,71 @@ test('a step that this screen never saw is loaded before the next one hides it, 
   assert.equal(server.published, null);
   assert.deepEqual(page.shown, [zone('pond', 3), zone('tree')]);
 });
+
+test('what is said of a lost step is true when another page has done a step since', async () => {
+  const server = new Server();
+  const page = await opened(server);
+  await page.commit('Pond drawn', 'pond', zone('pond'));
+  const elsewhere = (id) => server.append(id, 'Drawn', [{ id, before: null, after: zone(id) }]);
+  server.loses = () => true;
+  const operation = await page.client.operate('buffer', ['pond'], { distance_m: -1 });
+  elsewhere('hut-0001');
+  server.loses = () => false;
+  await page.passes();
+  assert.equal(await operation.later, true);
+  server.isDown = true;
+  const undo = await page.client.undo();
+  elsewhere('barn-0001');
+  server.isDown = false;
+  await page.passes();
+  assert.equal(await undo.later, false);
+  assert.deepEqual(page.shown.map((one) => one.id), ['pond', 'hut-0001', 'barn-0001']);
+});
+
+test('a change made while it is not known goes out after the map was loaded, and by itself', async () => {
+  const server = new Server(zone('pond'));
+  const page = await opened(server);
+  server.loses = (path) => path.endsWith('operations') || path === '/map';
+  const answer = await page.client.operate('buffer', ['pond'], { distance_m: -1 });
+  await page.commit('Tree drawn', 'tree', zone('tree'));
+  assert.deepEqual([...server.features.keys()], ['pond']);
+  assert.deepEqual(page.shown.map((one) => one.id), ['pond', 'tree']);
+  server.loses = () => false;
+  await page.passes();
+  assert.equal(await answer.later, true);
+  assert.deepEqual(page.shown, [zone('pond', 4), zone('tree')]);
+  assert.deepEqual([...server.features.values()], page.shown);
+  assert.equal(page.client.queue.length, 0);
+});
+
+test('a refused look is tried again', async () => {
+  const server = new Server(zone('pond'));
+  const page = await opened(server);
+  server.loses = () => true;
+  await page.client.operate('buffer', ['pond'], { distance_m: -1 });
+  server.loses = () => false;
+  const { answer } = server;
+  server.answer = () => ({ status: 403, text: 'Not allowed.' });
+  await page.passes();
+  assert.ok(page.client.unsure);
+  server.answer = answer;
+  await page.passes();
+  assert.equal(page.client.unsure, null);
+  assert.deepEqual(page.timers, []);
+});
+
+test('a change whose answer was lost and that another page took back is not shown as done', async () => {
+  const server = new Server(zone('well'));
+  const page = await opened(server);
+  server.loses = (path) => path.endsWith('transactions');
+  await page.commit('Well deleted', 'well', null);
+  server.loses = () => false;
+  server.walk(null, true);
+  await page.passes();
+  assert.deepEqual(page.shown, [zone('well')]);
+  assert.equal(page.client.redoLabel, 'Well deleted');
+  const loads = () => server.asked.filter(([path]) => path === '/map').length;
+  const before = loads();
+  await page.commit('Pond drawn', 'pond', zone('pond'));
+  assert.equal(loads(), before); // the usual way loads nothing
+});

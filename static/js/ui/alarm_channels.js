@@ -45,7 +45,7 @@
     const words = el("span");
     const button = el("button", { type: "button", class: "h-btn", "data-testid": `${hook}-load`, hidden: true }, "Load what is saved");
     const say = (said, isOld = false) => (text(words, said), attr(button, "hidden", !isOld));
-    button.onclick = async () => (await load(), say(loaded));
+    button.onclick = async () => ((await load()) ? say(loaded) : say("Not loaded: no answer. Try again.", true));
     const failed = (answer) => say(`Not saved: ${answer.text || "no answer"}`, answer.code === "changed");
     return { node: el("div", { class: "h-error", role: "alert", "data-testid": hook }, words, " ", button), say, failed };
   }

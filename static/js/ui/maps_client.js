@@ -16,6 +16,9 @@
   const isLost = (answer) => isUnknown(answer) || answer.status === 429;
   const byId = (collection) => new Map((collection?.features ?? []).map((one) => [one.id ?? one.properties.id, one]));
 
+  // whether a step of the log, of which only the newest are told, is done: others may have gone out since
+  const hasStep = ({ undo_id: newest, log }, id) => newest === id || log.some((one) => one.id === id && !one.is_undone);
+
   // on: {changed(), replaced(), patched(changes), refused(labels, text), looked(text)}
   class MapClient {
     constructor(on) {
@@ -134,6 +137,7 @@
     }
 
     async send() {
+      if (this.unsure && !(await this.look())) return;
       clearTimeout(this.timer);
       const refused = [];
       let why = "";
@@ -147,7 +151,7 @@
         this.isSending = null;
         this.isOffline = !answer.ok && isLost(answer);
         if (this.isOffline) {
-          this.timer = setTimeout(() => this.flush(), RETRY_MS);
+          this.again(RETRY_MS);
           break;
         }
         if (answer.status === 423 || answer.status === 401 || answer.status === 403) {
@@ -155,7 +159,7 @@
           break;
         }
         this.queue.remove(one);
-        if (answer.ok) await this.stepped(answer.draft);
+        if (answer.ok) await (answer.draft.undo_id === id ? this.stepped(answer.draft) : this.load0()); // or it was undone meanwhile
         else {
           refused.push(one.label);
           why = answer.text;
@@ -192,27 +196,34 @@
       if (draft?.undo_id && seen !== newest && (seen ?? undefined) !== before) await this.load0();
     }
 
-    // how the draft is, after an answer that was lost
+    // how the draft is, after an answer that was lost; until that is known nothing goes out
     async look() {
-      clearTimeout(this.looking);
-      if (!this.unsure) return true;
       const answer = await this.load0();
-      if (!answer.ok && isLost(answer)) this.looking = setTimeout(() => this.serial(() => this.look()), RETRY_MS);
+      if (!answer.ok) this.again(RETRY_MS);
       return answer.ok;
     }
 
-    // why nothing can be asked of the draft now: null if it can
+    again(afterMs) {
+      clearTimeout(this.timer);
+      this.timer = setTimeout(() => this.flush(), afterMs);
+    }
+
+    // sends what waits, and says why nothing can be asked of the draft now: null if it can
     async unready() {
-      if (this.queue.length) return { ok: false, status: 0, text: NO_LINK };
-      if (!this.unsure) return null;
-      return { ok: false, status: 0, isUnsure: true, text: (await this.look()) ? LOOKED : UNSURE };
+      if (this.unsure) {
+        const isKnown = await this.look();
+        if (isKnown) this.flush();
+        return { ok: false, status: 0, isUnsure: true, text: isKnown ? LOOKED : UNSURE };
+      }
+      await this.send();
+      return this.queue.length ? { ok: false, status: 0, text: NO_LINK } : null;
     }
 
     // later: resolves to whether it was done after all
     lost(isDone) {
       const later = new Promise((known) => (this.unsure = { isDone, known }));
       later.then((done) => this.on.looked(done ? "The step whose answer was lost is done." : "The step whose answer was lost is not done. Do it again."));
-      this.looking = setTimeout(() => this.serial(() => this.look()), 0);
+      this.again(0);
       this.on.changed();
       return { ok: false, status: 0, isUnsure: true, text: UNSURE, later };
     }
@@ -259,14 +270,13 @@
 
     // what the server does to the draft: only when it has all of ours. way: of a walk along the log, whose body is made then
     ask(path, body, limitMs, way = null) {
-      this.flush();
       return this.serial(async () => {
         const why = await this.unready();
         if (why) return why;
         const isBack = way === "undo";
         const sent = way ? body() : body;
         const answer = await HL.port.api("POST", path, sent, limitMs);
-        if (isUnknown(answer)) return this.lost((draft) => (draft.undo_id === sent.id) !== isBack);
+        if (isUnknown(answer)) return this.lost((draft) => hasStep(draft, sent.id) !== isBack);
         if (answer.status === 423) await this.lockLost(answer);
         if (answer.code === "changed") await this.load0();
         if (!answer.ok) return answer;
@@ -291,7 +301,6 @@
     }
 
     async publish(note, isShrinkingOk) {
-      this.flush();
       const why = await this.serial(() => this.unready());
       if (why) return why;
       const body = { note, is_shrinking_ok: isShrinkingOk, last_id: this.draft?.undo_id ?? null };

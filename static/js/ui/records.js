@@ -17,13 +17,13 @@
 
   const empty = (head, line) => el("div", { class: "h-card h-notice" }, el("b", { class: "h-t18 h-b" }, head), el("span", { class: "h-2" }, line));
 
-  // fills `place` with what GET path answers; `draw(answer)` makes the nodes
+  // fills `place` with what GET path answers; `draw(answer)` makes the nodes. Whether it did
   async function load(place, what, path, draw) {
     place.replaceChildren(skeleton());
     const answer = await HL.port.api("GET", path);
-    if (!place.isConnected) return;
-    if (!answer.ok) place.replaceChildren(failure(what, answer, () => load(place, what, path, draw)));
-    else place.replaceChildren(...[draw(answer)].flat());
+    if (!place.isConnected) return false;
+    place.replaceChildren(...[answer.ok ? draw(answer) : failure(what, answer, () => load(place, what, path, draw))].flat());
+    return answer.ok;
   }
 
   const list = (answer, key) => (Array.isArray(answer.data) ? answer.data : answer[key] ?? []);
