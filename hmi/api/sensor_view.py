@@ -137,6 +137,7 @@ class SensorView:
         return {
             "id": station.id,
             "name": station.name,
+            "revision": station.revision,
             "kind": station.kind.value,
             "parcel": station.parcel or None,
             "parcel_name": parts.parcel_name(station.parcel) if station.parcel else "",

@@ -41,12 +41,13 @@ class AcceptBody(Body):
 
 
 class StationBody(Body):
-    """Name, parcel (empty or null is none) and place."""
+    """Name, parcel (empty or null is none) and place; ``revision`` of the station that was seen, null asks nothing."""
 
     name: Name
     parcel: ParcelId | None
     lat_deg: Lat | None = None
     lon_deg: Lon | None = None
+    revision: Annotated[str, Field(max_length=64)] | None = None
 
 
 class CalibrationBody(Body):
@@ -133,7 +134,7 @@ def _add_keeping(router: APIRouter, services: Services) -> None:
     async def change(station: StationId, body: StationBody, session: SignedIn) -> dict[str, Any]:
         found = await services()
         wish = _wish(name=body.name, parcel=body.parcel or "", lat_deg=body.lat_deg, lon_deg=body.lon_deg)
-        await _tried(found.book.change(session, station, wish))
+        await _tried(found.book.change(session, station, wish, seen=body.revision))
         return found.view.station(found.book.station(station))
 
     @router.delete("/sensors/{station}", status_code=204, summary="Take it out; its history stays")

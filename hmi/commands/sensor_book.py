@@ -102,11 +102,19 @@ class SensorBook:
         self._note(session, "accepted", f"Station {made.name} belongs to the farm.", station_id)
         return made
 
-    async def change(self, session: SessionInfo, station_id: str, wish: StationWish) -> FieldStation:
-        """Name or place an accepted station anew."""
+    async def change(
+        self, session: SessionInfo, station_id: str, wish: StationWish, *, seen: str | None = None
+    ) -> FieldStation:
+        """Name or place an accepted station anew.
+
+        Args:
+            seen: revision of the station that the person looked at, ``None`` for whatever there is.
+        """
         self._may(session)
         async with self._changing:
             before = self._accepted(station_id)
+            if seen is not None and seen != before.revision:
+                raise OrderRefused("changed_meanwhile", f"Somebody changed {before.name} meanwhile. Look again.")
             made = self._wished(before, wish)
             await self._keep(made)
         text = f"Station {before.name}: {made.name}, parcel {made.parcel or 'none'}."

@@ -263,6 +263,13 @@ test("nobody is offered to drive onto an obstacle", () => {
   assert.deepEqual([...details.slides.map(({ send }) => send.action)], ["tool_go_to", "go_to"]);
 });
 
+test("a machine that flies is not asked to drive", () => {
+  const { page: { HL }, details } = screen();
+  HL.port.robot = () => ({ id: { family: "uav" } });
+  details.show({ ...TAP });
+  assert.deepEqual([...details.slides.map(({ send }) => [send.action, send.button])], [["go_to", "Fly here"]]);
+});
+
 test("a moment has the height between two samples, and the ground where none was recorded", () => {
   const { HL } = load();
   assert.equal(HL.replaySampleAt({ ...record, height: [4, 6, null, null] }, 500).height_m, 5);

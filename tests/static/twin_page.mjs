@@ -47,7 +47,7 @@ export function load() {
     el: (tag, values, ...children) => new Node(tag, values, children), icon: () => new Node("icon", {}, []), text: (node, said) => (node.said = said),
     attr: (node, name, value) => (node.values[name] = value), toggle() {}, repaint() {}, toast: (said) => toasts.push(said), Slide,
     words: { age: (ms) => `${(ms / 1000).toFixed(1)} s` }, config: { rights: ["drive"] }, superDock: { refusal: () => "" },
-    port: { api: () => new Promise((done) => answers.push(done)), inside: () => ({}) },
+    port: { api: () => new Promise((done) => answers.push(done)), inside: () => ({}), robot: () => ({ id: { family: "planter" } }) },
   };
   const context = vm.createContext({
     HL, WebSocket, location, setTimeout: (call) => timers.push(call), setInterval: () => 0, clearInterval() {}, console, encodeURIComponent,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 
@@ -54,6 +55,12 @@ class FieldStation:
     heard_at: datetime | None = None
     pictures_day: str = ""
     pictures: int = 0
+
+    @property
+    def revision(self) -> str:
+        """A mark that changes with what people keep of it: name, parcel and place."""
+        kept = repr((self.name, self.parcel, self.lat_deg, self.lon_deg))
+        return hashlib.sha256(kept.encode()).hexdigest()[:16]
 
     def pictures_on(self, day: str) -> int:
         """Return how many pictures it sent on a day."""

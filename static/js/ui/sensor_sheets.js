@@ -28,7 +28,7 @@
       save: () => {
         const name = form.of("name").value.trim();
         if (!name) return form.tell("Give it a name that people know.", "name");
-        return { method: "POST", path: `${of(station)}/accept`, body: { name, parcel: form.of("parcel").value || null }, done: `${name} counts now.` };
+        return { method: "POST", path: `${of(station)}/accept`, body: { name, parcel: form.of("parcel").value }, done: `${name} counts now.` };
       },
     });
   }
@@ -52,7 +52,7 @@
         if ((where.lat_deg === null) !== (where.lon_deg === null)) return form.tell("Latitude and longitude belong together.", where.lat_deg === null ? "lat_deg" : "lon_deg");
         if (where.lat_deg !== null && Math.abs(where.lat_deg) > 90) return form.tell("Latitude is between -90 and 90.", "lat_deg");
         if (where.lon_deg !== null && Math.abs(where.lon_deg) > 180) return form.tell("Longitude is between -180 and 180.", "lon_deg");
-        return { method: "PUT", path: of(station), body: { name: name.node.value.trim(), parcel: parcel.node.value || null, ...(where.lat_deg === null ? {} : where) }, done: "Saved" };
+        return { method: "PUT", path: of(station), body: { name: name.node.value.trim(), parcel: parcel.node.value || null, revision: station.revision, ...(where.lat_deg === null ? {} : where) }, done: "Saved" };
       },
     });
   }

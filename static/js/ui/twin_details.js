@@ -10,6 +10,8 @@
     { action: "go_to", label: "Slide to drive here", button: "Drive here", line: "It drives there by itself" },
   ];
 
+  const FLIES = { action: "go_to", label: "Slide to fly here", button: "Fly here", line: "It flies there by itself" };
+
   class TwinDetails {
     constructor(robot, link, isReplay) {
       Object.assign(this, { robot, link, isReplay, slides: [], height: HEIGHTS_M[1] });
@@ -50,10 +52,14 @@
       this.said = said;
       const isPlace = said.x_m !== null && said.what !== "robot" && HL.config.rights.includes("drive");
       const hasArm = Boolean(said.reach_m) || (HL.port.inside(this.robot).joints?.joints ?? []).length > 2;
-      this.slides = SENDS.filter((send) => isPlace && (send.isTool ? hasArm : said.what !== "obstacle")).map((send) => this.slide(send));
+      this.slides = this.sends().filter((send) => isPlace && (send.isTool ? hasArm : said.what !== "obstacle")).map((send) => this.slide(send));
       this.acts.replaceChildren(...this.slides.flatMap(({ slide, send, why }) => [send.isTool ? this.heights() : "", slide.node, why]));
       if (this.slides.some(({ send }) => send.isTool)) this.lift(this.height);
       this.paint();
+    }
+
+    sends() {
+      return HL.port.robot(this.robot).id?.family === "uav" ? [FLIES] : SENDS;
     }
 
     slide(send) {

@@ -76,6 +76,7 @@ def station(name: str, kind: str, keys: tuple[str, ...], lat: float, lon: float,
         "lat_deg": lat,
         "lon_deg": lon,
         "heard_s_ago": 8.0,
+        "revision": f"first of {name}",
         **more,
     }
 

@@ -270,7 +270,8 @@ def test_a_station_is_edited_and_removed(look: Look, theatre: Theatre, stations:
     page.get_by_test_id("sensor-edit-name").fill("Chamber east")
     page.get_by_test_id("sensor-edit-save").click()
     expect(page.get_by_test_id("sensor-respiration-01")).to_contain_text("Chamber east")
-    assert theatre.heard_sensors()["asked"][-1]["lat_deg"] == 51.7511
+    asked = theatre.heard_sensors()["asked"][-1]
+    assert (asked["lat_deg"], asked["revision"]) == (51.7511, "first of Respiration 1")
     page.get_by_test_id("sensor-edit-open").click()
     page.get_by_test_id("sensor-remove").click()
     page.get_by_test_id("sensor-forget-save").click()

@@ -97,6 +97,28 @@ async def test_limits_that_somebody_changed_meanwhile_are_not_written_over(rig: 
         assert (await client.get("/sensor-limits")).json() == second.json()
 
 
+async def test_a_station_that_somebody_changed_meanwhile_is_not_written_over(rig: SensorRig) -> None:
+    await rig.accepted()
+    async with rig.browser(Role.PLANNER) as client:
+        seen = next(one for one in (await client.get("/sensors")).json()["stations"] if one["id"] == "soil-03")
+        wish = {"parcel": None, "revision": seen["revision"]}
+        first = await client.put("/sensors/soil-03", json={**wish, "name": "By the pond"})
+        late = await client.put("/sensors/soil-03", json={**wish, "name": "By the gate"})
+        assert (first.status_code, late.status_code) == (200, 409)
+        assert late.json()["text"] == "Somebody changed By the pond meanwhile. Look again."
+        again = await client.put(
+            "/sensors/soil-03", json={**wish, "name": "By the gate", "revision": first.json()["revision"]}
+        )
+        assert again.json()["name"] == "By the gate"
+
+
+async def test_a_station_is_accepted_without_the_field_that_it_says_itself(rig: SensorRig) -> None:
+    rig.says(rig.about(parcel="north"))
+    async with rig.browser(Role.PLANNER) as client:
+        told = (await client.post("/sensors/soil-03/accept", json={"name": "Soil 3", "parcel": ""})).json()
+    assert told["parcel"] is None
+
+
 @pytest.mark.parametrize(
     ("limits", "field", "text"),
     [
