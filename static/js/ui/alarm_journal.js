@@ -52,8 +52,9 @@
     // the file has the same filters as the list
     async export() {
       const answer = await fetch(`${HL.config.apiPath}/alarms/journal.csv?${this.query()}`, { credentials: "same-origin", cache: "no-store" }).catch(() => null);
-      if (!answer?.ok) return HL.toast("Journal not exported: the server did not give it. Try again.", "block");
-      const link = el("a", { href: URL.createObjectURL(await answer.blob()), download: `alarms-${new Date().toISOString().slice(0, 10)}.csv` });
+      const file = answer?.ok ? await answer.blob().catch(() => null) : null; // null too where the link broke midway
+      if (!file) return HL.toast("Journal not exported: the server did not give all of it. Try again.", "block");
+      const link = el("a", { href: URL.createObjectURL(file), download: `alarms-${new Date().toISOString().slice(0, 10)}.csv` });
       document.body.append(link);
       link.click();
       link.remove();

@@ -18,8 +18,7 @@
   }
 
   const listOf = (robot) => (load(robot), lists.get(robot)?.list);
-  const isValid = (record) => Boolean(record) && Date.parse(record.valid_until_utc) > Date.now();
-  const record = (robot) => (isValid(listOf(robot)?.record) ? listOf(robot).record : null);
+  const record = (robot) => listOf(robot)?.record ?? null; // the server tells one only while it counts, by its own clock
   const isAStart = (groups) => groups.mission?.status !== "paused" || groups.why?.code === "continued";
 
   // why the slide is locked; empty when nothing is in the way

@@ -1,0 +1,30 @@
+// When the slide of a start is locked, by what the server told, without a page.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import test from 'node:test';
+import vm from 'node:vm';
+
+const source = readFileSync(new URL('../../static/js/ui/start_checks.js', import.meta.url), 'utf8');
+const groups = { mission: { status: 'accepted', is_supervised: true }, checks: [] };
+
+async function checks(record) {
+  const api = async () => ({ ok: true, data: { items: [], is_required: true, valid_hours: 12, record } });
+  const HL = { el: () => ({}), icon: () => ({}), text() {}, attr() {}, define() {}, LiveElement: class {}, repaint() {}, config: { rights: [] }, port: { robot: () => groups, api } };
+  vm.runInContext(source, vm.createContext({ HL, performance }));
+  HL.startChecks.reason('weeder-07'); // asks for the list
+  await new Promise((done) => setTimeout(done, 0));
+  return HL.startChecks;
+}
+
+test('a ticked list counts as long as the server tells it, whatever a tablet takes for the time', async () => {
+  const told = { id: 'c1', by: 'Martha', utc: '2001-01-01T06:00:00Z', valid_until_utc: '2001-01-01T18:00:00Z' };
+  const { reason, recordId } = await checks(told);
+  assert.equal(reason('weeder-07'), '');
+  assert.equal(recordId('weeder-07'), 'c1');
+});
+
+test('without one the slide says what to do', async () => {
+  const { reason, recordId } = await checks(null);
+  assert.equal(reason('weeder-07'), 'Tick the list first: Checks');
+  assert.equal(recordId('weeder-07'), null);
+});
