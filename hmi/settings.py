@@ -21,6 +21,7 @@ from pydantic_settings import (
 )
 
 DEFAULT_SECRET = "change-me"  # noqa: S105 - the value that is refused
+ANYWHERE = ("0.0.0.0", "::")  # noqa: S104 - compared with, not bound to
 Port = Annotated[int, Field(ge=0, le=65535)]
 
 
@@ -345,6 +346,11 @@ class Settings(BaseSettings):
     def is_tls(self) -> bool:
         """Whether console and gateway speak HTTPS."""
         return self.tls_cert is not None
+
+    @property
+    def near_host(self) -> str:
+        """An address of this machine under which its own parts are reached from here."""
+        return "127.0.0.1" if self.host in ANYWHERE else self.host
 
     @property
     def database(self) -> str:

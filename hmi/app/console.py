@@ -24,6 +24,7 @@ from hmi.app.pictures import PictureDesk
 from hmi.app.queue import QueueDesk
 from hmi.app.records import Records
 from hmi.app.sensors import SensorRoom, SensorWiring
+from hmi.app.stop_relay import StopRelay
 from hmi.app.stops import StopDesk
 from hmi.app.twin import TwinDesk
 from hmi.app.witness import FleetWitness
@@ -134,7 +135,9 @@ class Console:
             on_stop=self._stopped,
             on_stop_all=self.queue.freeze.stop_all,
             on_move=self._stop_moved,
+            on_new=lambda stop_id, token: self.stop_relay.press(stop_id, token),
         )
+        self.stop_relay = StopRelay(settings, self.stops.service.open_at)
 
     def _open_pictures(self) -> None:
         """Cameras, what is kept of them, and stations, which send pictures too."""
@@ -242,6 +245,7 @@ class Console:
         await self.missions.stop()
         await self.maps.stop()
         await self.base_maps.stop()
+        await self.stop_relay.close()
         await self.stops.stop()
         await self.desk.close()
         await self.hub.stop()

@@ -31,6 +31,7 @@ class StopDesk:
         on_stop: told robot and person of each new press, after it was sent.
         on_stop_all: told press and person of each STOP ALL, after it was sent.
         on_move: told the robots at which a press moved on.
+        on_new: told each new press and who made it, after it was sent.
     """
 
     def __init__(
@@ -45,7 +46,9 @@ class StopDesk:
         on_stop: Callable[[str, str], None] = lambda _robot_id, _by: None,
         on_stop_all: Callable[[str, str], None] = lambda _stop_id, _by: None,
         on_move: MovedOn = lambda _robots: None,
+        on_new: Callable[[str, StopToken], None] = lambda _stop_id, _token: None,
     ) -> None:
+        self._on_new = on_new
         self._audit, self._robots, self._leases, self._outbox = audit, robots, leases, outbox
         self._on_stop, self._on_stop_all = on_stop, on_stop_all
         self.service = StopService(sender, clock, self, on_press=self._pressed, on_move=on_move)
@@ -65,6 +68,7 @@ class StopDesk:
         if robots == "all":
             self._tell(lambda: self._on_stop_all(stop_id, token.who))
         if is_new:
+            self._tell(lambda: self._on_new(stop_id, token))
             for step in steps:
                 self._audit.append(
                     AuditEntry(token.farm_id, token.who, token.device_name, "stop", "sent", str(step["robot"]), stop_id)

@@ -118,6 +118,10 @@ class StopService:
         """Return the presses at a robot that are not reset, oldest first."""
         return self._book.attempts_at(robot_id)
 
+    def open_at(self, stop_id: str) -> list[str]:
+        """Return the robots at which a press is not reset."""
+        return [attempt.robot_id for attempt in self._book.attempts() if attempt.stop_id == stop_id]
+
     def on_ack(self, ack: Acknowledgement) -> None:
         """Take a robot's answer; those to other orders are ignored."""
         if ack.kind != "stop":

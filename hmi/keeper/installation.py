@@ -19,7 +19,6 @@ from hmi.media import door as media_door
 from hmi.settings import Settings
 
 OnReady = Callable[[str], None]
-ANYWHERE = ("0.0.0.0", "::")  # noqa: S104 - compared with, not bound to
 
 
 def run_demo(on_ready: OnReady, *, is_tls: bool = False) -> None:
@@ -97,7 +96,7 @@ def _stop(settings: Settings, after: tuple[str, ...] = ()) -> PartSpec:
     return PartSpec(
         "stop",
         (sys.executable, "-m", "hmi.stop_gateway"),
-        is_ready=lambda: answers(_near(settings.host), settings.stop_port),
+        is_ready=lambda: answers(settings.near_host, settings.stop_port),
         url=settings.stop_public_url or _address(settings, settings.stop_port),
         dies_with_keeper=settings.demo,
         after=after,
@@ -108,7 +107,7 @@ def _console(settings: Settings, after: tuple[str, ...] = ()) -> PartSpec:
     return PartSpec(
         "console",
         (sys.executable, "-m", "hmi.app"),
-        is_ready=lambda: answers(_near(settings.host), settings.port),
+        is_ready=lambda: answers(settings.near_host, settings.port),
         url=_url(settings),
         dies_with_keeper=settings.demo,
         after=after,
@@ -187,10 +186,5 @@ def _url(settings: Settings) -> str:
 
 
 def _address(settings: Settings, port: int) -> str:
-    host = _near(settings.host)
+    host = settings.near_host
     return f"{'https' if settings.is_tls else 'http'}://{f'[{host}]' if ':' in host else host}:{port}"
-
-
-def _near(host: str) -> str:
-    """Return an address of this machine under which ``host`` can be reached from here."""
-    return "127.0.0.1" if host in ANYWHERE else host

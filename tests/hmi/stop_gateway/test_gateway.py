@@ -14,9 +14,12 @@ import pytest
 from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
+from hmi.app.stop_relay import StopRelay
+from hmi.domain.stop_token import StopToken
+from hmi.settings import Settings
 from tests.hmi.stop_gateway.broker import Broker
 from tests.hmi.stop_gateway.conftest import MakeRobot
-from tests.hmi.stop_gateway.running import CONSOLE_PORT, TOKEN, RunningGateway, Tablet
+from tests.hmi.stop_gateway.running import CONSOLE_PORT, SECRET, TOKEN, RunningGateway, Tablet
 
 pytestmark = pytest.mark.broker
 OpenTablet = Callable[[], Awaitable[Tablet]]
@@ -414,3 +417,21 @@ async def test_it_ends_within_a_second_while_the_broker_is_away(gateway: Running
     broker.kill()
     gateway.start()
     assert gateway.terminate() < 2.0
+
+
+async def test_a_press_that_only_the_console_heard_is_shown_by_every_slab(
+    gateway: RunningGateway, make_robot: MakeRobot, open_tablet: OpenTablet
+) -> None:
+    robot = await make_robot()
+    gateway.register(robot)
+    gateway.start()
+    tablet = await open_tablet()
+    await _linked(tablet, robot.id)
+    settings = Settings(
+        data=gateway.data, secret=SECRET, broker_url="mqtt://127.0.0.1:1", host="127.0.0.1", stop_port=0
+    )
+    relay = StopRelay(settings, lambda _stop_id: [robot.id])
+    relay.press("from-a-program-1", StopToken("", "a program", "anna", "Anna Ostermeier", "farm"))
+    step = await tablet.until_frame("step", lambda f: f["stop_id"] == "from-a-program-1" and f["state"] == "standstill")
+    assert (step["robot"], step["by"], step["device"]) == (robot.id, "Anna Ostermeier", "a program")
+    await relay.settled()
