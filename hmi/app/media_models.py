@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator
 from typing import Any
 
@@ -9,6 +10,7 @@ import httpx
 
 from hmi.api.twin import ModelRefused, ModelsAway
 from hmi.app.media_link import MediaDown, MediaLink
+from hmi.twin.limits import CHUNK_LIMIT_S, STALLED
 
 READING_S = 90.0  # the media process gives up after 60
 
@@ -26,7 +28,7 @@ class MediaModels:
     async def take(self, robot_id: str, chunks: AsyncIterator[bytes]) -> dict[str, Any]:
         """Pass a zip on and return what was read of it."""
         try:
-            return _judged(await self._link.upload(f"/models/{robot_id}", chunks, READING_S))
+            return _judged(await self._link.upload(f"/models/{robot_id}", _in_time(chunks), READING_S))
         except MediaDown as down:
             raise ModelsAway from down
 
@@ -46,6 +48,19 @@ class MediaModels:
             return _judged(await self._link.ask(method, path))
         except MediaDown as down:
             raise ModelsAway from down
+
+
+async def _in_time(chunks: AsyncIterator[bytes]) -> AsyncIterator[bytes]:
+    """Yield the pieces as they come; whoever sends none for long is told so, for the answer waits for the last one."""
+    try:
+        while True:
+            async with asyncio.timeout(CHUNK_LIMIT_S):
+                chunk = await anext(chunks, None)
+            if chunk is None:
+                return
+            yield chunk
+    except TimeoutError as error:
+        raise ModelRefused("bad_model", STALLED) from error
 
 
 def _judged(answer: httpx.Response) -> dict[str, Any]:

@@ -12,14 +12,14 @@ from typing import Any
 from backend_clients.edge.topics import check_id
 from hmi.planning.side_process import SideProcess, SideProcessDied, limit_memory
 from hmi.twin.errors import ModelError, UnsafeModel
-from hmi.twin.limits import MAX_ZIP_BYTES, READ_LIMIT_S, READ_MEMORY_BYTES
+from hmi.twin.limits import CHUNK_LIMIT_S, MAX_ZIP_BYTES, READ_LIMIT_S, READ_MEMORY_BYTES, STALLED
 from hmi.twin.upload import MODEL, describe, load_kept, read_upload
 
 FOLDER = "models"
 
 
 class ModelShelf:
-    """The uploads of one installation; one is read at a time."""
+    """The uploads of one installation: any number come in, one is read at a time."""
 
     def __init__(self, data: Path) -> None:
         self.folder = data / FOLDER
@@ -34,19 +34,24 @@ class ModelShelf:
         """
         target = self.folder / check_id(robot_id)
         self.folder.mkdir(parents=True, exist_ok=True)
-        async with self._one:
-            archive = Path(tempfile.mkstemp(dir=self.folder, suffix=".part")[1])
-            try:
-                await _save(chunks, archive)
-                async with asyncio.timeout(READ_LIMIT_S):
-                    return await self._reader.run(_read_bounded, archive, target)
-            except TimeoutError as error:
-                raise UnsafeModel(f"Reading the model took over {READ_LIMIT_S:.0f} s. Simplify its meshes.") from error
-            except SideProcessDied as error:
-                raise UnsafeModel("Reading the model took too much memory. Simplify its meshes.") from error
-            finally:
-                self._reader.close()
-                await asyncio.to_thread(archive.unlink, missing_ok=True)
+        archive = Path(tempfile.mkstemp(dir=self.folder, suffix=".part")[1])
+        try:
+            await _save(chunks, archive)
+            async with self._one:
+                return await self._read(archive, target)
+        finally:
+            await asyncio.to_thread(archive.unlink, missing_ok=True)
+
+    async def _read(self, archive: Path, target: Path) -> dict[str, Any]:
+        try:
+            async with asyncio.timeout(READ_LIMIT_S):
+                return await self._reader.run(_read_bounded, archive, target)
+        except TimeoutError as error:
+            raise UnsafeModel(f"Reading the model took over {READ_LIMIT_S:.0f} s. Simplify its meshes.") from error
+        except SideProcessDied as error:
+            raise UnsafeModel("Reading the model took too much memory. Simplify its meshes.") from error
+        finally:
+            self._reader.close()
 
     async def describe(self, robot_id: str) -> dict[str, Any]:
         """Return what is known of a robot's own model; ``{"kept": False}`` without one."""
@@ -76,8 +81,17 @@ def _read_bounded(archive: Path, target: Path) -> dict[str, Any]:
 async def _save(chunks: AsyncIterator[bytes], archive: Path) -> None:
     size = 0
     with archive.open("wb") as file:
-        async for chunk in chunks:
+        while (chunk := await _next(chunks)) is not None:
             size += len(chunk)
             if size > MAX_ZIP_BYTES:
                 raise ModelError(f"The upload is over {MAX_ZIP_BYTES // 2**20} MB.")
             await asyncio.to_thread(file.write, chunk)
+
+
+async def _next(chunks: AsyncIterator[bytes]) -> bytes | None:
+    """Return the next piece, ``None`` at the end; an upload that stands still is given up."""
+    try:
+        async with asyncio.timeout(CHUNK_LIMIT_S):
+            return await anext(chunks, None)
+    except TimeoutError as error:
+        raise ModelError(STALLED) from error

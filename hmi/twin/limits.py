@@ -13,4 +13,6 @@ MAX_DEPTH = 60  # elements within elements of the XML; a URDF has five
 MAX_FACES = 300_000  # of all meshes together: what a tablet draws at 20 frames a second
 MAX_SIZE_M = 200.0  # no machine is larger; a model in millimetres is found by this
 READ_LIMIT_S = 60.0
+CHUNK_LIMIT_S = 20.0  # between two pieces of an upload
+STALLED = f"Nothing of the upload came for {CHUNK_LIMIT_S:.0f} s. Upload it once more."
 READ_MEMORY_BYTES = 3 * 1024**3
