@@ -48,7 +48,7 @@ def read_upload(archive: Path, target: Path) -> dict[str, Any]:
         model = parse_urdf(urdf.read_bytes())
         meshes = MeshFolder(folder / "files") if urdf.parent == folder / "files" else _Nested(folder / "files", urdf)
         skin = skin_of(model, meshes.read)
-        model = replace(model, notices=tuple(meshes.notices))
+        model = replace(model, notices=(*model.notices, *meshes.notices))
         _keep(model, skin, folder)
         shutil.rmtree(folder / "files")
         shutil.rmtree(target, ignore_errors=True)
@@ -120,7 +120,7 @@ def _unpack(archive: Path, folder: Path) -> None:
             _check_entries(entries)
             left = MAX_UNPACKED_BYTES
             for entry in entries:
-                if PurePosixPath(entry.filename).suffix.lower() in KEPT:
+                if _is_kept(entry.filename):
                     left -= _write(packed, entry, folder, left)
     except OSError as error:  # names of one file and of a folder alike, or longer than a file's may be
         if error.errno not in _NAMES:
@@ -144,6 +144,12 @@ def _check_entries(entries: list[zipfile.ZipInfo]) -> None:
             raise UnsafeModel(f'"{entry.filename[:80]}" in the zip leads out of its folder. It is refused.')
 
 
+def _is_kept(name: str) -> bool:
+    """Say whether a file is read; what macOS adds to a zip is called like its files and holds none of them."""
+    path = PurePosixPath(name.replace("\\", "/"))
+    return path.suffix.lower() in KEPT and "__MACOSX" not in path.parts and not path.name.startswith("._")
+
+
 def _write(packed: zipfile.ZipFile, entry: zipfile.ZipInfo, folder: Path, most: int) -> int:
     path = folder / PurePosixPath(entry.filename.replace("\\", "/"))
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -156,9 +162,10 @@ def _write(packed: zipfile.ZipFile, entry: zipfile.ZipInfo, folder: Path, most: 
 
 
 def _urdf_in(folder: Path) -> Path:
-    found = sorted(folder.rglob("*.urdf")) if folder.is_dir() else []
+    files = sorted(folder.rglob("*")) if folder.is_dir() else []
+    found = [path for path in files if path.suffix.lower() == ".urdf" and path.is_file()]
     if not found:
-        if folder.is_dir() and any(folder.rglob("*.xacro")):
+        if any(path.suffix.lower() == ".xacro" for path in files):
             raise ModelError(XACRO)
         raise ModelError("The zip holds no .urdf file.")
     if len(found) > 1:

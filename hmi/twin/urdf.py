@@ -6,7 +6,7 @@ Source: the URDF XML format of ROS (wiki.ros.org/urdf/XML), links' visuals and j
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from xml.etree.ElementTree import Element, ParseError  # names only; parsing is done by defusedxml
 
 from defusedxml import DefusedXmlException, ElementTree
@@ -49,7 +49,14 @@ def parse_urdf(data: bytes) -> Model:
     links = _links(root, colours)
     joints = tuple(_joint(element) for element in _children(root, "joint"))
     top, ordered = in_tree_order(set(links), joints)
-    return Model(str(root.get("name") or "robot")[:80], top, links, ordered)
+    return Model(str(root.get("name") or "robot")[:80], top, links, ordered, tuple(_stiff(ordered)))
+
+
+def _stiff(joints: Iterable[ModelJoint]) -> Iterator[str]:
+    """A <limit> that names only effort and velocity is common, and means 0 to 0."""
+    for joint in joints:
+        if joint.moves and joint.lower == joint.upper == 0:
+            yield f'Joint "{joint.name}": its limits are both 0, it will not move.'
 
 
 def _xml(data: bytes) -> Element:

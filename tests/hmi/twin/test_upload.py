@@ -238,3 +238,27 @@ def test_what_is_no_zip_is_refused(tmp_path: Path) -> None:
     path.write_bytes(io.BytesIO(b"PK nothing").getvalue())
     with pytest.raises(ModelError, match="no zip"):
         read_upload(path, tmp_path / "kept")
+
+
+def test_what_macos_adds_to_a_zip_is_no_model(tmp_path: Path) -> None:
+    files: dict[str, bytes | str] = {
+        "own/robot.urdf": robot("meshes/a.stl"),
+        "own/meshes/a.stl": cube("stl"),
+        "own/.DS_Store": b"\0",
+        "__MACOSX/own/._robot.urdf": b"\0\5\26\7",
+        "__MACOSX/own/robot.urdf": b"\0\5\26\7",
+        "own/._robot.urdf": b"\0\5\26\7",
+    }
+    assert read_upload(packed(tmp_path, files), tmp_path / "kept")["name"] == "own"
+
+
+def test_a_urdf_is_known_by_its_suffix_in_any_case(tmp_path: Path) -> None:
+    files: dict[str, bytes | str] = {"ROBOT.URDF": robot("a.stl"), "a.stl": cube("stl")}
+    assert read_upload(packed(tmp_path, files), tmp_path / "kept")["name"] == "own"
+
+
+def test_a_joint_whose_limits_are_both_0_is_said_not_to_move(tmp_path: Path) -> None:
+    stiff = robot("a.stl").replace('<limit lower="-1" upper="1"/>', '<limit effort="10" velocity="1"/>')
+    told = read_upload(packed(tmp_path, {"robot.urdf": stiff, "a.stl": cube("stl")}), tmp_path / "kept")
+    assert told["notices"] == ['Joint "lift": its limits are both 0, it will not move.']
+    assert load_kept(tmp_path / "kept")[0].notices == tuple(told["notices"])
