@@ -21,6 +21,8 @@ CODES = {"node-failed", "node-silent", "node-slow", "node-clock", "node-start-or
 class Nodes:
     """One alarm for each node and each thing that is wrong with it; one alone where no node is reported any more.
 
+    A node that is declared and was never heard is silent, too, while others are heard.
+
     Args:
         slow_of: the type as it is set now; its limit is in percent of the usual rate.
         clock_of: the type as it is set now; its limit is in milliseconds.
@@ -75,7 +77,8 @@ class Nodes:
         return self._found
 
     def _judge(self, robot: Robot, now_s: float) -> None:
-        healths = [one for one in judge(robot, now_s).values() if one.node is not None]
+        every = list(judge(robot, now_s).values())
+        healths = [one for one in every if one.node is not None]
         silent = [one for one in healths if self._is_silent(one.node, now_s)]
         self._silent = {one.name for one in silent}
         found: list[Finding] = []
@@ -85,11 +88,14 @@ class Nodes:
         else:
             found += [_finding("node-silent", one, f"{one.label} is not heard any more.", _heard_s(one))
                       for one in silent]  # fmt: skip
+        if len(silent) < len(healths) and now_s > self._missed_s(robot):
+            found += [_finding("node-silent", one, f"{one.label} was never heard.", self._online_s)
+                      for one in every if one.node is None]  # fmt: skip
         for one in healths:
             if one not in silent:
                 found += self._wrong(one, now_s)
         self._found = tuple(found)
-        self._due_s = self._next_s(healths, now_s)
+        self._due_s = self._next_s(robot, now_s)
 
     def _is_silent(self, node: Node | None, now_s: float) -> bool:
         return node is not None and now_s > self._silent_s(node)
@@ -98,9 +104,14 @@ class Nodes:
         """Return from when on it is silent; after an outage of the link it has as long as after its last report."""
         return max(node.stamp.source_s, self._online_s or 0.0) + SILENT_PERIODS * node.period_s
 
-    def _next_s(self, healths: list[NodeHealth], now_s: float) -> float:
+    def _missed_s(self, robot: Robot) -> float:
+        """Return from when on a declared node is missed that never reported; by the slowest of those that do."""
+        slowest_s = max((one.period_s for one in robot.nodes.values()), default=0.0)
+        return (self._online_s or 0.0) + SILENT_PERIODS * slowest_s
+
+    def _next_s(self, robot: Robot, now_s: float) -> float:
         """Return when the next node would be silent; a minute at most, for restarts are forgotten with time."""
-        times = (self._silent_s(one.node) for one in healths if one.node is not None)
+        times = (*map(self._silent_s, robot.nodes.values()), self._missed_s(robot))
         return min((one for one in times if one >= now_s), default=now_s + 60.0) + PAST_S
 
     def _wrong(self, health: NodeHealth, now_s: float) -> list[Finding]:

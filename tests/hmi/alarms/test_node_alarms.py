@@ -160,3 +160,24 @@ async def test_a_robot_that_also_says_in_short_that_a_node_failed_raises_no_seco
         tell(rig, camera={"state": "failure"})
         live(rig, 10, camera={"state": "failure"})
         assert set(rig.states()) == {"node-failed.weeder-01.camera"}
+
+
+async def test_a_declared_node_that_never_reports_is_an_alarm_while_others_are_heard() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        begin(rig)
+        live(rig, 15, "camera")
+        assert rig.states() == {}
+        live(rig, 10, "camera")
+        [alarm] = rig.alarms.all()
+        assert (alarm.id, alarm.alarm.text) == ("node-silent.weeder-01.camera", "Rear camera was never heard.")
+        live(rig, 10)
+        assert rig.states() == {"node-silent.weeder-01.camera": "returned"}
+
+
+async def test_a_node_that_was_never_heard_is_missed_by_the_slowest_period_of_the_others() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        begin(rig)
+        live(rig, 80, "camera", guidance={"period_ms": 30_000})
+        assert rig.states() == {}
+        live(rig, 20, "camera", guidance={"period_ms": 30_000})
+        assert set(rig.states()) == {"node-silent.weeder-01.camera"}
