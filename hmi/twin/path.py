@@ -14,6 +14,7 @@ from hmi.twin.ground_frame import SiteFrame
 
 DONE, NOW, NEXT, EDGE = (70, 82, 88), (20, 30, 36), (150, 156, 158), (96, 104, 108)
 LIFT_M = 0.02
+BEGUN = ("running", "paused", "aborted", "failed")
 Lines = NDArray[np.float32]
 
 
@@ -38,8 +39,7 @@ class PathLines:
 
     def show(self, order: OrderState | None) -> None:
         """Draw progress; only when another piece of the path is being worked."""
-        is_ours = order is not None and order.mission_id == self._plan.mission_id
-        at = order.segment if order is not None and is_ours else -1
+        at = self._at(order)
         key = (at, self._plan.mission_id)
         if key == self._shown:
             return
@@ -48,6 +48,17 @@ class PathLines:
         self._draw("done", self._path, lines[: max(at, 0)], DONE, 4.0)
         self._draw("now", self._path, lines[at : at + 1] if at >= 0 else [], NOW, 5.0)
         self._draw("next", self._path, lines[at + 1 :], NEXT, 1.5)
+
+    def _at(self, order: OrderState | None) -> int:
+        """Return the piece that is worked, -1 before the first and one past the last when all is done.
+
+        As the map draws it: static/js/map/mission.js.
+        """
+        if order is None or order.mission_id != self._plan.mission_id:
+            return -1
+        if order.status == "done":
+            return len(self._lines)
+        return order.segment if order.status in BEGUN else -1
 
     def _draw(self, name: str, below: str, lines: Iterable[Lines], colour: tuple[int, int, int], width: float) -> None:
         pairs = [np.stack([line[:-1], line[1:]], axis=1) for line in lines]
