@@ -49,6 +49,7 @@ def state_times(
         "now_m": milliseconds(now[1]),
         "intervals": [_interval(one, normal.get(one.state), lanes) for one in shown],
         "is_thinned": len(shown) < len(inside),
+        "stays": len(inside),
         "share": [
             {"subsystem": one.subsystem, "label": LABELS.get(one.subsystem, one.subsystem), "s": round(one.seconds, 3),
              "share": round(one.share, 5)}

@@ -43,3 +43,39 @@ test('above a log stands how much of it is shown, and when it was read', () => {
   assert.equal(said({ lines: [], found: 0, read: 900 }, true, 'at 12:00'), 'Nothing found in its last 900 lines. Read at 12:00.');
   assert.equal(said({ lines: ['a'], found: 7, read: 900 }, true, 'at 12:00'), 'The last 1 of 7 found in its last 900 lines. Read at 12:00.');
 });
+
+// a screen's part without a page: its class, and what it writes
+function part(name, more) {
+  const made = { timers: [], said: '' };
+  const world = {
+    ...HL, text: (_node, said) => (made.said = said), superDefine: (_tag, type) => (made.type = type), repaint() {}, ...more,
+  };
+  const setTimeout = (call, ms) => made.timers.push([call, ms]);
+  vm.runInContext(readFileSync(new URL(`../../static/js/ui/${name}.js`, import.meta.url), 'utf8'), vm.createContext({ HL: world, setTimeout, clearTimeout() {} }));
+  return Object.assign(made, { one: Object.create(made.type.prototype) });
+}
+
+test('durations without their short stays say so, and where the others are', () => {
+  const gantt = part('super_gantt', { superTimes: { word: () => 'this mission', isLive: () => false }, view: { robot: 'planter-01' }, port: { inside: () => ({}) } });
+  gantt.one.sub = {};
+  const data = { per_state: [], intervals: Array(4000).fill({}), stays: 5210, is_thinned: true };
+  gantt.one.words(data);
+  assert.equal(gantt.said, 'this mission, the 4,000 longest of 5,210 stays; the table has all');
+  gantt.one.words({ ...data, is_thinned: false });
+  assert.equal(gantt.said, 'this mission');
+});
+
+test('a chart whose layout failed is tried again, and its problem is gone when it stands', async () => {
+  const answers = [Promise.reject(new Error('the layout did not load')), Promise.resolve({})];
+  let asked = 0;
+  const chart = part('super_chart', { chartLayouts: { of: () => ({ key: 'a', layout: answers[Math.min(asked++, 1)] }) } });
+  Object.assign(chart.one, { chart: {}, stage: { getBoundingClientRect: () => ({ width: 800, height: 600 }) }, drawing: { connect: () => true } });
+  chart.one.lay();
+  await new Promise((done) => setImmediate(done));
+  assert.equal(chart.one.problem, 'The chart could not be laid out: the layout did not load');
+  const [[again, ms]] = chart.timers;
+  assert.equal(ms, 5000);
+  again();
+  await new Promise((done) => setImmediate(done));
+  assert.deepEqual([asked, chart.one.problem, chart.timers.length], [2, '', 1]);
+});

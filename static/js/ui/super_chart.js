@@ -38,6 +38,7 @@
 
     leave() {
       this.resized.disconnect();
+      clearTimeout(this.layTimer);
       window.removeEventListener("keydown", this.onKey);
       if (this.isFull) this.whole();
     }
@@ -76,7 +77,15 @@
       const { key, layout } = HL.chartLayouts.of(this.chart, { w: width, h: height }, (placed) => isCurrent() && this.draw(placed));
       if (isCurrent()) return;
       this.layoutKey = key;
-      layout.then((done) => isCurrent() && this.connect(done), (error) => (this.problem = `The chart could not be laid out: ${error.message}`));
+      layout.then((done) => isCurrent() && this.connect(done), (error) => isCurrent() && this.failed(error));
+    }
+
+    // a worker that did not load may load the next time
+    failed(error) {
+      this.problem = `The chart could not be laid out: ${error.message}`;
+      this.layoutKey = "";
+      this.layTimer = setTimeout(() => this.lay(), RETRY_MS);
+      HL.repaint();
     }
 
     draw(layout) {
@@ -90,6 +99,7 @@
 
     // lines that came after the states; without states drawn before, both
     connect(layout) {
+      this.problem = "";
       if (!this.drawing?.connect(layout)) return void this.draw(layout);
       this.marked = null;
       HL.repaint();

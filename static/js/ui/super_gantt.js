@@ -163,7 +163,9 @@
       const more = worst
         ? `. ${worst.state.label} has run ${words.clock(worst.s)}, ${mean ? `its mean is ${HL.chartFacts.span(mean)}` : `normal is ${HL.chartFacts.span(worst.state.normal_s)}`}`
         : drifting.length ? `. ${drifting[0].label} takes ${HL.chartFacts.span(drifting[0].mean_s)}, normal ${HL.chartFacts.span(drifting[0].normal_s)}` : "";
-      text(this.sub, `${HL.superTimes.word()}${more}`);
+      const count = (number) => number.toLocaleString("en-GB");
+      const thinned = data.is_thinned ? `, the ${count(data.intervals.length)} longest of ${count(data.stays)} stays; the table has all` : "";
+      text(this.sub, `${HL.superTimes.word()}${thinned}${more}`);
       attr(this.sub, "title", this.sub.textContent);
     }
 
