@@ -6,6 +6,7 @@ from hmi.clock import Clock
 from hmi.commands.ports import FleetReader, TickJudge
 from hmi.commands.refusal import (
     HARDWARE_STOP,
+    JOINTS_UNKNOWN,
     LATCHED,
     NOT_REGISTERED,
     ROBOT_SILENT,
@@ -15,6 +16,7 @@ from hmi.commands.refusal import (
     UNKNOWN_ROBOT,
     OrderRefused,
 )
+from hmi.domain.joint_use import joints_obstacle
 from hmi.domain.robot import Robot, SafetyState
 from hmi.domain.role import Permission
 from hmi.security.authorization import Authorize
@@ -89,6 +91,11 @@ class Gate:
         state = robot.state
         if state is None or self._clock.mono_s() - state.stamp.source_s > LINK_FRESH_S:
             raise OrderRefused(STATE_UNKNOWN, f"What {robot.name} is doing is not known right now.")
+
+    def knows_joints(self, robot: Robot) -> None:
+        """Refuse to send an arm of which a joint was not heard within 2 s."""
+        if reason := joints_obstacle(robot, self._clock.mono_s()):
+            raise OrderRefused(JOINTS_UNKNOWN, f"{robot.name}: {reason} How its arm stands is not known right now.")
 
     def may_move(self, robot: Robot) -> None:
         """Refuse motion while a stop is latched, pressed on the machine, or not known to be clear."""

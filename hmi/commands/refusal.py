@@ -27,7 +27,7 @@ OTHER_MACHINE, IN_QUEUE = "other_machine", "in_queue"
 MAP_CHANGED, NOT_READ_BACK, CHECKLIST_MISSING = "map_changed", "not_read_back", "checklist_missing"
 HARDWARE_STOP, SAFETY_UNKNOWN, WRONG_MISSION = "hardware_stop", "safety_unknown", "wrong_mission"
 LEASE_REVOKED = "lease_revoked"  # the robot's own word, edge.md
-STATE_UNKNOWN, OTHER_TARGET = "state_unknown", "other_target"
+STATE_UNKNOWN, OTHER_TARGET, JOINTS_UNKNOWN = "state_unknown", "other_target", "joints_unknown"
 FUNCTION_OFF, UNKNOWN_NODE, INCOMPLETE = "function_off", "unknown_node", "incomplete"
 
 ACTION_PERMISSION: dict[Action, Permission] = {

@@ -150,6 +150,8 @@ class CommandService:
             self._gate.may_move(robot)
         if request.action in (Action.START, Action.RESUME):
             self._gate.knows_state(robot)
+        if request.action is Action.TOOL_GO_TO:
+            self._gate.knows_joints(robot)
         _is_able(robot, request.action)
         _is_at_target(robot, request)
         mission = _mission(robot, request)

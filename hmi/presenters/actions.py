@@ -9,6 +9,7 @@ from typing import Any
 
 from hmi.domain.command import Action
 from hmi.domain.function_use import Uses
+from hmi.domain.joint_use import joints_obstacle
 from hmi.domain.robot import Mode, OrderStatus, Robot
 from hmi.presenters.units import milliseconds
 from hmi.presenters.words import HARDWARE_STOP, NO_LINK, NOT_REGISTERED, RESET_FIRST, has_mission, mode_of
@@ -201,9 +202,12 @@ def _tool_retract(robot: Robot) -> str:
 
 
 def _tool_go_to(robot: Robot) -> str:
+    """Nobody sends an arm of which nobody knows how it stands."""
     if held := _held(robot):
         return held
-    return "Pause it first" if mode_of(robot) is Mode.AUTO else ""
+    if mode_of(robot) is Mode.AUTO:
+        return "Pause it first"
+    return "" if robot.link.heard_s is None else joints_obstacle(robot, robot.link.heard_s)
 
 
 def _skip_target(robot: Robot) -> str:

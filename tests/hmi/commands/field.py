@@ -24,7 +24,7 @@ from hmi.domain.command import (
     StopOrder,
 )
 from hmi.domain.freshness import TickRing
-from hmi.domain.machine import Worksite
+from hmi.domain.machine import Body, Worksite
 from hmi.domain.robot import (
     Factsheet,
     Family,
@@ -102,6 +102,7 @@ class FakeRobot:
     rates: dict[str, float] = field(default_factory=dict)
     nodes: dict[str, Node] = field(default_factory=dict)
     worksite: Worksite | None = None
+    body: Body | None = None
     stored_sha256: str | None = SHA
     _issued: dict[str, float] = field(default_factory=dict)
     _answers: dict[str, Acknowledgement] = field(default_factory=dict)
@@ -197,6 +198,7 @@ class FakeRobot:
             ),
             nodes=self.nodes,
             worksite=self.worksite,
+            body=self.body,
         )
 
     def _once(self, ref: str, act: Any) -> Acknowledgement:

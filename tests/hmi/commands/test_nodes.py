@@ -11,7 +11,7 @@ import pytest
 from hmi.commands.ledger import CommandResult
 from hmi.commands.service import CommandRequest
 from hmi.domain.command import NODE_ACTIONS, Action, CommandOrder, Outcome
-from hmi.domain.machine import FunctionInfo, NodeInfo, Target, Worksite
+from hmi.domain.machine import Body, FunctionInfo, JointInfo, NodeInfo, Target, Worksite
 from hmi.domain.robot import Mode, Node, Stamp
 from hmi.domain.role import Role
 from hmi.security.session_info import SessionInfo
@@ -189,3 +189,37 @@ async def test_a_robot_is_told_the_target_only_if_it_says_that_it_understands(do
     at_tree(field, "tree-1")
     assert (await submit(field, Action.SKIP_TARGET, target="tree-1")).is_accepted
     assert orders(field)[-1].target == ("tree-1" if does_know else None)
+
+
+def with_arm(field: Field) -> None:
+    """Let the machine declare two joints."""
+    joints = tuple(JointInfo(name, name.capitalize(), "rad", -3, 3, 0.4, None, None) for name in ("slew", "boom"))
+    assert field.weeder.factsheet is not None
+    field.weeder.factsheet = replace(field.weeder.factsheet, joints=joints)
+
+
+def stands(field: Field, **joints: float) -> None:
+    """Let the machine say now how its joints stand."""
+    now_s = field.clock.mono_s()
+    field.weeder.body = Body(joints, {}, {}, None, None, None, (), Stamp(now_s, now_s))
+
+
+async def test_an_arm_of_which_nobody_knows_how_it_stands_is_not_sent_anywhere() -> None:
+    field = on_the_field()
+    with_arm(field)
+    refused = await submit(field, Action.TOOL_GO_TO, MARTHA, place=PLACE)
+    assert (refused.code, refused.text) == (
+        "joints_unknown", "Weeder 01: Its joints were not heard. How its arm stands is not known right now."
+    )  # fmt: skip
+    stands(field, slew=0.1)
+    asked = CommandRequest("weeder-01", Action.TOOL_GO_TO, "second-0001", field.tick(), place=PLACE)
+    refused = await field.desk.commands.submit(MARTHA, asked)
+    assert (refused.code, "Its joint Boom is not heard." in refused.text) == ("joints_unknown", True)
+    stands(field, slew=0.1, boom=0.2)
+    field.wait(2.5)
+    asked = CommandRequest("weeder-01", Action.TOOL_GO_TO, "third-00001", field.tick(), place=PLACE)
+    assert (await field.desk.commands.submit(MARTHA, asked)).code == "joints_unknown"
+    assert (await submit(field, Action.GO_TO, MARTHA, place=PLACE)).is_accepted, "its wheels need no arm"
+    stands(field, slew=0.1, boom=0.2)
+    asked = CommandRequest("weeder-01", Action.TOOL_GO_TO, "fourth-0001", field.tick(), place=PLACE)
+    assert (await field.desk.commands.submit(MARTHA, asked)).is_accepted

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import pytest
 
+from hmi.domain.machine import Body, JointInfo
 from hmi.domain.robot import Fault, Mode
 from hmi.presenters.actions import ACTIONS, actions, why
 from tests.hmi.presenters import robots as r
@@ -156,3 +157,15 @@ def test_a_latched_stop_wins_over_a_mode_that_says_auto() -> None:
     found = why(lying)
     assert found is not None
     assert found["code"] == "stop_latched"
+
+
+def test_an_arm_is_sent_nowhere_while_its_joints_are_not_heard() -> None:
+    joint = JointInfo("boom", "Boom", "rad", -1.0, 1.0, 0.2, None, None)
+    sheet = replace(r.SHEET, joints=(joint,))
+    idle = replace(r.with_state(r.RUNNING, mode=Mode.IDLE), factsheet=sheet)
+    assert actions(idle)["tool_go_to"] == {"ok": False, "reason": "Its joints were not heard."}
+    body = Body({"boom": 0.1}, {}, {}, None, None, None, (), r.T)
+    assert actions(replace(idle, body=body))["tool_go_to"]["ok"]
+    late = replace(idle, body=body, link=replace(r.LINK, heard_s=r.T.source_s + 2.5))
+    assert actions(late)["tool_go_to"]["reason"] == "Its joints are not heard any more."
+    assert actions(late)["tool_retract"]["ok"], "it goes by itself, and helps out"
