@@ -7,9 +7,12 @@ import logging
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+import msgspec
+
 from hmi.app.media_link import MediaLink
 from hmi.commands.ports import FleetReader
 from hmi.domain.event import RobotEvent
+from hmi.domain.machine import height_m
 from hmi.domain.robot import Robot
 from hmi.store.database import Database
 from hmi.store.errors import NotFound, StoreError
@@ -17,7 +20,7 @@ from hmi.store.features import Features
 from hmi.store.history import History
 from hmi.store.missions import Missions
 from hmi.store.robots import Robots
-from hmi.twin.farm import Farm, FarmRobot, Plan, Swath, Treated
+from hmi.twin.farm import Farm, FarmRobot, Last, Plan, Swath, Treated
 
 log = logging.getLogger(__name__)
 MOST_TREATED = 5000
@@ -61,6 +64,8 @@ class TwinNews:
             robot = self._fleet.robot(robot_id)
             key = (run, *self._key(robot))
             if robot is not None and self._told.get(robot_id) != key:
+                if (last := last_of(robot)) is not None:  # one that is silent now says nothing to the media process
+                    await self._link.ask("PUT", f"/last/{robot_id}", last)
                 await self._link.ask("PUT", f"/plans/{robot_id}", await self._plan(robot))
                 self._told[robot_id] = key
         wanted: Mapping[str, Sequence[str]] = status.get("wanted", {})
@@ -88,6 +93,19 @@ class TwinNews:
     def _treated(self, robot_id: str, mission_id: str) -> list[Treated]:
         events = self._history.events(robot_id, kinds=["treatment"], limit=MOST_TREATED)
         return [one for event in events if event.mission_id == mission_id and (one := _one(event)) is not None]
+
+
+def last_of(robot: Robot) -> Last | None:
+    """Return where a robot was and how its joints stood when they were heard last; ``None`` before it said so."""
+    if robot.telemetry is None:
+        return None
+    pose, body = robot.telemetry.pose, robot.body
+    last = Last(pose.x_m, pose.y_m, pose.theta_rad, pose.stamp.source_s)
+    if body is None:
+        return last
+    return msgspec.structs.replace(
+        last, joints=body.joints, joints_at_s=body.stamp.source_s, height_m=height_m(body.gauges) or 0.0
+    )
 
 
 def _one(event: RobotEvent) -> Treated | None:

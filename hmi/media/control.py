@@ -25,7 +25,7 @@ from hmi.media.orders import BadOrder, decode_order
 from hmi.media.studio import Studio
 from hmi.side_server import SecretDoor
 from hmi.twin.errors import ModelError, UnsafeModel
-from hmi.twin.farm import Farm, Plan
+from hmi.twin.farm import Farm, Last, Plan
 
 REPLAY_RIGHT = "replay"
 MAX_PLAN_BYTES = 16 * 1024 * 1024
@@ -39,6 +39,7 @@ def control_app(studio: Studio, shelf: ModelShelf, secret: str) -> ASGIApp:
         Route("/status", _status(studio)),
         Route("/farm", _put_farm(studio), methods=["PUT"]),
         Route("/plans/{robot}", _put_plan(studio), methods=["PUT"]),
+        Route("/last/{robot}", _put_last(studio), methods=["PUT"]),
         Route("/pictures/{robot}/{camera}", _put_picture(studio), methods=["PUT"]),
         Route("/models/{robot}", _model(shelf), methods=["GET", "PUT", "DELETE"]),
     ]
@@ -105,6 +106,14 @@ def _put_farm(studio: Studio) -> Handler:
 def _put_plan(studio: Studio) -> Handler:
     async def put(request: Request) -> Response:
         studio.set_plan(request.path_params["robot"], msgspec.json.decode(await request.body(), type=Plan))
+        return Response(status_code=204)
+
+    return put
+
+
+def _put_last(studio: Studio) -> Handler:
+    async def put(request: Request) -> Response:
+        studio.set_last(request.path_params["robot"], msgspec.json.decode(await request.body(), type=Last))
         return Response(status_code=204)
 
     return put

@@ -19,7 +19,7 @@ from hmi.domain.freshness import ClockMap
 
 KINDS = (Up.FACTSHEET, Up.TELEMETRY, Up.STATE, Up.BODY, Up.WORKSITE, Up.SCAN)
 SUBSCRIPTIONS = [(every_robot(kind), 1 if kind in (Up.FACTSHEET, Up.WORKSITE) else 0) for kind in KINDS]
-MOST_ROBOTS = 500  # strangers on the broker must not fill the memory
+MOST_STRANGERS = 500  # on the broker; they must not fill the memory
 T = TypeVar("T", bound=up.Header)
 
 
@@ -51,6 +51,8 @@ class Intake:
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._robots: dict[str, _Robot] = {}
+        self._own: frozenset[str] = frozenset()
+        self._strangers = 0
         self._lock = threading.Lock()
         self.messages = 0
 
@@ -64,10 +66,18 @@ class Intake:
         with self._lock:
             robot = self._robots.get(address.robot)
             if robot is None:
-                if len(self._robots) >= MOST_ROBOTS:
+                is_stranger = address.robot not in self._own
+                if is_stranger and self._strangers >= MOST_STRANGERS:
                     return
+                self._strangers += is_stranger
                 robot = self._robots[address.robot] = _Robot()
             robot.heard[address.kind] = Heard(payload, now_s, is_retained, _read(robot.heard.get(address.kind)))
+
+    def own(self, robots: Iterable[str]) -> None:
+        """Take note of the farm's own: they always come in."""
+        with self._lock:
+            self._own = frozenset(robots)
+            self._strangers = len(self._robots.keys() - self._own)
 
     def robots(self) -> list[str]:
         """Return who was heard."""
@@ -79,6 +89,7 @@ class Intake:
         kept = set(but)
         with self._lock:
             self._robots = {robot: known for robot, known in self._robots.items() if robot in kept}
+            self._strangers = len(self._robots.keys() - self._own)
 
     def newest(self, robot_id: str, kind: Up, form: type[T]) -> tuple[T, float] | None:
         """Return the newest message of a kind that can be read and when it was true, on the own clock."""

@@ -8,6 +8,7 @@ from backend_clients.edge import machine
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.topics import Up
 from hmi.media.tap import where_is
+from hmi.media.whereabouts import limbs_of
 
 if TYPE_CHECKING:
     from hmi.media.studio import Studio
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def status_of(studio: Studio, viewer: Viewer, now_s: float) -> dict[str, Any]:
-    """Return ages in seconds (``None``: never heard) and counts of the layers."""
+    """Return ages in seconds (``None``: not known) and counts of the layers; ``unheard`` are joints drawn at rest."""
     robot_id = viewer.robot_id
     intake = studio.intake
     factsheet = intake.newest(robot_id, Up.FACTSHEET, up.Factsheet)
@@ -24,15 +25,18 @@ def status_of(studio: Studio, viewer: Viewer, now_s: float) -> dict[str, Any]:
     scan = intake.newest(robot_id, Up.SCAN, machine.Scan)
     site, drawn_s = studio.site(robot_id), studio.world.drawn_at_s(robot_id)
     has_joints = factsheet is not None and bool(factsheet[0].joints)
+    limbs = limbs_of(studio, robot_id)
+    limbs_s = limbs.at_s if limbs is not None else None if has_joints or pose is None else pose[1]
     planned = body if body is not None and body[0].planned else None
     return {
         "k": "status",
         "robot": robot_id,
-        "is_drawn": drawn_s is not None,
+        "is_drawn": studio.world.solid(robot_id) is not None,
         "model": "" if factsheet is None else studio.library.kind_of(factsheet[0]),
         "pose_age_s": None if drawn_s is None else _rounded(now_s - drawn_s),
+        "unheard": list(studio.world.unheard(robot_id)),
         "ages_s": {
-            "machine": _age(body if has_joints else body or pose, now_s),
+            "machine": None if limbs_s is None else _rounded(now_s - limbs_s),
             "planned": _age(planned, now_s),
             "scan": _age(scan, now_s),
             "cameras": _rounded(None if site is None else site.frusta.age_s(now_s)),

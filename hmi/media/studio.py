@@ -19,16 +19,16 @@ from backend_clients.edge import machine
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.topics import Up
 from hmi.clock import Clock
-from hmi.domain.machine import height_m
 from hmi.media import orders
 from hmi.media.door import SECRET_HEADER, VIEWER_HEADER
 from hmi.media.ear import Ear
 from hmi.media.intake import Intake
 from hmi.media.recall import recall
 from hmi.media.status import status_of
-from hmi.media.tap import ground_under, tapped
+from hmi.media.tap import base_of, tapped
+from hmi.media.whereabouts import posture_of
 from hmi.side_door import is_secret
-from hmi.twin.farm import Farm, FarmRobot, Plan
+from hmi.twin.farm import Farm, FarmRobot, Last, Plan
 from hmi.twin.ground_frame import SiteFrame
 from hmi.twin.groups import Group
 from hmi.twin.guarded_viser import guarded_viser, headers_of
@@ -36,7 +36,6 @@ from hmi.twin.kinematics import Place
 from hmi.twin.library import Library
 from hmi.twin.moment import Moment
 from hmi.twin.posture import Posture
-from hmi.twin.rotation import yaw
 from hmi.twin.site import SiteView
 from hmi.twin.viewer import View, Viewer
 from hmi.twin.world import World
@@ -59,6 +58,7 @@ class Studio:
         self.viewers: dict[str, Viewer] = {}
         self.farm: dict[str, FarmRobot] = {}
         self._plans: dict[str, Plan] = {}
+        self._last: dict[str, Last] = {}
         self._sites: dict[str, SiteView] = {}
         self._boxes: dict[str, asyncio.Queue[dict[str, Any]]] = {}
         self._loop: asyncio.AbstractEventLoop | None = None
@@ -89,6 +89,7 @@ class Studio:
     def set_farm(self, farm: Farm) -> None:
         """Take note of who belongs to the farm."""
         self.farm = {robot.id: robot for robot in farm.robots}
+        self.intake.own(self.farm)
         for robot_id in [one for one in self.world.robots() if one not in self.farm]:
             self.world.remove(robot_id)
 
@@ -97,6 +98,10 @@ class Studio:
         self._plans[robot_id] = plan
         if robot_id in self._sites:
             self._sites[robot_id].set_plan(plan, self.frame)
+
+    def set_last(self, robot_id: str, last: Last) -> None:
+        """Take note of where a robot was before anybody listened here; the newest of that and what it says counts."""
+        self._last[robot_id] = last
 
     def enter(self, key: str, robot_id: str, *, may_replay: bool) -> asyncio.Queue[dict[str, Any]]:
         """Let a page in; what it is told comes by the queue that is returned."""
@@ -122,6 +127,8 @@ class Studio:
         del self._boxes[key]
         for robot_id in [one for one in self._sites if one not in self._watched()]:
             self._sites.pop(robot_id).remove()
+        for robot_id in [one for one in self.world.robots() if self.posture(one) is None]:
+            self.world.remove(robot_id)  # drawn by what the console heard before, for the one who looked
 
     def obey(self, key: str, order: orders.Order) -> None:
         """Do what a page asks of its own picture."""
@@ -196,23 +203,12 @@ class Studio:
             self.world.beat()
 
     def posture(self, robot_id: str) -> Posture | None:
-        """Return where a robot is in the site's plane, ``None`` before it said so.
+        """Return where a robot is in the site's plane, ``None`` before anybody knew."""
+        return posture_of(self, robot_id)
 
-        It is as old as the older of what it is drawn from: an arm that stands still on the screen only is not live.
-        """
-        factsheet = self.intake.newest(robot_id, Up.FACTSHEET, up.Factsheet)
-        telemetry = self.intake.newest(robot_id, Up.TELEMETRY, up.Telemetry)
-        if factsheet is None or telemetry is None:
-            return None
-        datum, (said, at_s) = factsheet[0].datum, telemetry
-        east, north = self.frame.shift(datum.lat_deg, datum.lon_deg)
-        heard = self.intake.newest(robot_id, Up.BODY, machine.Body)
-        body = None if heard is None else heard[0]
-        if heard is not None and factsheet[0].joints:
-            at_s = min(at_s, heard[1])
-        height = 0.0 if body is None else height_m(body.gauges) or 0.0
-        place = Place((said.x_m + east, said.y_m + north, height), yaw(said.theta_rad))
-        return Posture(place, {} if body is None else body.joints, {} if body is None else body.planned, at_s)
+    def last(self, robot_id: str) -> Last | None:
+        """Return what the console heard of a robot that somebody looks at."""
+        return self._last.get(robot_id) if robot_id in self._watched() else None
 
     def _draw(self, robot_id: str, *, is_watched: bool) -> None:
         posture = self.posture(robot_id)
@@ -280,10 +276,17 @@ class Studio:
 
     def _tell_all(self, now_s: float) -> None:
         for key, viewer in self.viewers.items():
-            base = self.base(viewer)
-            if base is not None:
-                viewer.mark_from(base.xyz)
+            self._mark_again(viewer)
             self._tell(key, status_of(self, viewer, now_s))
+
+    def _mark_again(self, viewer: Viewer) -> None:
+        """Let the mark stay with a robot that was touched, and its line with the one that is watched."""
+        base, touched = self.base(viewer), viewer.touched_robot
+        place = None if touched is None else base_of(self, viewer, touched)
+        if place is not None:
+            viewer.mark_at(place.xyz[:2])
+        if base is not None and touched != viewer.robot_id:
+            viewer.mark_from(base.xyz)
 
     def _tell(self, key: str, message: dict[str, Any]) -> None:
         box = self._boxes.get(key)
@@ -334,10 +337,11 @@ class Studio:
         """Tell a page what lies under a ray in the site's plane, and mark the place."""
         viewer = self.viewers.get(key)
         if viewer is not None and all(map(math.isfinite, (*origin, *direction))):
-            place = ground_under(origin, direction)
-            base = self.base(viewer)
-            viewer.mark(place, None if base is None else base.xyz)
-            self._tell(key, tapped(self, viewer, origin, direction))
+            place, said = tapped(self, viewer, origin, direction)
+            robot_id = said["id"] if said["what"] == "robot" else None
+            base = None if robot_id == viewer.robot_id else self.base(viewer)
+            viewer.mark(place, None if base is None else base.xyz, robot_id)
+            self._tell(key, said)
 
 
 def _message(heard: tuple[Any, float] | None) -> Any:

@@ -9,6 +9,7 @@ import numpy as np
 
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.topics import Up
+from hmi.twin.kinematics import Place
 from hmi.twin.model import Vector
 from hmi.twin.rotation import turned
 
@@ -29,16 +30,31 @@ OUTCOMES = {
 }
 
 
-def tapped(studio: Studio, viewer: Viewer, origin: Vector, direction: Vector) -> dict[str, Any]:
-    """Return what is under a ray: robot, place, obstacle or bare ground, and the ground's place for the robot.
+def tapped(
+    studio: Studio, viewer: Viewer, origin: Vector, direction: Vector
+) -> tuple[tuple[float, float] | None, dict[str, Any]]:
+    """Return a place of the ground and what is under a ray: robot, place, obstacle or bare ground.
 
-    In a replay that is what is seen there: nothing of now but obstacles, which are said to be.
+    A robot's place is where it stands, not what is seen behind it. In a replay that is what is seen there: nothing of
+    now but obstacles, which are said to be.
     """
     ground = ground_under(origin, direction)
     found = _robot(studio, viewer, origin, direction)
+    base = None if found is None else base_of(studio, viewer, found["id"])
+    if base is not None:
+        ground = base.xyz[:2]
     if found is None and ground is not None:
         found = _place(studio, viewer, ground) or {"what": "ground", "name": "Ground", "lines": []}
-    return {"k": "tap", **(found or {"what": "nothing", "name": "", "lines": []}), **where_is(studio, viewer, ground)}
+    found = found or {"what": "nothing", "name": "", "lines": []}
+    return ground, {"k": "tap", **found, **where_is(studio, viewer, ground)}
+
+
+def base_of(studio: Studio, viewer: Viewer, robot_id: str) -> Place | None:
+    """Return where a robot stands in a viewer's picture."""
+    if robot_id == viewer.robot_id:
+        return studio.base(viewer)
+    solid = studio.world.solid(robot_id)
+    return None if solid is None else studio.world.mover.place(solid.name)
 
 
 def ground_under(origin: Vector, direction: Vector) -> tuple[float, float] | None:
@@ -58,7 +74,7 @@ def _robot(studio: Studio, viewer: Viewer, origin: Vector, direction: Vector) ->
         solid = studio.world.solid(robot_id)
         if solid is None:
             continue
-        base = studio.base(viewer) if robot_id == viewer.robot_id else studio.world.mover.place(solid.name)
+        base = base_of(studio, viewer, robot_id)
         if base is None:
             continue
         radius = 0.42 * solid.form.size_m

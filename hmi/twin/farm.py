@@ -21,6 +21,21 @@ class Farm(Struct, frozen=True):
     robots: list[FarmRobot] = field(default_factory=list)
 
 
+class Last(Struct, frozen=True):
+    """Where a robot was when it was heard last: ENU metres of its datum, radians, seconds of the machine's own clock.
+
+    ``joints_at_s`` is ``None`` where its joints were never heard; ``height_m`` is above the ground.
+    """
+
+    x_m: float
+    y_m: float
+    theta_rad: float
+    at_s: float
+    joints: dict[str, float] = field(default_factory=dict)
+    joints_at_s: float | None = None
+    height_m: float = 0.0
+
+
 class Swath(Struct, frozen=True):
     """One piece of a mission's path: longitude, latitude pairs; ``row`` counts from 1, 0 is a way between rows."""
 

@@ -59,6 +59,7 @@ class Viewer:
     held_until_s: float = 0.0
     is_dark: bool = False
     touched: tuple[float, float] | None = None
+    touched_robot: str | None = None
     _mover: Mover | None = None
     _camera: Camera | None = None
     _base: Vector | None = None
@@ -148,10 +149,19 @@ class Viewer:
         if self._camera is not None:
             self._camera.zoom(factor)
 
-    def mark(self, place: tuple[float, float] | None, base: Vector | None) -> None:
-        """Show this viewer the place that was touched and the line to it; ``None`` takes it away."""
-        self.touched, self._touched_from, self._height_m = place, base, 0.0
+    def mark(self, place: tuple[float, float] | None, base: Vector | None, robot_id: str | None = None) -> None:
+        """Show this viewer the place that was touched and the line to it; ``None`` takes it away.
+
+        ``robot_id`` is who was touched there, ``base`` where the line begins; without it there is none.
+        """
+        self.touched, self.touched_robot, self._touched_from, self._height_m = place, robot_id, base, 0.0
         self._draw_touched()
+
+    def mark_at(self, place: tuple[float, float]) -> None:
+        """Move the mark to where the touched robot is now."""
+        if self.touched is not None and math.dist(self.touched, place) > MARK_M:
+            self.touched = place
+            self._draw_touched()
 
     def mark_from(self, base: Vector) -> None:
         """Let the line to the touched place begin where the robot is now."""

@@ -20,7 +20,8 @@ BEAT = "/beat"
 @dataclass(slots=True)
 class _Shown:
     solid: MachineView
-    at_s: float = 0.0
+    at_s: float | None = 0.0
+    unheard: tuple[str, ...] = ()
     ghost: MachineView | None = None
     is_ghost_seen: bool = False
 
@@ -55,9 +56,14 @@ class World:
         return None if shown is None else shown.solid.form
 
     def drawn_at_s(self, robot_id: str) -> float | None:
-        """Return when the posture was true that a robot is drawn with; ``None`` while it is not drawn."""
+        """Return when the posture was true that a robot is drawn with; ``None`` while it is not drawn or unknown."""
         shown = self._robots.get(robot_id)
         return None if shown is None else shown.at_s
+
+    def unheard(self, robot_id: str) -> tuple[str, ...]:
+        """Return the joints that a robot is drawn with though they were not heard."""
+        shown = self._robots.get(robot_id)
+        return () if shown is None else shown.unheard
 
     def solid(self, robot_id: str) -> MachineView | None:
         """Return the drawing of a robot as measured."""
@@ -73,7 +79,7 @@ class World:
             solid = MachineView(self._scene, self.mover, Group.MACHINE.of(robot_id), form)
             shown = self._robots[robot_id] = _Shown(solid)
         moved = shown.solid.show(posture.body, posture.joints)
-        shown.at_s = posture.at_s
+        shown.at_s, shown.unheard = posture.at_s, posture.unheard
         return moved + self._show_ghost(robot_id, shown, posture, is_wanted=has_ghost and bool(posture.planned))
 
     def beat(self) -> None:

@@ -58,7 +58,7 @@ class Planter:
         limits = up.Limits(max_speed_mps=2.0, max_accel_mps2=1.0, decel_mps2=1.0, max_yaw_rate_radps=1.0)
         self.say(
             Up.FACTSHEET, up.Factsheet, family="planter", name="Planter 02", model="Planter", software="1",
-            datum=up.Datum(lat_deg=52.0, lon_deg=5.0), dimensions=size, limits=limits, joints=JOINTS, **more,
+            datum=up.Datum(lat_deg=52.0, lon_deg=5.0), dimensions=size, limits=limits, **{"joints": JOINTS, **more},
         )  # fmt: skip
 
 

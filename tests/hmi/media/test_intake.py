@@ -6,7 +6,7 @@ from backend_clients.edge import messages_up as up
 from backend_clients.edge.codec import encode
 from backend_clients.edge.topics import Up, topic
 from hmi.clock import FakeClock
-from hmi.media.intake import MOST_ROBOTS, Intake
+from hmi.media.intake import MOST_STRANGERS, Intake
 
 
 def telemetry(robot: str, mono_ms: int, x_m: float) -> bytes:
@@ -66,6 +66,23 @@ def test_a_message_that_cannot_be_read_leaves_the_one_before_which_gets_old() ->
 
 def test_strangers_cannot_fill_the_memory() -> None:
     intake = Intake(FakeClock())
-    for number in range(MOST_ROBOTS + 50):
+    for number in range(MOST_STRANGERS + 50):
         intake.take(topic(f"r{number}", Up.TELEMETRY), b"{}", False)
-    assert len(intake.robots()) == MOST_ROBOTS
+    assert len(intake.robots()) == MOST_STRANGERS
+
+
+def test_the_farms_own_robots_always_come_in_however_many_there_are() -> None:
+    intake = Intake(FakeClock())
+    own = [f"own{number}" for number in range(MOST_STRANGERS + 100)]
+    intake.take(topic("own0", Up.TELEMETRY), b"{}", False)
+    for number in range(MOST_STRANGERS + 50):
+        intake.take(topic(f"r{number}", Up.TELEMETRY), b"{}", False)
+    intake.own(own)
+    for robot in own:
+        intake.take(topic(robot, Up.TELEMETRY), b"{}", False)
+    assert set(own) <= set(intake.robots())
+    assert len(intake.robots()) < len(own) + MOST_STRANGERS
+    intake.forget(but=own)
+    for number in range(MOST_STRANGERS + 50):
+        intake.take(topic(f"s{number}", Up.TELEMETRY), b"{}", False)
+    assert len(intake.robots()) == len(own) + MOST_STRANGERS

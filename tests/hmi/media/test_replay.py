@@ -144,7 +144,7 @@ def said_of(
     studio: Studio, key: str, origin: tuple[float, float, float], direction: tuple[float, float, float]
 ) -> dict[str, Any]:
     """Return what a page is told of a tap."""
-    return tapped(studio, studio.viewers[key], origin, direction)
+    return tapped(studio, studio.viewers[key], origin, direction)[1]
 
 
 async def test_a_tap_in_a_replay_tells_nothing_of_now(studio: Studio) -> None:

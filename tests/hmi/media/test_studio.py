@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import urllib.error
 import urllib.request
-from collections.abc import Sequence
+from collections.abc import AsyncIterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from websockets.exceptions import InvalidStatus
 
-from backend_clients.edge.machine import Target, Worksite
+from backend_clients.edge.machine import Body, Joint, Target, Worksite
 from backend_clients.edge.topics import Up, topic
 from hmi.clock import FakeClock
 from hmi.media import orders
@@ -25,10 +25,10 @@ from hmi.media.models import ModelShelf
 from hmi.media.status import status_of
 from hmi.media.studio import Studio
 from hmi.twin.camera import Camera
-from hmi.twin.farm import Farm, FarmRobot
+from hmi.twin.farm import Farm, FarmRobot, Last
 from hmi.twin.groups import Group
 from tests.hmi.app.asgi_socket import AsgiSocket
-from tests.hmi.media.studio_stage import ROBOT, SECRET, Picture, Planter, connect
+from tests.hmi.media.studio_stage import JOINTS, OTHER, ROBOT, SECRET, Picture, Planter, connect
 
 
 async def test_without_the_secret_neither_picture_nor_page_is_given(studio: Studio) -> None:
@@ -291,7 +291,9 @@ async def test_an_arm_that_is_not_heard_any_more_is_not_live_because_the_machine
         assert told([Up.TELEMETRY, Up.BODY]) == (0.0, 0.0)
         studio.intake.forget([])
         planter.introduce()
-        assert told([Up.TELEMETRY]) == (0.0, None), "its joints were never heard"
+        assert told([Up.TELEMETRY]) == (None, None), "its joints were never heard: it is drawn at rest"
+        said = status_of(studio, studio.viewers["k"], clock.mono_s())
+        assert (said["is_drawn"], said["unheard"]) == (True, ["slew", "stick"])
         assert told([Up.TELEMETRY, Up.BODY]) == (0.0, 0.0)
         assert told([Up.TELEMETRY]) == (3.0, 3.0)
         assert told([Up.TELEMETRY]) == (6.0, 6.0)
@@ -306,3 +308,103 @@ async def test_robots_that_are_not_registered_are_not_drawn(studio: Studio) -> N
     studio.set_farm(Farm([]))
     studio.tick()
     assert studio.world.robots() == []
+
+
+@pytest.fixture
+async def still(tmp_path: Path) -> AsyncIterator[Studio]:
+    """A studio that draws when told, with two robots."""
+    clock = FakeClock()
+    made = Studio(Intake(clock), tmp_path, SECRET, clock)
+    made.set_farm(Farm([FarmRobot(ROBOT, "Planter 02", 6.2), FarmRobot(OTHER, "Planter 03", 6.2)]))
+    yield made
+    await made.stop()
+
+
+def now(studio: Studio) -> float:
+    """Return the time of a studio's clock."""
+    return studio._clock.mono_s()
+
+
+def told(studio: Studio, key: str = "k") -> dict[str, Any]:
+    """Draw, and return what the page is told."""
+    studio.tick()
+    return status_of(studio, studio.viewers[key], now(studio))
+
+
+async def test_a_declared_joint_that_the_robot_leaves_out_takes_the_age_from_its_pose(still: Studio) -> None:
+    planter = Planter(still.intake)
+    planter.introduce()
+    planter.stand(3.0)
+    still.enter("k", ROBOT, may_replay=False)
+    assert told(still)["unheard"] == []
+    planter.say(Up.BODY, Body, joints={"slew": 0.5})
+    said = told(still)
+    assert (said["is_drawn"], said["pose_age_s"], said["unheard"]) == (True, None, ["stick"])
+    planter.stand(3.0)
+    assert told(still)["pose_age_s"] is not None
+
+
+async def test_a_joint_that_the_model_does_not_move_makes_no_picture_wrong(still: Studio) -> None:
+    planter = Planter(still.intake)
+    planter.introduce(joints=[*JOINTS, Joint(name="left wheel", lower=-9.0, upper=9.0, max_rate=1.0)])
+    planter.stand(3.0)
+    still.enter("k", ROBOT, may_replay=False)
+    said = told(still)
+    assert (said["unheard"], said["pose_age_s"] is None) == ([], False)
+
+
+async def test_a_robot_that_is_silent_stands_where_the_console_heard_it_last(still: Studio) -> None:
+    Planter(still.intake).introduce()
+    now_s = now(still)
+    still.set_last(ROBOT, Last(7.0, 2.0, 0.0, now_s - 300, {"slew": 1.0, "stick": -1.0}, now_s - 301, 0.5))
+    still.tick()
+    assert still.world.robots() == [], "nobody looks at it"
+    box = still.enter("k", ROBOT, may_replay=True)
+    said = told(still)
+    assert (said["is_drawn"], said["pose_age_s"], said["unheard"]) == (True, 301.0, [])
+    assert said["ages_s"]["machine"] == 301.0
+    assert still.world.mover.place(f"/machine/{ROBOT}").xyz == (7.0, 2.0, 0.5)
+    still.obey("k", orders.Replay(52.0, 5.001, 0.0, {"slew": 2.0, "stick": -1.0}, at_ms=1000))
+    assert told(still)["past_ms"] == 1000
+    still.obey("k", orders.Live())
+    planter = Planter(still.intake)
+    planter.stand(8.0)
+    assert told(still)["pose_age_s"] == 0.0, "what it says itself comes first"
+    still.intake.forget(())
+    still.leave("k", box)
+    assert still.world.robots() == []
+
+
+async def test_what_was_left_from_an_earlier_look_does_not_hide_what_the_console_heard_since(still: Studio) -> None:
+    planter = Planter(still.intake)
+    planter.introduce()
+    planter.stand(3.0)
+    still.enter("k", ROBOT, may_replay=False)
+    assert told(still)["pose_age_s"] == 0.0
+    still._clock.advance(60.0)  # type: ignore[attr-defined]
+    at_s = now(still) - 20
+    still.set_last(ROBOT, Last(9.0, 0.0, 0.0, at_s, {"slew": 1.0, "stick": -1.0}, at_s))
+    said = told(still)
+    assert (said["pose_age_s"], said["ages_s"]["machine"]) == (20.0, 20.0)
+    assert still.world.mover.place(f"/machine/{ROBOT}").xyz[0] == 9.0
+
+
+async def test_a_robot_that_is_touched_is_told_where_it_stands_and_not_what_is_seen_behind_it(still: Studio) -> None:
+    for robot, x_m in ((ROBOT, 0.0), (OTHER, 20.0)):
+        planter = Planter(still.intake, robot)
+        planter.introduce()
+        planter.stand(x_m)
+    box = still.enter("k", ROBOT, may_replay=False)
+    still.tick()
+    taps = []
+    for x_m in (0.0, 20.0):
+        still.touch("k", (x_m - 5.0, 0.0, 6.0), (1.0, 0.0, -1.0))
+        while (said := box.get_nowait())["k"] != "tap":
+            pass
+        taps.append((said["id"], said["x_m"], said["y_m"], said["distance_m"]))
+        assert still.viewers["k"].touched == (x_m, 0.0)
+    assert taps == [(ROBOT, 0.0, 0.0, 0.0), (OTHER, 20.0, 0.0, 20.0)]
+    planter.stand(23.0)
+    for _ in range(5):
+        said = told(still)
+    assert (said["touched"]["x_m"], said["touched"]["distance_m"]) == (23.0, 23.0), "the mark goes with it"
