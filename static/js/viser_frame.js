@@ -7,7 +7,7 @@
   const ATTEMPT_MS = 6000; // viser gives an attempt up after five seconds
   const query = new URLSearchParams(location.search);
   const nonce = document.currentScript.nonce;
-  const state = { isConnected: false, heardAt: null, frames: 0, worker: null, triedAt: null };
+  const state = { isConnected: false, heardAt: null, frames: 0, worker: null, triedAt: null, rounds: null };
   const tell = (message) => parent !== window && parent.postMessage({ from: "headland-twin", ...message }, location.origin);
 
   // 1. An unfocused frame would never reconnect and would go on showing a frozen robot.
@@ -24,8 +24,10 @@
         if (kind !== "connected" && kind !== "closed" && kind !== "message_batch") return;
         state.worker = this;
         if (kind !== "message_batch") state.triedAt = null;
-        if (kind === "message_batch") state.frames += 1;
-        else state.isConnected = kind === "connected";
+        if (kind === "message_batch") {
+          state.frames += 1;
+          event.data.messages?.forEach(machine);
+        } else [state.isConnected, state.rounds] = [kind === "connected", null];
         if (kind !== "closed") state.heardAt = performance.now();
         if (kind !== "message_batch") beat();
       });
@@ -46,9 +48,16 @@
       super.postMessage(message, ...rest);
     }
   };
+  // The robot's frame and shapes came; a few rounds later they are in the picture, until then it is bare ground.
+  const SHOWN_ROUNDS = 4;
+  const body = `/machine/${query.get("robot")}`;
+  function machine({ type, name }) {
+    const isFrame = type === "FrameMessage" && name === body && state.rounds === null;
+    if (isFrame || (type === "GlbMessage" && name.startsWith(`${body}/`))) state.rounds = 0;
+  }
   function beat() {
     const ageMs = state.heardAt === null ? null : Math.round(performance.now() - state.heardAt);
-    tell({ kind: "beat", isConnected: state.isConnected, ageMs, frames: state.frames });
+    tell({ kind: "beat", isConnected: state.isConnected, ageMs, frames: state.frames, hasModel: state.rounds >= SHOWN_ROUNDS });
   }
   setInterval(beat, BEAT_MS);
   setInterval(() => !state.isConnected && state.worker?.postMessage({ type: "retry" }), RETRY_MS);
@@ -94,6 +103,7 @@
       if (usualMs > SMOOTH_MS) return void setTimeout(realFrame, Math.min(usualMs, PAUSE_MS), frame);
     }
     isAsked = false;
+    if (state.rounds !== null) state.rounds += 1;
     const round = [...draws.values()];
     draws.clear();
     begunAt = performance.now();

@@ -29,7 +29,7 @@ test("connecting, live, stale and unavailable are told apart", () => {
   const page = load();
   const link = new page.HL.TwinLink("weeder-07", { contentWindow: "frame" });
   assert.equal(link.judge().state, "connecting");
-  page.say({ from: "headland-twin", kind: "beat", isConnected: true, ageMs: 100, frames: 3 });
+  page.say({ from: "headland-twin", kind: "beat", isConnected: true, ageMs: 100, frames: 3, hasModel: true });
   page.socket().onmessage({ data: JSON.stringify({ k: "status", is_drawn: true, pose_age_s: 0.1, ages_s: {} }) });
   assert.equal(link.judge().state, "live");
   page.pass(3000);
@@ -45,7 +45,7 @@ test("connecting, live, stale and unavailable are told apart", () => {
 test("a robot that is drawn with a pose of unknown age is not live", () => {
   const page = load();
   const link = new page.HL.TwinLink("weeder-07", { contentWindow: "frame" });
-  page.say({ from: "headland-twin", kind: "beat", isConnected: true, ageMs: 100, frames: 3 });
+  page.say({ from: "headland-twin", kind: "beat", isConnected: true, ageMs: 100, frames: 3, hasModel: true });
   page.socket().onmessage({ data: JSON.stringify({ k: "status", is_drawn: true, pose_age_s: null, ages_s: {} }) });
   assert.deepEqual({ ...link.judge() }, { state: "stale", text: "The age of this pose is not known" });
 });
@@ -94,7 +94,7 @@ test("graphics that the device took away are said, and the picture is loaded aga
 test("in a replay the pose of now does not count as old, a lost picture does", () => {
   const page = load();
   const link = new page.HL.TwinLink("weeder-07", { contentWindow: "frame" });
-  page.say({ from: "headland-twin", kind: "beat", isConnected: true, ageMs: 100, frames: 3 });
+  page.say({ from: "headland-twin", kind: "beat", isConnected: true, ageMs: 100, frames: 3, hasModel: true });
   page.socket().onmessage({ data: JSON.stringify({ k: "status", is_drawn: true, pose_age_s: 30, ages_s: {} }) });
   assert.equal(link.judge(true).state, "live");
   assert.equal(link.judge(false).state, "stale");
@@ -201,7 +201,7 @@ test("the card of a tap says how far it is now, and the arm's reach counts from 
   assert.equal(crane.off, "");
   page.status({ touched: { x_m: 5, y_m: 1, distance_m: 40, arm_m: 40, reach_m: 6 } });
   details.paint();
-  assert.match(drive.line, /40\.0 m away/);
+  assert.match(details.slides[1].words.said, /40\.0 m away/);
   assert.match(details.where.said, /^40\.0 m from the robot/);
   assert.equal(crane.off, "Out of reach: 40.0 m, it reaches 6.0 m.");
   page.pass(3000);
@@ -274,4 +274,75 @@ test("a moment has the height between two samples, and the ground where none was
   const { HL } = load();
   assert.equal(HL.replaySampleAt({ ...record, height: [4, 6, null, null] }, 500).height_m, 5);
   assert.equal(HL.replaySampleAt(record, 500).height_m, 0);
+});
+
+test("a picture in which the robot's shapes were not drawn yet is loading, however fresh its pose", () => {
+  const page = load();
+  const link = new page.HL.TwinLink("weeder-07", page.frame("frame"));
+  assert.match(link.frame.src, /&robot=weeder-07$/);
+  page.beat({ hasModel: false });
+  page.status();
+  assert.deepEqual({ ...link.judge() }, { state: "connecting", text: "Loading model" });
+  page.pass(20000);
+  page.beat({ hasModel: false });
+  page.status();
+  assert.equal(link.judge().state, "connecting", "a slow tablet draws for half a minute");
+  page.beat();
+  assert.equal(link.judge().state, "live");
+});
+
+test("an arm that was not heard is not live, and nothing is sent by it", () => {
+  const { page, link, details } = screen();
+  details.show({ ...TAP });
+  const touched = { x_m: 5, y_m: 1, distance_m: 2 };
+  page.status({ pose_age_s: null, joints: ["slew", "boom"], unheard: ["slew", "boom"], touched });
+  assert.deepEqual({ ...link.judge() }, { state: "stale", text: "Joints not heard" });
+  details.paint();
+  assert.deepEqual(Array.from(details.slides, ({ slide }) => slide.off), Array(2).fill("Joints not heard. How it stands is not known."));
+  page.status({ pose_age_s: null, joints: ["slew", "boom"], unheard: ["boom"], touched });
+  assert.equal(link.judge().text, "Joint boom not heard");
+});
+
+test("an unregistered robot is said to be new", () => {
+  const { page: { HL }, link } = screen();
+  HL.port.robot = () => ({ id: { family: "weeder", is_registered: false } });
+  assert.deepEqual({ ...link.judge() }, { state: "unavailable", text: "New robot. An admin must accept it first." });
+});
+
+test("the robot itself has no distance from itself, another one has, and its mark goes with it", () => {
+  const { page, details } = screen();
+  const tapped = { ...TAP, what: "robot", id: "weeder-07", name: "Weeder 07" };
+  details.show({ ...tapped });
+  details.paint();
+  assert.equal(details.where.said, "east 5.0, north 1.0");
+  details.show({ ...tapped, id: "weeder-08" });
+  page.status({ touched: { x_m: 6, y_m: 1, distance_m: 3 } });
+  details.paint();
+  assert.equal(details.node.hidden, false);
+  assert.equal(details.where.said, "3.0 m from the robot, east 6.0, north 1.0");
+  page.status();
+  assert.equal(details.node.hidden, true);
+});
+
+test("what a slide does and how far away is said beside it, whole, while it is open", () => {
+  const { details } = screen();
+  details.show({ ...TAP });
+  const [{ slide, words }] = details.slides;
+  assert.equal(words.values.hidden, true);
+  slide.isOpen = true;
+  slide.onopen(true);
+  assert.equal(words.values.hidden, false);
+  assert.equal(words.said, "The crane moves. Keep everyone away: 2.0 m away, 1.0 m above ground");
+});
+
+test("a joint beyond its soft limit has its sign", () => {
+  const { HL } = load();
+  const joint = { name: "slew", label: "Slew", unit: "rad", value: 2.9, planned: null, lower: -3, upper: 3, soft_lower: -2.8, soft_upper: 2.8 };
+  HL.port.inside = () => ({ joints: { t: 0, joints: [joint] } });
+  HL.port.age = () => 100;
+  const side = new HL.TwinSide();
+  side.paint("weeder-07");
+  const row = side.rows.get("slew");
+  assert.equal(row.node.values["data-level"], 2);
+  assert.deepEqual({ ...row.sign.children[0] }, { level: 2, size: 20, state: "acknowledged" });
 });

@@ -2,6 +2,12 @@
 import { readFileSync } from "node:fs";
 import vm from "node:vm";
 
+// the shape of the sign, by the signature of glyphs.js
+function alarm(level, size = 26, state = "acknowledged") {
+  if (typeof size !== "number") throw new TypeError(`a size of ${size}`);
+  return { level, size, state: state.replaceAll("_", " ") };
+}
+
 const read = (name) => readFileSync(new URL(`../../static/js/ui/${name}.js`, import.meta.url), "utf-8");
 
 class Node {
@@ -45,7 +51,7 @@ export function load() {
   const toasts = [];
   const HL = {
     el: (tag, values, ...children) => new Node(tag, values, children), icon: () => new Node("icon", {}, []), text: (node, said) => (node.said = said),
-    attr: (node, name, value) => (node.values[name] = value), toggle() {}, repaint() {}, toast: (said) => toasts.push(said), Slide,
+    attr: (node, name, value) => (node.values[name] = value), toggle() {}, style() {}, repaint() {}, alarm, toast: (said) => toasts.push(said), Slide,
     words: { age: (ms) => `${(ms / 1000).toFixed(1)} s` }, config: { rights: ["drive"] }, superDock: { refusal: () => "" },
     port: { api: () => new Promise((done) => answers.push(done)), inside: () => ({}), robot: () => ({ id: { family: "planter" } }) },
   };
@@ -54,14 +60,14 @@ export function load() {
     performance: { now: () => now }, addEventListener: (kind, call) => listeners.push(call), removeEventListener() {},
     window: { headland: { uuid: () => "0123456789abcdef0123456789abcdef" } },
   });
-  for (const name of ["twin_link", "twin_replay", "twin_details"]) vm.runInContext(read(name), context);
+  for (const name of ["twin_link", "twin_replay", "twin_details", "twin_joints"]) vm.runInContext(read(name), context);
   return {
     HL, frame, toasts,
     answer: async (data, isOk = true) => {
       answers.shift()({ ok: isOk, data });
       await new Promise((done) => setImmediate(done));
     },
-    beat: (more = {}) => listeners.forEach((call) => call({ data: { from: "headland-twin", kind: "beat", isConnected: true, ageMs: 100, frames: 3, ...more }, source: "frame", origin: location.origin })),
+    beat: (more = {}) => listeners.forEach((call) => call({ data: { from: "headland-twin", kind: "beat", isConnected: true, ageMs: 100, frames: 3, hasModel: true, ...more }, source: "frame", origin: location.origin })),
     status: (more = {}) => sockets.at(-1).onmessage({ data: JSON.stringify({ k: "status", is_drawn: true, pose_age_s: 0.1, ages_s: {}, is_past: false, past_ms: null, touched: null, ...more }) }),
     orders: () => sockets.at(-1).sent.map((text) => JSON.parse(text)),
     ring: () => timers.splice(0).forEach((call) => call()),

@@ -7,19 +7,19 @@ import vm from 'node:vm';
 const SOURCE = readFileSync(new URL('../../static/js/viser_frame.js', import.meta.url), 'utf8');
 
 function frame(renderer = 'ANGLE (Intel)') {
-  const world = { now: 0, beats: [], told: [] };
+  const world = { now: 0, beats: [], told: [], draws: [] };
   class Worker {
     constructor() { this.sent = []; this.listeners = []; }
     addEventListener(_kind, call) { this.listeners.push(call); }
     postMessage(message) { this.sent.push(message); }
-    say(type) { this.listeners.forEach((call) => call({ data: { type } })); }
+    say(type, messages) { this.listeners.forEach((call) => call({ data: { type, messages } })); }
   }
   const canvas = { getContext: () => ({ RENDERER: 7937, getExtension: () => null, getParameter: () => renderer }) };
   const page = {
-    Worker, URLSearchParams, location: { pathname: '/viser/', search: '?viewer=abc', protocol: 'http:', host: 'farm:8080', origin: 'http://farm:8080' },
+    Worker, URLSearchParams, location: { pathname: '/viser/', search: '?viewer=abc&robot=weeder-07', protocol: 'http:', host: 'farm:8080', origin: 'http://farm:8080' },
     document: { currentScript: { nonce: '' }, createElement: () => canvas, documentElement: { dataset: {} }, hasFocus: () => false },
     performance: { now: () => world.now }, setInterval: (call) => world.beats.push(call), setTimeout: () => 0,
-    requestAnimationFrame: () => 0, addEventListener() {}, dispatchEvent() {}, ResizeObserver: class { observe() {} }, Event: class {},
+    requestAnimationFrame: (draw) => world.draws.push(draw), addEventListener() {}, dispatchEvent() {}, ResizeObserver: class { observe() {} }, Event: class {},
     history: { state: null, replaceState: (_state, _title, to) => (world.at = to) },
     parent: { postMessage: (message) => world.told.push(message) }, reportError() {},
   };
@@ -40,7 +40,7 @@ test('the picture comes from our own origin, with the viewer it belongs to', () 
 test('where the processor draws, the picture is asked for coarser', () => {
   assert.equal(frame().world.at, undefined);
   const { worker, world } = frame('ANGLE (Google, Vulkan (SwiftShader Device))');
-  assert.equal(world.at, '/viser/?viewer=abc&fixedDpr=0.6');
+  assert.equal(world.at, '/viser/?viewer=abc&robot=weeder-07&fixedDpr=0.6');
   assert.equal(worker.sent[0].server, 'ws://farm:8080/viser?viewer=abc');
 });
 
@@ -77,4 +77,24 @@ test('a request for a public tunnel never leaves', () => {
   const { worker } = frame();
   worker.postMessage({ type: 'send', message: { type: 'ShareUrlRequest' } });
   assert.equal(worker.sent.length, 1);
+});
+
+test('the robot is told to be in the picture some rounds after its shapes came, and anew after each connection', () => {
+  const { page, worker, pass, world, told } = frame();
+  const round = (count) => { for (let i = 0; i < count; i += 1) { page.requestAnimationFrame(() => {}); world.draws.splice(0).forEach((draw) => draw(0)); } };
+  const hasModel = () => (pass(400), told.filter((one) => one.kind === 'beat').at(-1).hasModel);
+  const ours = [{ type: 'FrameMessage', name: '/machine/weeder-07' }, { type: 'GlbMessage', name: '/machine/weeder-07/arm/skin' }];
+  worker.say('connected');
+  worker.say('message_batch', [{ type: 'GridMessage', name: '/terrain/grid' }, { type: 'GlbMessage', name: '/machine/weeder-071/skin' }]);
+  round(6);
+  assert.equal(hasModel(), false);
+  worker.say('message_batch', ours);
+  assert.equal(hasModel(), false);
+  round(5);
+  assert.equal(hasModel(), true);
+  worker.say('message_batch', [ours[0]]); // a replay stands it elsewhere
+  assert.equal(hasModel(), true);
+  worker.say('closed');
+  worker.say('connected');
+  assert.equal(hasModel(), false);
 });

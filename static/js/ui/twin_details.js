@@ -6,11 +6,11 @@
   const HEIGHTS_M = [0.5, 1.0, 1.6]; // of the tool above the ground; 1.6 m clears what stands there
   const SURE = 1.05; // the reach is found by trying postures; at its edge the robot decides
   const SENDS = [
-    { action: "tool_go_to", label: "Slide to move the crane here", button: "Crane here", line: "The crane moves. Keep everyone away", isTool: true },
-    { action: "go_to", label: "Slide to drive here", button: "Drive here", line: "It drives there by itself" },
+    { action: "tool_go_to", label: "Slide to move crane here", button: "Crane here", line: "The crane moves. Keep everyone away", brief: "Keep clear", isTool: true },
+    { action: "go_to", label: "Slide to drive here", button: "Drive here", line: "It drives there by itself", brief: "By itself" },
   ];
 
-  const FLIES = { action: "go_to", label: "Slide to fly here", button: "Fly here", line: "It flies there by itself" };
+  const FLIES = { action: "go_to", label: "Slide to fly here", button: "Fly here", line: "It flies there by itself", brief: "By itself" };
 
   class TwinDetails {
     constructor(robot, link, isReplay) {
@@ -37,13 +37,14 @@
     // how far it is now, twice a second; a place that is not marked any more is not offered any more
     follow(touched) {
       if (this.node.hidden || this.said.x_m === null) return;
-      if (touched?.x_m !== this.said.x_m || touched.y_m !== this.said.y_m) this.close();
+      if (touched && this.said.what === "robot") Object.assign(this.said, touched); // its mark goes with it
+      else if (touched?.x_m !== this.said.x_m || touched.y_m !== this.said.y_m) this.close();
       else Object.assign(this.said, touched);
     }
 
     place() {
-      const { x_m: east, y_m: north, distance_m: away } = this.said;
-      return east === null ? "" : `${away === null ? "" : `${away.toFixed(1)} m from the robot, `}east ${east.toFixed(1)}, north ${north.toFixed(1)}`;
+      const { x_m: east, y_m: north, distance_m: away, id } = this.said;
+      return east === null ? "" : `${away === null || id === this.robot ? "" : `${away.toFixed(1)} m from the robot, `}east ${east.toFixed(1)}, north ${north.toFixed(1)}`;
     }
 
     // what this robot can be sent to a place with; each says why while it is off
@@ -53,7 +54,7 @@
       const isPlace = said.x_m !== null && said.what !== "robot" && HL.config.rights.includes("drive");
       const hasArm = Boolean(said.reach_m) || (HL.port.inside(this.robot).joints?.joints ?? []).length > 2;
       this.slides = this.sends().filter((send) => isPlace && (send.isTool ? hasArm : said.what !== "obstacle")).map((send) => this.slide(send));
-      this.acts.replaceChildren(...this.slides.flatMap(({ slide, send, why }) => [send.isTool ? this.heights() : "", slide.node, why]));
+      this.acts.replaceChildren(...this.slides.flatMap(({ slide, send, why, words }) => [send.isTool ? this.heights() : "", words, slide.node, why]));
       if (this.slides.some(({ send }) => send.isTool)) this.lift(this.height);
       this.paint();
     }
@@ -65,10 +66,11 @@
     slide(send) {
       const { x_m: x, y_m: y } = this.said;
       const slide = new HL.Slide({
-        hook: `twin-${send.action.replaceAll("_", "-")}`, icon: "my_location", label: send.label, line: this.line(send), button: { icon: "my_location", label: send.button },
-        act: () => HL.port.command(this.robot, send.action, { place: [x, y, send.isTool ? this.height : 0] }),
+        hook: `twin-${send.action.replaceAll("_", "-")}`, icon: "my_location", label: send.label, line: send.brief, button: { icon: "my_location", label: send.button },
+        act: () => HL.port.command(this.robot, send.action, { place: [x, y, send.isTool ? this.height : 0] }), onopen: () => this.paint(),
       });
-      return { slide, send, why: el("p", { class: "h-t13 h-2" }) };
+      // the slide is too narrow for what it does and how far away
+      return { slide, send, why: el("p", { class: "h-t13 h-2" }), words: el("p", { class: "h-t14 h-b", role: "status" }) };
     }
 
     heights() {
@@ -90,6 +92,7 @@
     // the same rule as in the dock: what would be refused looks off
     refusal({ action, isTool }) {
       if (this.isReplay()) return "This is a replay. Go back to Live first.";
+      if (this.link.unheard()) return `${this.link.unheard()}. How it stands is not known.`;
       if (!this.link.isPoseFresh()) return "The pose is old. How far it is now is not known.";
       if (this.link.judge().state !== "live") return "The picture is old. Wait until it is live again."; // poses come by another way
       const off = HL.superDock.refusal(action);
@@ -101,10 +104,12 @@
     paint() {
       if (this.node.hidden) return;
       text(this.where, this.place());
-      for (const { slide, send, why } of this.slides) {
+      for (const { slide, send, why, words } of this.slides) {
         const off = this.refusal(send);
         slide.isQuiet = true; // said once, below
-        slide.allow(off, this.line(send));
+        slide.allow(off);
+        text(words, this.line(send));
+        attr(words, "hidden", Boolean(off) || !slide.isOpen);
         text(why, off);
         attr(why, "hidden", !off);
       }

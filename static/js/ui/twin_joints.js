@@ -55,7 +55,7 @@
       attr(this.node, "data-level", isBeyond ? 2 : null);
       if (isBeyond !== this.isBeyond) {
         this.isBeyond = isBeyond;
-        this.sign.replaceChildren(...(isBeyond ? [HL.alarm(2, "ack", 20)] : []));
+        this.sign.replaceChildren(...(isBeyond ? [HL.alarm(2, 20)] : []));
       }
       this.bar.paint(one, one.soft_lower, one.soft_upper, value);
     }

@@ -66,7 +66,7 @@
         trees: status?.trees ? `${status.trees.done} / ${status.trees.done + status.trees.failed + status.trees.here}` : "",
         keepout: meters(status?.keep_out_m),
         reach: meters(status?.reach_m),
-        ...(status?.is_drawn && status.ages_s.machine === null ? { machine: "joints not heard" } : {}),
+        ...(status?.is_drawn && (status.ages_s.machine === null || status.unheard?.length) ? { machine: "joints not heard" } : {}),
         ...(status && !this.hidden.has("cameras") && status.ages_s.cameras === null ? { cameras: "no picture" } : {}),
       };
       if (isPast) Object.assign(said, { machine: "recorded", trees: "as then" }, ...NOT_RECORDED.map((key) => ({ [key]: "not recorded" })), ...OF_NOW.map((key) => ({ [key]: "as now" })));

@@ -23,9 +23,9 @@
 
     // the picture from its beginning
     load() {
-      this.picture = { isConnected: false, ageMs: null, at: performance.now(), frames: 0, hasWebgl: true, wasConnected: false, isLost: false };
+      this.picture = { isConnected: false, ageMs: null, at: performance.now(), frames: 0, hasModel: false, hasWebgl: true, wasConnected: false, isLost: false };
       this.bornAt = performance.now();
-      this.frame.src = `/viser/?viewer=${this.key}`;
+      this.frame.src = `/viser/?viewer=${this.key}&robot=${encodeURIComponent(this.robot)}`;
     }
 
     lose() {
@@ -81,7 +81,7 @@
 
     fromFrame(said) {
       if (said.kind === "beat") {
-        Object.assign(this.picture, { isConnected: said.isConnected, ageMs: said.ageMs, frames: said.frames, at: performance.now() });
+        Object.assign(this.picture, { isConnected: said.isConnected, ageMs: said.ageMs, frames: said.frames, hasModel: said.hasModel, at: performance.now() });
         this.picture.wasConnected ||= said.isConnected;
       } else if (said.kind === "no-webgl") this.picture.hasWebgl = false;
       else if (said.kind === "lost") this.lose();
@@ -110,6 +110,13 @@
       return said === null || said === undefined ? null : said + (performance.now() - this.statusAt) / 1000;
     }
 
+    // why the pose has no age: a joint that was not heard is drawn at rest
+    unheard() {
+      const { unheard = [], joints = [] } = this.status ?? {};
+      if (!unheard.length) return "";
+      return unheard.length < joints.length ? `Joint ${unheard[0]} not heard` : "Joints not heard";
+    }
+
     isPoseFresh() {
       const age = this.poseAge();
       return age !== null && age <= STALE_S;
@@ -130,13 +137,14 @@
       if (!this.picture.hasWebgl) return { state: "unavailable", text: "3D is not available here. Showing the map." };
       if (this.picture.isLost) return { state: "connecting", text: "This device took the graphics away. Loading the picture again" };
       if (this.awayAt !== null && now - this.awayAt > AWAY_MS) return { state: "unavailable", text: "3D is not available now. Showing the map until it is back." };
-      if (!this.picture.wasConnected || !this.status?.is_drawn) {
+      if (HL.port.robot(this.robot).id?.is_registered === false) return { state: "unavailable", text: "New robot. An admin must accept it first." };
+      if (!this.picture.wasConnected || !this.status?.is_drawn || !this.picture.hasModel) {
         const isLate = now - this.bornAt > PATIENCE_MS;
         if (this.status && !this.status.is_drawn && isLate) return { state: "unavailable", text: "The robot has not said where it is. Showing the map." };
         return isLate && !this.picture.wasConnected ? { state: "unavailable", text: "3D did not load. Showing the map." } : { state: "connecting", text: "Loading model" };
       }
       const pose = this.poseAge();
-      if (!isPast && pose === null) return { state: "stale", text: "The age of this pose is not known" };
+      if (!isPast && pose === null) return { state: "stale", text: this.unheard() || "The age of this pose is not known" };
       if (!isPast && pose > STALE_S) return { state: "stale", text: `Pose is ${HL.words.age(pose * 1000)} old` };
       const picture = this.pictureAgeMs();
       if (!this.picture.isConnected || picture === null || picture > PICTURE_STALE_MS) return { state: "stale", text: `Picture is ${HL.words.age(picture ?? 0)} old` };

@@ -57,6 +57,13 @@ def test_2_the_worker_says_connected_closed_and_batches_and_takes_its_server() -
         assert kind in FRAME
 
 
+def test_2_a_batch_brings_the_messages_by_which_the_robot_is_known_to_have_come() -> None:
+    assert 'postOutgoing({ type: "message_batch", messages: messages }' in said("WebsocketClientWorker.ts")
+    for kind in ("FrameMessage", "GlbMessage"):
+        assert f'type: "{kind}"' in said("WebsocketMessages.ts")
+        assert f'"{kind}"' in FRAME
+
+
 def test_3_the_panel_and_the_notices_have_the_names_that_are_hidden() -> None:
     style = (bundle.STATIC / "css/viser_frame.css").read_text("utf-8")
     assert "data-floating-window={win.id}" in said("dock/FloatingWindowView.tsx")
