@@ -51,6 +51,11 @@ class Registered(Protocol):
         ...
 
     @property
+    def keep_out_m(self) -> float:
+        """Metres people must stay away, as an admin set it."""
+        ...
+
+    @property
     def http_url(self) -> str | None:
         """Address of its own HTTP endpoint."""
         ...
