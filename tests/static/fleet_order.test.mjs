@@ -111,6 +111,13 @@ test('rows hold still under the pointer: they change what they say, not where th
   assert.equal(held.moved, 1);
 });
 
+test('a silent robot whose stop is not confirmed is not drawn as heard', () => {
+  const robot = { id: 'planter-03', rtt_ms: 4, is_online: true };
+  const stop = { state: 'not-confirmed', t: 1 };
+  const seen = (ageMs) => judge(robot, { ageMs, stop, words });
+  assert.deepEqual(plain([seen(200), seen(20000)].map(({ head, isLost, group }) => [head, isLost, group])), [['Stop not confirmed', false, 'needs-you'], ['Stop not confirmed', true, 'needs-you']]);
+});
+
 test('the strip counts what works now and names the slowest link and the oldest datum of those heard', () => {
   const strip = figures([of('a', { rtt_ms: 80 }), of('b', { rtt_ms: 110 }, { ageMs: 900 }), of('c', { mode: 'idle' }), of('d', { is_online: false, rtt_ms: 9000 }, { ageMs: 60000 })]);
   assert.deepEqual(plain(strip), { total: 4, working: 2, offline: 1, slowestMs: 110, oldestMs: 900, newestMs: 200, planters: false });

@@ -9,7 +9,7 @@
   // What it says of itself may not hold while one of these does: what to do is what the alarm says, not what clears its hold.
   const UNSAFE = new Set(["stop-not-confirmed", "moves-after-stop", "tool-on-unasked", "outside-fence"]);
   const ACTIVE = { unacknowledged: 0, latched: 1, acknowledged: 2, returned: 3 };
-  const FAMILIES = { weeder: "Weeders", planter: "Planters", uav: "Drones", other: "Other robots" };
+  const FAMILIES = { weeder: "Weeders", planter: "Planters", uav: "UAVs", other: "Other robots" };
   const names = new Intl.Collator("en", { numeric: true });
   const orInfinity = (value) => (typeof value === "number" ? value : Infinity);
 
@@ -66,7 +66,7 @@
   }
 
   function verdict(robot, ageMs, stop, alarm, words) {
-    if (stop?.state === "not-confirmed") return { level: 1, head: "Stop not confirmed", line: "Use the red button on the machine", since: stop.t ?? null, look: "unacknowledged", waits: true };
+    if (stop?.state === "not-confirmed") return { level: 1, head: "Stop not confirmed", line: "Use the red button on the machine", since: stop.t ?? null, look: "unacknowledged", waits: true, isLost: robot.is_online === false || ageMs > LOST_MS };
     if (robot.is_registered === false) return { level: 4, head: "New robot", line: "An admin must accept it before it can be operated", since: null, waits: false };
     if (robot.is_online === false || ageMs > LOST_MS) return lost(robot, ageMs, alarm, words);
     if (alarm && isAlarmFirst(robot, alarm)) return ofAlarm(robot, alarm);

@@ -26,7 +26,7 @@
       text(this.name, robot.name);
       text(this.head, verdict.head);
       text(this.line, verdict.line);
-      const asks = typeof verdict.since === "number" && !verdict.isLost;
+      const asks = typeof verdict.since === "number" && (verdict.waits || !verdict.isLost);
       text(this.time, asks ? HL.words.clock(HL.port.age(verdict.since) / 1000) : "");
     }
   }
