@@ -25,10 +25,16 @@ def _one_line(text: str) -> str:
     return _printable(" ".join(text.split()))
 
 
+def _some(text: str) -> str:
+    if not text:
+        raise ValueError("it is empty: give it a name that people know")
+    return text
+
+
 Id = Annotated[str, Field(pattern=ID_PATTERN.removesuffix("$") + r"\z", description="lower-case id")]
 Ref = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._:-]{7,63}\z", description="UUID or the like")]
 Tick = Annotated[str, Field(max_length=80, description="id of the newest tick of the live lane")]
-Name = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_one_line)]
+Name = Annotated[str, Field(min_length=1, max_length=80), AfterValidator(_one_line), AfterValidator(_some)]
 Reason = Annotated[str, Field(max_length=200), AfterValidator(_one_line)]
 Line = Annotated[str, Field(max_length=200), AfterValidator(_printable)]
 Secret = Annotated[str, Field(max_length=1024)]

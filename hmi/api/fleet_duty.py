@@ -142,8 +142,8 @@ def _changed(duties: list[Duty]) -> dict[str, Any]:
 
 def _duty(one: Duty) -> dict[str, Any]:
     offer = {
-        "to": one.offered_to, "to_name": one.offered_name, "by": one.offered_by, "at": _ms(one.offered_at),
-        "note": one.offered_note,
+        "to": one.offered_to, "to_name": one.offered_name, "by": one.offered_by, "by_id": one.offered_by_id,
+        "at": _ms(one.offered_at), "note": one.offered_note,
     }  # fmt: skip
     return {
         "user": one.user_id,

@@ -11,6 +11,7 @@ from hmi.commands.plan_wish import AreaOrder, PlanOrder
 from hmi.domain.mission_plan import Corner, Pattern, Rows, StartPlace
 
 MOST_AREAS = 200
+LEAST_WIDTH_M, MOST_WIDTH_M = 0.05, 50.0  # what the planner takes; it is not loaded here
 Dose = Annotated[float, Field(ge=0, le=2, description="times the usual dose; 0 is off")]
 Metres = Annotated[float | None, Field(ge=0, le=10)]
 
@@ -64,6 +65,7 @@ class PlanBody(PlanChoices):
 class TemplateWish(PlanChoices):
     """Choices to plan with again, for any field and robot or for these."""
 
+    width_m: Annotated[float, Field(ge=LEAST_WIDTH_M, le=MOST_WIDTH_M)]
     field_id: Id | None = None
     robot_id: Id | None = None
 

@@ -32,6 +32,7 @@ Utc = Annotated[str, Field(max_length=40, description="ISO 8601 with offset")]
 Day = Annotated[int, Field(ge=0, le=6, description="0 is Monday")]
 Minute = Annotated[int, Field(ge=0, le=1439, description="after midnight on the farm's clock")]
 OFFSET_S = 6 * 3600
+YEARS = range(2000, 2100)  # a time beyond is a slip, and clocks of some zones cannot even tell it
 
 
 class RepeatBody(Body):
@@ -256,6 +257,8 @@ def _utc(text: str, field: str = "utc") -> datetime:
         found = datetime.fromisoformat(text)
     except ValueError as error:
         raise ApiError(422, "invalid", "This is no time. Use 2026-05-20T07:30:00+02:00.", field) from error
+    if found.year not in YEARS:
+        raise ApiError(422, "invalid", f"The year {found.year} is far away. Is it a slip?", field)
     if found.tzinfo is None:
         raise ApiError(422, "invalid", "Say the offset from UTC, e.g. +02:00 or Z.", field)
     return found.astimezone(UTC)

@@ -134,9 +134,11 @@ def _add_one(router: APIRouter, parts: RobotRoutes) -> None:
         entry = parts.registry.get(robot_id)
         contact = (entry.contact_name or "", entry.contact_phone or "") if entry is not None else ("", "")
         lease = parts.leases.of(robot_id)
+        keep_out_m = None if entry is None else entry.keep_out_m
+        context = Context(*contact, parts.title_of, parts.facts_of, parts.is_supervised, keep_out_m)
         return {
             "now_ms": _now_ms(parts),
-            **present(robot, Context(*contact, parts.title_of, parts.facts_of, parts.is_supervised)),
+            **present(robot, context),
             "lease": {"owner": owner_of(lease), "asked": asked_of(lease)},
             "registry": _registered(entry, session) if entry is not None else None,
         }

@@ -124,7 +124,7 @@ class Console:
             self._lane_event,
         )
         self.fleet = FleetDesk(settings, clock, records, edge.fleet, self.desk, self.authorize, self._lane_event)
-        self.chores.further.append(self.fleet.duty.let_go)
+        self.chores.further += [self.fleet.duty.let_go, self._agree_keep_out]
         self.stops = StopDesk(
             edge.sender,
             clock,
@@ -315,6 +315,12 @@ class Console:
             self.queue.stopped(robot_id, by)
         finally:
             self.pictures.recorder.stopped(robot_id, by)
+
+    async def _agree_keep_out(self) -> None:
+        """The STOP banner asks for the same distance as map and twin."""
+        sheets = [(one.id, one.factsheet) for one in self.edge.fleet.robots() if one.is_registered]
+        said = {robot_id: sheet.keep_out_m for robot_id, sheet in sheets if sheet is not None}
+        await asyncio.to_thread(self.records.stop_list.learn_keep_out, said)
 
     def _stop_moved(self, robot_ids: Sequence[str]) -> None:
         for robot_id in robot_ids:

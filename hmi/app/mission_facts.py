@@ -10,7 +10,7 @@ from hmi.commands.map_watch import MapWatch
 from hmi.commands.ports import FleetReader
 from hmi.commands.refusal import OrderRefused
 from hmi.domain.planned_machine import battery_share_on
-from hmi.presenters.start_checks import MissionFacts, Place
+from hmi.presenters.start_checks import BATTERY_RESERVE, MissionFacts, Place
 from hmi.store.database import Database
 from hmi.store.errors import NotFound, StoreError
 from hmi.store.features import Features
@@ -62,6 +62,7 @@ class MissionFactsBook:
             None if around is None else around.start,
             () if around is None else around.fences,
             bool(mission.pending_sha256),
+            figures.get("reserve_share") or BATTERY_RESERVE,
         )
 
     def map_published(self) -> None:

@@ -126,7 +126,7 @@ class DutyDesk:
         offered = [
             replace(
                 self._parts.duties.of(robot_id), offered_to=to.id, offered_name=to.name,
-                offered_by=session.user_name, offered_at=now, offered_note=note,
+                offered_by=session.user_name, offered_by_id=session.user_id, offered_at=now, offered_note=note,
             )
             for robot_id in robots
         ]  # fmt: skip
@@ -142,10 +142,12 @@ class DutyDesk:
             return await self._write(session, mine, "accepted", session.user_name, _first_note(duties))
 
     async def decline(self, session: SessionInfo, robots: Sequence[str], note: str = "") -> list[Duty]:
-        """Leave what was offered with who gave it; the giver may withdraw an offer the same way."""
+        """Leave what was offered with who gave it; who offered it, or is responsible, may withdraw it the same way."""
         async with self._changing:
             duties = [self._parts.duties.of(one) for one in robots]
-            is_giver = all(one.offered_to and one.user_id == session.user_id for one in duties)
+            is_giver = all(one.offered_to and session.user_id in (one.user_id, one.offered_by_id) for one in duties)
+            for one in duties if is_giver else ():
+                self._parts.authorize(session, Permission.PAUSE, one.robot_id)
             if not is_giver:
                 duties = self._offered(session, robots)
             kept = [_not_offered(one) for one in duties]

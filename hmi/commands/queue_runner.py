@@ -27,6 +27,7 @@ from hmi.domain.ids import new_id
 from hmi.domain.mission import ON_ROBOT
 from hmi.domain.queue.arming import Arming
 from hmi.domain.queue.entry import Entry
+from hmi.domain.queue.reason import Waiting, Who
 from hmi.domain.queue.waiting import Step, Verdict, why_waiting
 from hmi.store.errors import StoreError
 from hmi.store.missions import Missions
@@ -36,6 +37,7 @@ LOOK_S = 1.0
 AGAIN_S = 30.0  # after a mission could not be sent; sending moves nothing, so it may be tried again
 READ_BACK_S = 5.0  # how long a robot may take to tell that it holds what it was sent
 DRIVES_WITHIN_S = 10.0  # the horn takes 3 s; after this a start that was taken and shows nothing is not trusted
+CANNOT_JUDGE = "Something is wrong with this queue; see the console's log."
 log = logging.getLogger(__name__)
 
 
@@ -104,7 +106,7 @@ class QueueRunner:
         parts.arming.tend()
         for robot_id in {one.robot_id for one in parts.store.entries()}:
             if robot_id not in self._under_way:
-                await self._look_at(robot_id)
+                await self._look_alone(robot_id)
         known = {one.id for one in parts.store.entries()}
         self._shown = {key: one for key, one in self._shown.items() if key in known}
         self._started = {key: at for key, at in self._started.items() if key in known}
@@ -114,6 +116,19 @@ class QueueRunner:
     async def settled(self) -> None:
         """Wait until nothing is being sent or started."""
         await asyncio.gather(*self._under_way.values(), return_exceptions=True)
+
+    async def _look_alone(self, robot_id: str) -> None:
+        """Look at one robot; what cannot be judged there holds up nobody else, and nothing starts by itself there."""
+        try:
+            await self._look_at(robot_id)
+        except StoreError:
+            raise
+        except Exception:
+            log.exception("the queue of %s cannot be judged", robot_id)
+            self._parts.arming.end(robot_id, CANNOT_JUDGE)
+            for entry in self._parts.store.entries(robot_id):
+                waiting = Waiting("not_judged", CANNOT_JUDGE, "Take it out and queue it again.", Who.PLANNER)
+                self._show(entry, Verdict(Step.WAIT, waiting))
 
     async def _look_at(self, robot_id: str) -> None:
         await self._parts.life.follow(robot_id)

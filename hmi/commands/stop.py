@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import secrets
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Literal, Protocol
@@ -65,6 +66,8 @@ class StopService:
         self._on_move = on_move
         self._book = StopBook()
         self._wake = asyncio.Event()
+        self._reports_s: dict[str, float] = {}  # when each robot's newest safety report was made
+        self._boot = secrets.token_hex(4)
         self._speeds: dict[str, tuple[float, float]] = {}
         self._next_sweep_s = 0.0
         self._http: dict[str, set[asyncio.Task[None]]] = {}
@@ -110,9 +113,15 @@ class StopService:
         return self.steps(stop_id)
 
     def steps(self, stop_id: str) -> list[dict[str, Any]]:
-        """Return the step of every robot of one press; empty if it is not known here."""
+        """Return the step of every robot of one press; empty if it is not known here.
+
+        ``boot`` is another one after a restart, when ages begin anew; ``safety_ms`` is the age of the newest safety
+        report, ``None`` if there was none.
+        """
         self.pulse()
-        return self._book.steps(self._clock.mono_s(), stop_id)
+        now_s = self._clock.mono_s()
+        told = self._book.steps(now_s, stop_id)
+        return [{**step, "boot": self._boot, "safety_ms": self._safety_ms(step["robot"], now_s)} for step in told]
 
     def attempts_at(self, robot_id: str) -> list[StopAttempt]:
         """Return the presses at a robot that are not reset, oldest first."""
@@ -134,6 +143,7 @@ class StopService:
         """Take what a robot's safety controller says."""
         now_s = self._clock.mono_s()
         self._speeds[robot_id] = (safety.stamp.received_s, safety.speed_mps)
+        self._reports_s[robot_id] = safety.stamp.source_s
         self._moved(self._book.reported(robot_id, _report(safety), now_s))
 
     def on_return(self, robot_id: str) -> None:
@@ -202,6 +212,10 @@ class StopService:
             self._on_move(list(dict.fromkeys(one.robot_id for one in attempts)))
         except Exception:  # whoever is told must never stand between a person and STOP
             log.exception("somebody could not be told how a STOP went on")
+
+    def _safety_ms(self, robot_id: str, now_s: float) -> int | None:
+        made_s = self._reports_s.get(robot_id)
+        return None if made_s is None else max(0, round((now_s - made_s) * 1000))
 
     def _speed(self, robot_id: str, now_s: float) -> float | None:
         heard_s, speed_mps = self._speeds.get(robot_id, (float("-inf"), 0.0))

@@ -289,7 +289,7 @@ class LiveHub:
         if entry is None:
             return Context("", "", self._title_of, self._facts_of, self._is_supervised)
         contact = (entry.contact_name or "", entry.contact_phone or "")
-        return Context(*contact, self._title_of, self._facts_of, self._is_supervised)
+        return Context(*contact, self._title_of, self._facts_of, self._is_supervised, entry.keep_out_m)
 
     def _join(self, lane: Outbox, topics: Iterable[str]) -> None:
         for name in topics:

@@ -19,6 +19,7 @@ from backend_clients.edge import machine
 from backend_clients.edge import messages_up as up
 from backend_clients.edge.topics import Up
 from hmi.clock import Clock
+from hmi.domain.keep_out import keep_out_m
 from hmi.media import orders
 from hmi.media.door import SECRET_HEADER, VIEWER_HEADER
 from hmi.media.ear import Ear
@@ -242,9 +243,9 @@ class Studio:
         )
 
     def keep_out_m(self, robot_id: str, factsheet: up.Factsheet) -> float:
-        """Return how far people must stay away: as registered, else as the robot says."""
+        """Return how far people must stay away."""
         known = self.farm.get(robot_id)
-        return (known.keep_out_m if known is not None else None) or factsheet.behaviour.keep_out_m
+        return keep_out_m(None if known is None else known.keep_out_m, factsheet.behaviour.keep_out_m)
 
     def site(self, robot_id: str) -> SiteView | None:
         """Return what is drawn around a watched robot."""

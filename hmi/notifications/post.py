@@ -70,6 +70,24 @@ class _Box:
         grown = (now_s - self.filled_s) * self.channel.per_hour / 3600
         self.tokens, self.filled_s = min(BURST, self.tokens + grown), now_s
 
+    def change(self, channel: Channel) -> None:
+        """Use the channel as it is now: what waits was meant for where it went before, and while it was on."""
+        if not channel.is_on or channel.way != self.channel.way:
+            self.waiting.clear()
+            self.again = []
+        if not channel.is_on or not _is_same(channel, self.channel):
+            self.works()
+        self.channel = channel
+        self.due_s = 0.0  # it may work now
+
+    def works(self) -> None:
+        """Note that nothing is known against it any more."""
+        self.failing_since_s, self.last_error = None, ""
+
+
+def _is_same(one: Channel, other: Channel) -> bool:
+    return (one.way, one.secret) == (other.way, other.secret)
+
 
 class PostOffice:
     """Takes messages on the event loop and sends them in a task of its own.
@@ -85,13 +103,12 @@ class PostOffice:
         self._task: asyncio.Task[None] | None = None
 
     def set_channels(self, channels: Iterable[Channel]) -> None:
-        """Use these from now on; what waits for one that is gone is forgotten."""
+        """Use these from now on; what waits for one that is gone, is off or goes elsewhere is forgotten."""
         now_s = self._clock.mono_s()
         before, self._boxes = self._boxes, {}
         for one in channels:
             box = before.get(one.id) or _Box(one, BURST, now_s)
-            box.channel = one
-            box.due_s = 0.0  # it may work now
+            box.change(one)
             self._boxes[one.id] = box
         self._wake.set()
 
@@ -121,6 +138,9 @@ class PostOffice:
             return f"No answer within {TEST_LIMIT_S:.0f} s."
         except NotificationError as error:
             return error.text
+        box = self._boxes.get(channel.id)
+        if box is not None and _is_same(channel, box.channel):
+            box.works()
         return ""
 
     def health(self) -> dict[str, ChannelHealth]:
@@ -182,22 +202,26 @@ class PostOffice:
         box.waiting.clear()
         message = box.again[0].message if len(box.again) == 1 else merged([one.message for one in box.again])
         box.tokens -= 1
+        used = box.channel
         try:
-            await self._deliver(box.channel, message)
+            await self._deliver(used, message)
         except NotificationError as error:
-            self._failed(box, error)
+            self._failed(box, used, error)
         except Exception as error:  # a mistake of ours must not silence the other channels
             log.exception("channel %s failed", box.channel.id)
-            self._failed(box, NotDelivered(f"{type(error).__name__}.", is_lasting=True))
+            self._failed(box, used, NotDelivered(f"{type(error).__name__}.", is_lasting=True))
         else:
-            box.again, box.failing_since_s, box.last_error = [], None, ""
+            box.again = []
+            if _is_same(used, box.channel):
+                box.works()
             box.sent, box.last_sent_at = box.sent + 1, self._clock.utc()
 
-    def _failed(self, box: _Box, error: NotificationError) -> None:
+    def _failed(self, box: _Box, used: Channel, error: NotificationError) -> None:
         now_s = self._clock.mono_s()
-        box.last_error = error.text
-        box.failing_since_s = now_s if box.failing_since_s is None else box.failing_since_s
-        log.warning("notification by %s: %s", box.channel.name, error.text)
+        log.warning("notification by %s: %s", used.name, error.text)
+        if box.channel.is_on and _is_same(used, box.channel):  # else it is no news of the channel as it is now
+            box.last_error = error.text
+            box.failing_since_s = now_s if box.failing_since_s is None else box.failing_since_s
         is_lasting = not isinstance(error, NotDelivered) or error.is_lasting
         for one in box.again:
             one.tries += 1

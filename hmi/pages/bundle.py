@@ -93,6 +93,7 @@ SCRIPTS = {
 What few people open loads with its screen; ``bell`` loads on every page, after STOP is ready.
 """
 
+_COMMENT = re.compile(r"\s// [^\"'`]*$")
 _CSS_COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _URL = re.compile(r"url\(\.\./([\w./-]+)\)")
 
@@ -169,8 +170,8 @@ def _script(name: str, _request: Request) -> Response:
 
 
 def _lean(text: str) -> str:
-    """Drop indents, empty lines and whole-line comments; no string of ours spans lines."""
-    lines = (line.strip() for line in text.splitlines())
+    """Drop indents, empty lines and comments; no string of ours spans lines, so what a quote follows may be in one."""
+    lines = (_COMMENT.sub("", line).strip() for line in text.splitlines())
     return "\n".join(line for line in lines if line and not line.startswith("//"))
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 from hmi.domain.command import Action
+from hmi.domain.freshness import STALE_S
 from hmi.domain.function_use import Uses
 from hmi.domain.joint_use import joints_obstacle
 from hmi.domain.robot import Mode, OrderStatus, Robot
@@ -74,6 +75,14 @@ def why(robot: Robot) -> dict[str, Any] | None:
         return None
     code, text, clears, who = found
     return {"code": code, "text": text, "clears": clears, "who": who, "since": _since_ms(robot, code)}
+
+
+def stands(robot: Robot) -> bool:
+    """Say whether its safety controller says now that it stands with its tool off; an old word proves nothing."""
+    safety, heard_s = robot.safety, robot.link.heard_s
+    if safety is None or heard_s is None or heard_s - safety.stamp.source_s >= STALE_S:
+        return False
+    return safety.standstill and safety.tool_off
 
 
 def _blocked(robot: Robot) -> str:
@@ -254,7 +263,8 @@ def _stopped(robot: Robot) -> tuple[str, str, str, str] | None:
         return None
     names = " and ".join(dict.fromkeys(p.by for p in safety.presses if not p.is_reset and p.by))
     by = f"{names} pressed STOP." if names else "STOP was pressed."
-    return "stop_latched", by, "Reset the stop, then resume.", "operator"
+    clears = "Reset the stop, then resume." if stands(robot) else "Reset the stop when it stands still."
+    return "stop_latched", by, clears, "operator"
 
 
 def _halted(robot: Robot) -> tuple[str, str, str, str] | None:

@@ -38,6 +38,7 @@ def entry(live: LiveAlarm, name: str) -> dict[str, Any]:
         "seen_by": alarm.seen_by,
         "seen_at": epoch_ms(alarm.seen_at),
         "who": kind.who,
+        "steps": words(kind, alarm.advice)["steps"] if live.priority is Priority.CRITICAL else [],
         "latching": alarm.is_latching,
         "first": live.first or live.id,
         "place": live.place,

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 from hmi.domain.family import Family
+from hmi.domain.keep_out import keep_out_m
 from hmi.domain.robot import Mode, Order, Robot
 from hmi.presenters.actions import actions, why
 from hmi.presenters.start_checks import MissionFacts, start_checks
@@ -26,13 +27,14 @@ class MissionTitle(NamedTuple):
 
 
 class Context(NamedTuple):
-    """What is known of a robot besides what it says itself."""
+    """What is known of a robot besides what it says itself; ``keep_out_m`` as an admin set it."""
 
     contact_name: str = ""
     contact_phone: str = ""
     title_of: Callable[[str], MissionTitle | None] = lambda _mission_id: None
     facts_of: Callable[[str], MissionFacts | None] = lambda _mission_id: None
     is_supervised: IsSupervised = lambda _robot, _order: True
+    keep_out_m: float | None = None
 
 
 def present(robot: Robot, context: Context, groups: Iterable[str] | None = None) -> Groups:
@@ -179,7 +181,7 @@ def _body(robot: Robot, context: Context) -> Any:
         "length_m": sheet.length_m,
         "width_m": sheet.width_m,
         "base_to_front_m": sheet.base_to_front_m,
-        "keep_out_m": sheet.keep_out_m,
+        "keep_out_m": keep_out_m(context.keep_out_m, sheet.keep_out_m),
         "decel_mps2": sheet.decel_mps2,
         "max_speed_mps": sheet.max_speed_mps,
         "deadman_s": sheet.drive_deadman_s,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from hmi.domain.robot import Family, Mode, OrderStatus, Robot
-from hmi.presenters.actions import why
+from hmi.presenters.actions import stands, why
 from hmi.presenters.help_needed import hover_s
 from hmi.presenters.units import milliseconds, percent, span_text
 from hmi.presenters.words import has_mission
@@ -20,6 +20,11 @@ TAKES_S: dict[str, float] = {
     "not_registered": 60.0,
     "continued": 20.0,
     "moved_while_paused": 120.0,
+    "rebooted": 20.0,
+    "link_lost": 20.0,
+    "operator_lost": 20.0,
+    "after_stop": 10.0,
+    "manual": 10.0,
 }
 """How long clearing takes a person at the screen; what needs somebody at the machine is not guessed."""
 
@@ -28,6 +33,7 @@ _STANDS: dict[Family, str] = {
     Family.PLANTER: "Drive and crane stand, hydraulics hold.",
     Family.UAV: "It brakes and hovers.",
 }
+_MOVES_YET = "It does not say yet that it stands."
 _PAUSED: dict[Family, str] = {
     Family.PLANTER: "Planting is paused; the crane holds.",
     Family.UAV: "It holds its place in the air.",
@@ -42,14 +48,16 @@ def sentence(robot: Robot) -> Sentence | None:
     found = why(robot) or _charging(robot)
     if found is None:
         return None
-    text = _text(robot, found["code"], found["text"])
-    return {**found, "text": text, "takes_s": TAKES_S.get(found["code"])}
+    code = found["code"]
+    is_braking = code == "stop_latched" and not stands(robot)  # nobody resets it before it stands
+    takes_s = None if is_braking else TAKES_S.get(code)
+    return {**found, "text": _text(robot, code, found["text"]), "takes_s": takes_s}
 
 
 def _text(robot: Robot, code: str, text: str) -> str:
     family = robot.factsheet.family if robot.factsheet is not None else Family.OTHER
     if code == "stop_latched":
-        return f"{text} {_STANDS.get(family, '')}".rstrip()
+        return f"{text} {_STANDS.get(family, '') if stands(robot) else _MOVES_YET}".rstrip()
     if code == "paused":
         words = _PAUSED.get(family, text)
         left_s = hover_s(robot)

@@ -18,7 +18,7 @@ from hmi.presenters.words import has_mission
 Check = dict[str, Any]
 Place = tuple[float, float]
 BATTERY_LEAST = 0.1  # the robot refuses to start below
-BATTERY_RESERVE = 0.1  # what should be left at the end, to get home
+BATTERY_RESERVE = 0.15  # what should be left at the end where the mission says nothing of its own
 TOO_FAR_M = 500.0  # the robot refuses to start a mission this far away
 METRES_PER_DEG = 111_320.0
 
@@ -32,6 +32,7 @@ class MissionFacts(NamedTuple):
         start: longitude and latitude of its first point.
         fences: corners of each farm, longitude and latitude; empty without one.
         is_pending: another document of it was sent and not read back yet.
+        reserve_share: of the battery, what should be left at the end to get home.
     """
 
     sha256: str
@@ -44,6 +45,7 @@ class MissionFacts(NamedTuple):
     start: Place | None = None
     fences: Sequence[Sequence[Place]] = ()
     is_pending: bool = False
+    reserve_share: float = BATTERY_RESERVE
 
 
 def start_checks(robot: Robot, facts: MissionFacts | None) -> list[Check]:
@@ -104,8 +106,9 @@ def _battery(robot: Robot, facts: MissionFacts | None) -> Check:
     need = _need(facts, None if order is None else order.remaining_s)
     if need is None:
         return _check("battery", None, f"{has}; what the mission needs is not known.", blocks=False)
-    told = f"{has}, the mission needs {percent(need)} % and {percent(BATTERY_RESERVE)} % reserve."
-    if battery.soc < need + BATTERY_RESERVE:
+    reserve = BATTERY_RESERVE if facts is None else facts.reserve_share
+    told = f"{has}, the mission needs {percent(need)} % and {percent(reserve)} % reserve."
+    if battery.soc < need + reserve:
         return _check("battery", False, told, "It will pause to be charged, and goes on later.", blocks=False)
     return _check("battery", True, told)
 

@@ -28,6 +28,7 @@ class Duty:
     offered_to: str = ""
     offered_name: str = ""
     offered_by: str = ""
+    offered_by_id: str = ""
     offered_at: datetime | None = None
     offered_note: str = ""
 

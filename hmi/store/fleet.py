@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from hmi.domain import robot as domain
 from hmi.domain.machine import Body, Sight, Worksite
-from hmi.store.robot_record import Part, Registered, RobotRecord
+from hmi.store.robot_record import RETAINED_PARTS, Part, Registered, RobotRecord
 
 UNREGISTERED_LIMIT = 200  # robots heard but not in the registry; more would let a hostile wire fill memory
 UNREGISTERED_KEPT_S = 60.0  # one that was silent this long makes room for a new one
@@ -58,6 +58,8 @@ class FleetStore:
         self._registered: tuple[str, ...] = ()
         self._changed: dict[str, int] = {}  # robot -> newest revision, in order of change
         self._removed: dict[str, int] = {}
+        # the broker tells retained messages only to who connects: a robot that was taken out may come back before that
+        self._left: dict[str, RobotRecord] = {}
         self._is_broker_up = False
         self._listeners: list[Callable[[], None]] = []
         self.revision = 0
@@ -159,6 +161,9 @@ class FleetStore:
         by_id = {e.id: e for e in entries}
         self._registered = tuple(by_id)
         for robot_id in [r.id for r in self._records.values() if r.entry is not None and r.id not in by_id]:
+            self._left[robot_id] = self._records[robot_id].retained()
+            if len(self._left) > REMOVED_KEPT:
+                del self._left[next(iter(self._left))]
             self._drop(robot_id)
         for robot_id, entry in by_id.items():
             record = self._records.get(robot_id) or self._add(robot_id)
@@ -168,11 +173,14 @@ class FleetStore:
         self.announce()
 
     def admit(self, robot_id: str) -> bool:
-        """Make room for a robot that was heard; ``False`` if it is unknown and there are too many such."""
+        """Make room for a robot that was heard; ``False`` if it is unknown and there are too many such.
+
+        One that was registered before always gets in, so that what it keeps at the broker is never missed.
+        """
         if robot_id in self._records:
             return True
         strangers = [r for r in self._records.values() if r.entry is None]
-        if len(strangers) >= UNREGISTERED_LIMIT:
+        if len(strangers) >= UNREGISTERED_LIMIT and robot_id not in self._left:
             oldest = min(strangers, key=lambda r: r.active_s)
             if self._mono_s() - oldest.active_s < UNREGISTERED_KEPT_S:
                 return False
@@ -282,8 +290,12 @@ class FleetStore:
             self.announce()
 
     def _add(self, robot_id: str) -> RobotRecord:
-        record = self._records[robot_id] = RobotRecord(robot_id, active_s=self._mono_s())
+        left = self._left.pop(robot_id, None)
+        record = self._records[robot_id] = left or RobotRecord(robot_id)
+        record.active_s = self._mono_s()
         self._removed.pop(robot_id, None)
+        for part in RETAINED_PARTS if left else ():
+            self._touch(record, part)
         return record
 
     def _drop(self, robot_id: str) -> None:

@@ -50,6 +50,7 @@ class DutyRow(Base):
     offered_to: Mapped[str] = mapped_column(String(64), default="")
     offered_name: Mapped[str] = mapped_column(String(80), default="")
     offered_by: Mapped[str] = mapped_column(String(80), default="")
+    offered_by_id: Mapped[str] = mapped_column(String(64), default="")
     offered_at: Mapped[datetime | None] = mapped_column(UtcText, default=None)
     offered_note: Mapped[str] = mapped_column(String(500), default="")
 

@@ -29,6 +29,7 @@ class Part(StrEnum):
 
 
 ALL_PARTS = frozenset(Part)
+RETAINED_PARTS = (Part.FACTSHEET, Part.NODES, Part.WORKSITE)
 
 
 class Registered(Protocol):
@@ -47,6 +48,11 @@ class Registered(Protocol):
     @property
     def name(self) -> str:
         """Name people call it."""
+        ...
+
+    @property
+    def keep_out_m(self) -> float:
+        """Metres people must stay away, as an admin set it."""
         ...
 
     @property
@@ -101,6 +107,17 @@ class RobotRecord:
     def is_heard(self, now_s: float) -> bool:
         """Say whether its heartbeats are recent enough and it did not leave."""
         return not self.is_gone and self.heard_s is not None and now_s - self.heard_s < LOST_S
+
+    def retained(self) -> RobotRecord:
+        """Return a record of what the robot says to the broker once and not again; nothing live, no entry."""
+        return RobotRecord(
+            self.id,
+            is_gone=self.is_gone,
+            said_goodbye=self.said_goodbye,
+            factsheet=self.factsheet,
+            nodes=self.nodes,
+            worksite=self.worksite,
+        )
 
     def fast(self) -> domain.Telemetry:
         """Return telemetry that is there, made from the wire at the first look."""

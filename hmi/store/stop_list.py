@@ -9,11 +9,13 @@ import json
 import os
 import tempfile
 import threading
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from sqlalchemy import select, union
 
+from hmi.domain.keep_out import keep_out_m
 from hmi.store.database import Database
 from hmi.store.errors import StopListNotWritten
 from hmi.store.fleet_tables import WallRow
@@ -28,6 +30,7 @@ class StopList:
         self._database = database
         self._farm_id = farm_id
         self._folder = folder
+        self._own_keep_out: dict[str, float] | None = None  # not read yet
         self._one_at_a_time = threading.Lock()
         self.is_written = False
 
@@ -48,10 +51,34 @@ class StopList:
                 raise StopListNotWritten(f"the list of the STOP gateway was not written: {error.strerror}") from error
             self.is_written = True
 
+    def learn_keep_out(self, of_machines: Mapping[str, float]) -> None:
+        """Take what machines say how far people must stay away, in metres by id; what it does not name stays.
+
+        Raises:
+            StopListNotWritten: as ``export``, which it calls where something changed.
+        """
+        with self._one_at_a_time:
+            known = self._machines()
+            if all(known.get(robot_id) == metres for robot_id, metres in of_machines.items()):
+                return
+            known.update(of_machines)
+        self.export()
+
+    def _machines(self) -> dict[str, float]:
+        """What the machines said; that of before a restart is in the file, since a machine may be off now."""
+        if self._own_keep_out is None:
+            try:
+                rows = json.loads((self._folder / "robots.json").read_text(encoding="utf-8"))
+                self._own_keep_out = {row["id"]: row["own_keep_out_m"] for row in rows if row.get("own_keep_out_m")}
+            except (OSError, ValueError, KeyError, TypeError, AttributeError):
+                self._own_keep_out = {}
+        return self._own_keep_out
+
     def _robots(self) -> list[dict[str, Any]]:
+        machines = self._machines()
         query = select(RobotRow).filter_by(farm_id=self._farm_id, removed_at=None).order_by(RobotRow.id)
         with self._database.read() as session:
-            return [_entry(row) for row in session.scalars(query)]
+            return [_entry(row, machines.get(row.id)) for row in session.scalars(query)]
 
     def _revoked(self) -> list[str]:
         """Return revoked devices and wall screens, and the browsers of people who may no longer sign in."""
@@ -69,7 +96,7 @@ class StopList:
             return sorted({*session.scalars(union(devices, browsers)), *screens})
 
 
-def _entry(row: RobotRow) -> dict[str, Any]:
+def _entry(row: RobotRow, own_keep_out_m: float | None) -> dict[str, Any]:
     return {
         "id": row.id,
         "name": row.name,
@@ -78,7 +105,8 @@ def _entry(row: RobotRow) -> dict[str, Any]:
         "decel_mps2": row.decel_mps2,
         "ack_limit_s": row.ack_limit_s,
         "standstill_limit_s": row.standstill_limit_s,
-        "keep_out_m": row.keep_out_m,
+        "keep_out_m": keep_out_m(row.keep_out_m, own_keep_out_m),
+        "own_keep_out_m": own_keep_out_m,
         "contact_name": row.contact_name,
         "contact_phone": row.contact_phone,
     }

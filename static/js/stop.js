@@ -95,7 +95,7 @@
 
   function take(steps, source, press) {
     const now = performance.now();
-    for (const step of steps) presses.take(step, source, now);
+    for (const step of steps) presses.take(step, source, now, socket.isFresh(now));
     if (press && !steps.length) presses.take({ stop_id: press.id, robot: ANY, state: "reset" }, source, now); // no robots at all
     remember();
   }
@@ -144,7 +144,7 @@
   function retry(now) {
     for (const one of presses.open(now, socket.isFresh(now))) {
       if (now < one.retryAt) continue;
-      one.retryAt = now + (presses.isConfirmed(one) ? 2 * RETRY_MS : RETRY_MS);
+      one.retryAt = now + RETRY_MS; // confirmed ones too: without the gateway their proof comes from the console alone
       sendByHttp(one);
     }
   }
@@ -170,7 +170,7 @@
     view.steps = steps;
     view.step = steps[0];
     view.state = stateOf(view, steps, line, now, isFresh);
-    view.standstillMs = view.state === "standstill" && isFresh ? proofMs(line, steps, now) : 0;
+    view.standstillMs = view.state === "standstill" ? proofMs(line, steps, now, isFresh) : 0;
     view.isOld = view.standstillMs > STALE_MS;
     view.isStanding = view.state === "standstill" && view.isLinked && !view.isOld; // who is offline or silent never counts
     if (view.state !== stateBefore || view.isLinked !== wasLinked || view.isStanding !== wasStanding) changes += 1;
@@ -189,11 +189,11 @@
   }
 
   // How long ago its safety controller last said that it stands; heartbeats alone prove nothing. A gateway of before
-  // `safety_ms` leaves that open.
-  function proofMs(line, steps, now) {
-    if (!line || line.safety_ms === undefined) return 0;
-    const told = line.safety_ms === null ? Infinity : line.safety_ms + now - line.at;
-    return steps.reduce((ms, step) => (step.state === "standstill" ? Math.min(ms, now - step.at - step.standstill_ms) : ms), told);
+  // `safety_ms` leaves that open. Without the gateway its last word ages, unless the console has a newer one.
+  function proofMs(line, steps, now, isFresh) {
+    if (line ? line.safety_ms === undefined : isFresh) return 0;
+    const told = !line || line.safety_ms === null ? Infinity : line.safety_ms + now - line.at;
+    return steps.reduce((ms, step) => (step.state === "standstill" ? Math.min(ms, now - step.at - step.standstill_ms, now - (step.proven_at ?? -Infinity)) : ms), told);
   }
 
   function linkText(line) {

@@ -6,6 +6,7 @@
   const ACK_LIMIT_MS = 1000; // safety rules; a robot's own limit may only be shorter
   const STANDSTILL_LIMIT_MS = 3000;
   const SAME_PRESS_MS = 2000; // nobody can have reset a press this young, so a second tap may share its id
+  const SILENT_MS = 2000; // a gateway that answers by HTTP every second is not silent, whatever its websocket is
   const EVIDENCE_MS = 5000; // a confirmation by HTTP alone counts this long, then it is asked for again
   const ANY = "*"; // "all", before this browser knows which robots there are
   const WORST = ["not-confirmed", "sent", "acknowledged", "standstill"];
@@ -20,6 +21,7 @@
     constructor() {
       this.entries = new Map(); // "stop id/robot" -> entry
       this.own = new Map(); // stop id -> press made here
+      this.gatewayAt = -Infinity; // when the gateway told its newest step
       this.revision = 0; // another one when anything that may be claimed changed
     }
 
@@ -38,14 +40,14 @@
       const pressed_utc = new Date(Date.now() - agoMs).toISOString();
       for (const robot of ids) {
         const step = { stop_id: press.id, robot, name: cards[robot]?.name || robot, state: "sent", by, device, pressed_utc, count: 0, paths: {} };
-        this.entries.set(`${press.id}/${robot}`, { step, by: {}, at: press.at, heardAt: now, isMine: true, isFailed: isHopeless, isContradicted: false });
+        this.entries.set(`${press.id}/${robot}`, { step, by: {}, at: press.at, heardAt: now, isMine: true, isFailed: isHopeless, contradictedBy: "" });
       }
       this.revision += 1;
       return press;
     }
 
     // Take a step that came from `source` ("gateway" or "console").
-    take(step, source, now) {
+    take(step, source, now, isGatewayFresh = true) {
       if (!step || typeof step.stop_id !== "string" || typeof step.robot !== "string") return;
       const key = `${step.stop_id}/${step.robot}`;
       const own = this.own.get(step.stop_id);
@@ -55,15 +57,28 @@
         if (own && ![...this.entries.values()].some((e) => e.step.stop_id === own.id)) this.own.delete(own.id);
         return;
       }
-      const entry = this.entries.get(key) || { by: {}, at: own ? own.at : now - (step.age_ms || 0), isMine: Boolean(own), isFailed: false, isContradicted: false };
-      const before = entry.by[source];
+      const entry = this.entries.get(key) || { by: {}, at: own ? own.at : now - (step.age_ms || 0), isMine: Boolean(own), isFailed: false, contradictedBy: "" };
+      const before = entry.by[source]?.boot === step.boot ? entry.by[source] : null; // a restarted console counts ages anew
       if (before && before.age_ms > step.age_ms) return; // overtaken on another connection
-      if (source === "gateway" && step.state === "standstill") entry.isContradicted = false;
-      if (source === "gateway" && before?.state === "standstill" && step.state !== "standstill") entry.isContradicted = true;
+      if (source === "gateway") this.gatewayAt = now;
+      const isGatewaySilent = !isGatewayFresh && now - this.gatewayAt > SILENT_MS;
+      this.weigh(entry, step, source, before, source === "gateway" || isGatewaySilent);
       entry.by[source] = step;
       entry.heardAt = now;
+      if (step.state === "standstill" && Number.isFinite(step.safety_ms)) entry.provenAt = now - step.safety_ms;
       entry.step = this.best(entry);
       this.entries.set(key, entry);
+    }
+
+    // Standstill that was claimed is taken back by whoever said it, and by the console alone when the gateway is silent;
+    // only who counts most now, or who took it back, can say it again.
+    weigh(entry, step, source, before, isWeighty) {
+      if (step.state === "standstill") {
+        if (isWeighty || entry.contradictedBy === source) entry.contradictedBy = "";
+        return;
+      }
+      const isDenied = source === "console" && isWeighty && step.state === "not-confirmed" && entry.step && this.claim(entry) === "standstill";
+      if (before?.state === "standstill" || isDenied) entry.contradictedBy = source;
     }
 
     // A restarted gateway counts ages anew: its first steps are not older than those of the one before.
@@ -84,15 +99,17 @@
       if (this.entries.delete(key)) this.revision += 1;
     }
 
-    best({ by: { gateway, console: second }, isContradicted }) {
+    best({ by, contradictedBy }) {
+      const { gateway, console: second } = by;
       if (!gateway || !second) return gateway || second;
-      if (gateway.state === "standstill" || isContradicted) return gateway;
+      if (contradictedBy) return by[contradictedBy];
+      if (gateway.state === "standstill") return gateway;
       if (second.state === "standstill") return second;
       return gateway.ack_ms === null && second.ack_ms !== null ? second : gateway;
     }
 
     claim(entry) {
-      return entry.isContradicted ? "not-confirmed" : entry.step.state;
+      return entry.contradictedBy ? "not-confirmed" : entry.step.state;
     }
 
     // Return what may be claimed about one press at one robot now.
@@ -131,7 +148,7 @@
       const { told } = entry;
       if (told?.state === state && told.heard_at === entry.heardAt && entry.toldOf === entry.step) return told;
       entry.toldOf = entry.step;
-      entry.told = { ...entry.step, state, at: entry.at, heard_at: entry.heardAt, is_mine: entry.isMine };
+      entry.told = { ...entry.step, state, at: entry.at, heard_at: entry.heardAt, proven_at: entry.provenAt, is_mine: entry.isMine };
       if (!told || CLAIMED.some((key) => told[key] !== entry.told[key])) this.revision += 1;
       return entry.told;
     }
@@ -148,10 +165,6 @@
         const mine = [...this.entries.values()].filter((e) => e.step.stop_id === press.id);
         return mine.some((e) => this.claim(e) !== "standstill") || (mine.length && !isGatewayFresh);
       });
-    }
-
-    isConfirmed(press) {
-      return [...this.entries.values()].every((e) => e.step.stop_id !== press.id || this.claim(e) === "standstill");
     }
   }
 

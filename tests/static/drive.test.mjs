@@ -17,9 +17,12 @@ class Node {
   addEventListener() {}
 }
 
+const COVERS = /^\.h-scrim, \.h-menu/;
+const gamepad = () => ({ connected: true, axes: [0, 0], buttons: Array.from({ length: 17 }, () => ({ value: 0, pressed: false })) });
+
 // one page: Operate puts up its pads, another screen takes them away; the robot answers when the test says so
-function page() {
-  const world = { commands: [], setpoints: [], answers: [], beats: [], keys: {}, screen: null, time: 1000 };
+function page({ pad = null } = {}) {
+  const world = { isInFront: true, cover: null, commands: [], setpoints: [], answers: [], beats: [], keys: {}, screen: null, time: 1000 };
   const define = (_tag, kind) => (world.Pads = kind);
   const HL = {
     view: { robot: null, screen: '', name: () => 'Weeder 01' }, config: {}, words: { clock: () => '' },
@@ -35,10 +38,10 @@ function page() {
     },
   };
   const listen = (type, act) => (world.keys[type] ??= []).push(act);
-  const document = { hidden: false, addEventListener() {}, querySelector: () => world.pads ?? null };
+  const document = { hidden: false, hasFocus: () => world.isInFront, addEventListener() {}, querySelector: (what) => (COVERS.test(what) ? world.cover : (world.pads ?? null)) };
   const window = { addEventListener: listen, removeEventListener() {}, headland: { on() {}, tick: () => 't', send: (frame) => world.setpoints.push(frame.rates) } };
   const later = (act) => (act(), 0);
-  const context = vm.createContext({ HL, window, document, navigator: {}, HTMLElement: Node, performance: { now: () => world.time }, setInterval: (act) => (world.beats.push(act), 1), clearInterval: () => (world.beats.length = 0), setTimeout: later });
+  const context = vm.createContext({ HL, window, document, navigator: { getGamepads: () => [pad] }, HTMLElement: Node, performance: { now: () => world.time }, setInterval: (act) => (world.beats.push(act), 1), clearInterval: () => (world.beats.length = 0), setTimeout: later });
   for (const name of ['hold_to_drive', 'jog']) vm.runInContext(read(name), context);
   world.show = (screen, robot) => {
     Object.assign(HL.view, { screen, robot });
@@ -52,8 +55,21 @@ function page() {
       world.pads.enter?.();
     }
   };
+  world.down = (key, target = {}) => {
+    let isSpent = false;
+    for (const act of world.keys.keydown) act({ key, target, preventDefault: () => (isSpent = true) });
+    return isSpent;
+  };
+  world.pass = (beats = 1) => {
+    world.setpoints.length = 0;
+    for (let i = 0; i < beats; i += 1) {
+      world.time += 100;
+      for (const beat of [...world.beats]) beat();
+    }
+    return [...world.setpoints];
+  };
   world.press = (key) => {
-    for (const act of world.keys.keydown) act({ key, target: null, preventDefault() {} });
+    world.down(key);
     world.time += 100;
     for (const beat of [...world.beats]) beat();
   };
@@ -137,4 +153,77 @@ test('an answer for the robot before does not end driving of the robot that is s
   await before;
   assert.equal(HL.drive.robot, 'weeder-02');
   assert.equal(world.commands.at(-1), `drive_close ${ROBOT}`);
+});
+
+// driving, from Operate
+async function driving(options) {
+  const { world, HL } = page(options);
+  world.show('operate', ROBOT);
+  const asked = HL.drive.open(ROBOT);
+  world.answers[0]('accepted');
+  await asked;
+  return { world, HL };
+}
+
+test('of two windows in sight the stick moves the robot of the one in front, and never by a trigger that was held', async () => {
+  const pad = gamepad();
+  const [behind, front] = [await driving({ pad }), await driving({ pad })];
+  behind.world.isInFront = false;
+  for (const act of behind.world.keys.blur) act();
+  behind.world.pass();
+  front.world.pass();
+  pad.buttons[7].value = 1;
+  pad.axes[1] = -1;
+  assert.deepEqual(behind.world.pass(5), []);
+  assert.equal(behind.HL.drive.blockedBy, 'This window is not in front');
+  assert.ok(front.world.pass(5).every((v) => v > 0));
+  [behind.world.isInFront, front.world.isInFront] = [true, false];
+  assert.deepEqual(front.world.pass(2), [0, 0]);
+  assert.deepEqual(behind.world.pass(2), []); // its trigger was held before it came to the front
+  pad.buttons[7].value = 0;
+  behind.world.pass();
+  pad.buttons[7].value = 1;
+  assert.ok(behind.world.pass().some((v) => v > 0));
+});
+
+test('a finger on a pad drives at its first touch, whenever its window hears of the focus', async () => {
+  const { world, HL } = await driving();
+  world.isInFront = false;
+  world.pass();
+  const event = { pointerId: 1, button: 0, width: 20, height: 20, preventDefault() {} };
+  HL.PALM_PX = 48;
+  world.pads.down(event, 'forward', {});
+  assert.ok(world.pass(2).every((v) => v > 0));
+  assert.equal(HL.drive.held.size, 1);
+});
+
+for (const cover of ['sheet', 'menu']) {
+  test(`a ${cover} that opens lets go of a held key, and no key or stick drives behind it`, async () => {
+    const pad = gamepad();
+    const { world, HL } = await driving({ pad });
+    assert.ok(world.down('ArrowUp'));
+    assert.ok(world.pass().some((v) => v > 0));
+    world.cover = { cover };
+    assert.deepEqual(world.pass(3), [0, 0]);
+    assert.equal(HL.drive.blockedBy, 'Close what is open');
+    assert.ok(!world.down('ArrowDown')); // it scrolls what is open
+    pad.buttons[7].value = 1;
+    pad.axes[1] = -1;
+    assert.deepEqual(world.pass(3), []);
+    world.cover = null;
+    assert.deepEqual(world.pass(3), []);
+    pad.buttons[7].value = 0;
+    world.pass();
+    assert.ok(world.down('ArrowUp'));
+    assert.ok(world.pass().some((v) => v > 0));
+  });
+}
+
+test('a key that chooses among options never drives', async () => {
+  const { world } = await driving();
+  const inside = (kind) => ({ closest: (what) => what.includes(kind) });
+  for (const kind of ['input', '[role=radiogroup]', '[role=listbox]']) {
+    assert.ok(!world.down('ArrowDown', inside(kind)), kind);
+    assert.deepEqual(world.pass(), []);
+  }
 });

@@ -111,6 +111,13 @@ test('rows hold still under the pointer: they change what they say, not where th
   assert.equal(held.moved, 1);
 });
 
+test('a silent robot whose stop is not confirmed is not drawn as heard', () => {
+  const robot = { id: 'planter-03', rtt_ms: 4, is_online: true };
+  const stop = { state: 'not-confirmed', t: 1 };
+  const seen = (ageMs) => judge(robot, { ageMs, stop, words });
+  assert.deepEqual(plain([seen(200), seen(20000)].map(({ head, isLost, group }) => [head, isLost, group])), [['Stop not confirmed', false, 'needs-you'], ['Stop not confirmed', true, 'needs-you']]);
+});
+
 test('the strip counts what works now and names the slowest link and the oldest datum of those heard', () => {
   const strip = figures([of('a', { rtt_ms: 80 }), of('b', { rtt_ms: 110 }, { ageMs: 900 }), of('c', { mode: 'idle' }), of('d', { is_online: false, rtt_ms: 9000 }, { ageMs: 60000 })]);
   assert.deepEqual(plain(strip), { total: 4, working: 2, offline: 1, slowestMs: 110, oldestMs: 900, newestMs: 200, planters: false });
@@ -135,14 +142,14 @@ test('an alarm whose cause is gone says so, and gives way to what the robot need
   const over = of('a', {}, { alarm: gone }).verdict;
   assert.deepEqual([over.head, over.level, over.look, over.group], ['No data link: over', 2, 'returned', 'watch']);
   const asks = of('a', { waits: true, why: 'It cannot tell crop and weed apart.', clears: 'Look at the row.' }, { alarm: gone }).verdict;
-  assert.deepEqual([asks.head, asks.line], ['It cannot tell crop and weed apart.', 'Look at the row']);
+  assert.deepEqual([asks.head, asks.line], ['It cannot tell crop and weed apart.', 'Look at the row. No data link: over. Nobody has acknowledged it.']);
 });
 
 test('advice about another cause than the alarm comes with its reason', () => {
   const robot = { waits: true, why: 'A person is 4 m ahead.', clears: 'It goes on when the person has left.' };
   const line = (title, text) => of('a', robot, { alarm: { ...alarm('a', 2), title, text } }).verdict.line;
-  assert.equal(line('Battery low', '18 % left.'), '18 % left. A person is 4 m ahead. It goes on when the person has left');
-  assert.equal(line('Person ahead', 'A person is 4 m ahead.'), 'A person is 4 m ahead. It goes on when the person has left');
+  assert.equal(line('Battery low', '18 % left.'), 'A person is 4 m ahead. It goes on when the person has left. 18 % left.');
+  assert.equal(line('Person ahead', 'A person is 4 m ahead.'), 'It goes on when the person has left. A person is 4 m ahead.');
 });
 
 test('alarms of the console and of stations need somebody too, and no alarm of a robot stands twice', () => {
@@ -178,4 +185,57 @@ test('an alarm that is over hides none that is so now, also if nobody answered i
   const [needs] = sections([gone, live]);
   assert.deepEqual(plain(ids(needs)), ['live', 'gone']);
   assert.equal(isMoved(of('gone', {}, { alarm: { ...over, priority: 1, state: 'unacknowledged' } }).verdict, gone.verdict), true);
+});
+
+const stopped = { mode: 'stopped', level: 3, waits: true, code: 'stop_latched', why: 'Anna pressed STOP. Laser off, tracks brake.', clears: 'Reset the stop, then resume.', who: 'operator', takes_s: 60 };
+
+test('while it may move or its tool is on, the sentence is what the alarm says to do and nothing the robot says of itself', () => {
+  const steps = ['Use the red button on the machine', 'Keep everyone away from it'];
+  for (const code of ['stop-not-confirmed', 'moves-after-stop', 'tool-on-unasked', 'outside-fence']) {
+    const { verdict } = of('a', stopped, { alarm: { ...alarm('a', 1), code, title: 'Moves although it was stopped', text: 'It is stopped and moves at 0.8 m/s.', steps } });
+    assert.equal(verdict.line, 'Use the red button on the machine. Keep everyone away from it. It is stopped and moves at 0.8 m/s.');
+  }
+});
+
+test('a silent robot keeps its alarm of priority 1, and nobody is sent to it for its radio', () => {
+  const critical = { ...alarm('a', 1), id: 'x', code: 'moves-after-stop', title: 'Moves although it was stopped', text: 'It is stopped and moves at 0.8 m/s.', steps: ['Use the red button on the machine', 'Keep everyone away from it'] };
+  const { verdict } = of('a', { ...stopped, is_online: false }, { ageMs: 20000, alarm: critical });
+  assert.deepEqual([verdict.level, verdict.head, verdict.look, verdict.group, verdict.isLost], [1, 'Moves although it was stopped', 'unacknowledged', 'needs-you', true]);
+  assert.equal(verdict.line, 'No link for 20 s. Use the red button on the machine. Last heard: It is stopped and moves at 0.8 m/s.');
+  const over = of('a', { ...stopped, is_online: false }, { ageMs: 20000, alarm: { ...critical, state: 'returned' } }).verdict;
+  assert.deepEqual([over.head, over.line], ['No link for 20 s', 'Look before you walk up to it. Moves although it was stopped: over. Nobody has acknowledged it.']);
+  const asks = of('a', { is_online: false }, { ageMs: 20000, alarm: { ...alarm('a', 2), code: 'person-ahead' } }).verdict;
+  assert.deepEqual([asks.head, asks.look], ['No link for 20 s', 'unacknowledged']);
+});
+
+test('why it stands comes first where the alarm beside it is no more urgent', () => {
+  const clock = { ...alarm('a', 3), id: 'c', code: 'clock-wrong', title: 'The clock of a part of it is off', text: '' };
+  const { verdict } = of('a', stopped, { alarm: clock });
+  assert.deepEqual([verdict.level, verdict.head, verdict.look], [3, stopped.why, 'unacknowledged']);
+  assert.equal(verdict.line, 'Reset the stop, then resume. Who: operator. about 1 min. The clock of a part of it is off');
+  assert.equal(of('a', stopped, { alarm: { ...clock, escalated: 5 } }).verdict.line, 'Reset the stop, then resume. Who: operator. about 1 min. The clock of a part of it is off. Nobody answered');
+  const unsure = of('a', { ...stopped, code: 'weed_unsure', why: 'It cannot tell crop and weed apart here.', clears: 'Look at the row.', takes_s: null }, { alarm: { ...clock, code: 'weed-unsure', escalated: 5 } }).verdict;
+  assert.equal(unsure.line, 'Nobody answered. Look at the row. Who: operator');
+  const low = of('a', stopped, { alarm: { ...clock, priority: 4 } }).verdict;
+  assert.deepEqual([low.level, low.head, low.look, low.group], [3, stopped.why, 'acknowledged', 'needs-you']);
+  assert.equal(of('a', { ...stopped, level: 2 }, { alarm: { ...clock, priority: 2, title: 'Crane controller failed' } }).verdict.head, 'Crane controller failed', 'a reset alone mends no fault');
+  assert.equal(of('a', { ...stopped, level: 4 }).verdict.level, 3, 'a fault of no weight makes nobody wait less');
+});
+
+test('a hold that clears by itself says so beside an alarm, and stands first when the alarm is over', () => {
+  const charging = { mode: 'paused', code: 'low_charge', why: 'Paused to charge.', clears: 'Charged, somebody on the farm starts it again.', who: '' };
+  const near = { ...alarm('a', 3, 'returned'), id: 'n', code: 'reserve-near', title: 'Battery near the reserve' };
+  const over = of('a', charging, { alarm: near }).verdict;
+  assert.deepEqual([over.head, over.level, over.look, over.isOver, over.group], ['Paused to charge.', 3, 'returned', true, 'watch']);
+  assert.equal(over.line, 'Charged, somebody on the farm starts it again. Battery near the reserve: over. Nobody has acknowledged it.');
+  assert.equal(of('a', { mode: 'idle', code: 'charging', why: 'It charges, 100 %.', clears: 'It is ready when charged.' }, { alarm: near }).verdict.head, 'Battery near the reserve: over');
+  const float = { mode: 'paused', code: 'rtk_float', why: 'Its position is not exact enough to work.', clears: 'It goes on by itself when RTK is fixed.', who: '' };
+  const { verdict } = of('a', float, { alarm: { ...alarm('a', 3), code: 'rtk-float', title: 'Position not exact', text: 'RTK is not fixed.' } });
+  assert.deepEqual([verdict.head, verdict.line], ['Position not exact', 'It goes on by itself when RTK is fixed. RTK is not fixed.']);
+});
+
+test('what clears it and who can stand before the words of the alarm, and the same is not said twice', () => {
+  const robot = { mode: 'auto', waits: true, code: 'person_ahead', why: 'Somebody or something stands in front of it.', clears: 'Clear the way; it goes on by itself after the horn.', who: 'person at the machine' };
+  const { verdict } = of('a', robot, { alarm: { ...alarm('a', 2), code: 'person-ahead', title: 'Somebody or something in front of it', text: 'Somebody or something stands in front of the machine.' } });
+  assert.equal(verdict.line, 'Clear the way; it goes on by itself after the horn. Who: person at the machine. Somebody or something stands in front of the machine.');
 });

@@ -113,6 +113,11 @@ test('who waits for a plan sees how long, how far, and how to end it', () => {
   assert.match(planningWords('shortest', 1, 12), /12 s.*up to a minute each; Cancel planning ends it at once/);
 });
 
+test('a time just below an hour is told as that hour', () => {
+  const { hours } = load(['plan_numbers'], { ...bare(), planner: { NAMES: {} }, words: {} }).planner;
+  assert.deepEqual([3575, 7175, 3600, 3540, 0].map(hours), ['1:00', '2:00', '1:00', '0:59', '0:00']);
+});
+
 test('a kept view of the fleet says what it keeps', () => {
   const HL = load(['fleet_filter'], { ...bare(), toggle: () => {}, fleet: { groups: [{ id: 7, name: 'North' }] }, fleetOrder: { FAMILIES: { weeder: 'Weeders' } } });
   assert.equal(HL.fleetFilterWords({ q: '', sort: 'attention', families: [], group: '', mine: false, state: '' }), 'all robots');

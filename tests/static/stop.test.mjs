@@ -28,7 +28,8 @@ function stop(scope = { kind: 'robot', id: ID, name: 'Weeder 07' }) {
     }
   }
   const later = () => new Promise(() => {});
-  const window = { ...none, headlandStopParts: { GatewaySocket, Slab, toGateway: later, toConsole: later } };
+  const toConsole = () => (world.asked = (world.asked ?? 0) + 1, world.answer ? Promise.resolve([world.answer()]) : later());
+  const window = { ...none, headlandStopParts: { GatewaySocket, Slab, toGateway: later, toConsole } };
   const context = vm.createContext({
     window, document: { ...none, readyState: 'complete', getElementById: () => null }, performance: { now: () => world.now },
     localStorage: store, sessionStorage: store, navigator: {}, location: {}, setTimeout() {}, CustomEvent: class {},
@@ -44,7 +45,8 @@ function stop(scope = { kind: 'robot', id: ID, name: 'Weeder 07' }) {
     world.tick();
   };
   const robot = (id = ID) => window.headlandStop.state().robots.find((one) => one.id === id);
-  return { world, robot, banner: () => window.headlandStop.banner(), state: () => window.headlandStop.state() };
+  const press = () => window.headlandStop.press();
+  return { world, robot, press, banner: () => window.headlandStop.banner(), state: () => window.headlandStop.state() };
 }
 
 test('standstill is confirmed while the safety controller reports', () => {
@@ -125,4 +127,41 @@ test('a robot that is offline too says since when', () => {
   assert.equal(world.said[1], 'Standstill 12 s ago');
   assert.match(world.said[2], /no link 11 s/);
   assert.ok(!robot().is_standing);
+});
+
+test('without the gateway its last report ages, and nothing is called confirmed by it', () => {
+  const { world, banner } = stop();
+  world.beat([ID, { safety_ms: 190 }]);
+  world.step(ID, 'standstill', { age_ms: 60000 });
+  world.pass(0);
+  assert.equal(world.said[1], 'Standstill confirmed');
+  world.isFresh = false;
+  world.pass(3000);
+  assert.equal(world.said[1], 'Standstill 3 s ago');
+  assert.match(banner().title, /told 3 s ago/);
+});
+
+test('without the gateway the console confirms as long as its own reports are young', async () => {
+  const { world, press } = stop();
+  world.beat([ID, { safety_ms: 190 }]);
+  const stop_id = press();
+  world.step(ID, 'standstill', { stop_id });
+  world.isFresh = false;
+  let safety_ms = 150;
+  world.answer = () => ({ stop_id, robot: ID, name: ID, state: 'standstill', boot: 'b', age_ms: world.now - 5000, ack_ms: 180, standstill_ms: 1340, safety_ms });
+  for (let i = 0; i < 60; i += 1) {
+    world.pass(100);
+    await new Promise((resolve) => setImmediate(resolve));
+    if (i > 15) assert.equal(world.said[1], 'Standstill confirmed', `${i}`);
+  }
+  safety_ms = 9000;
+  for (let i = 0; i < 30; i += 1) {
+    world.pass(100);
+    await new Promise((resolve) => setImmediate(resolve));
+  }
+  assert.match(world.said[1], /^Standstill \d s ago$/);
+  world.answer = () => ({ stop_id, robot: ID, name: ID, state: 'not-confirmed', boot: 'b', age_ms: world.now - 5000, ack_ms: 180, standstill_ms: null, safety_ms: 100 });
+  world.pass(1000);
+  await new Promise((resolve) => setImmediate(resolve));
+  assert.equal(world.said[1], 'NOT CONFIRMED');
 });

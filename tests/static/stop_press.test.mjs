@@ -57,3 +57,64 @@ test('a thousand stopped robots are looked at once each', () => {
   assert.equal(all.byRobot(1100, {}).size, 1000);
   assert.equal(looks, 1000);
 });
+
+// the gateway confirmed, then it is not heard any more; the console is asked on
+function confirmed() {
+  const all = presses();
+  const claim = (now) => all.byRobot(now, {}).get('a')[0].state;
+  all.take(step('a', 'standstill', { ack_ms: 20, standstill_ms: 300 }), 'gateway', 1000, true);
+  const hear = (source, state, now, { isFresh = false, ...more } = {}) => {
+    all.take(step('a', state, { age_ms: now, ack_ms: 20, standstill_ms: state === 'standstill' ? 300 : null, ...more }), source, now, isFresh);
+    return claim(now);
+  };
+  return { all, claim, hear };
+}
+
+test('the console takes standstill back while the gateway is silent, and may say it again', () => {
+  const { all, hear } = confirmed();
+  assert.equal(hear('console', 'standstill', 10000), 'standstill');
+  assert.equal(hear('console', 'not-confirmed', 12000, { text: 'It moves although it confirmed standstill.' }), 'not-confirmed');
+  assert.equal(all.byRobot(12000, {}).get('a')[0].text, 'It moves although it confirmed standstill.');
+  assert.equal(hear('console', 'not-confirmed', 14000), 'not-confirmed');
+  assert.equal(hear('console', 'standstill', 16000), 'standstill');
+});
+
+test('a console that never confirmed denies what a silent gateway said, and not what a speaking one says', () => {
+  const { hear } = confirmed();
+  assert.equal(hear('console', 'not-confirmed', 2000, { isFresh: true }), 'standstill');
+  assert.equal(hear('console', 'acknowledged', 9000), 'standstill'); // it only began to ask
+  assert.equal(hear('console', 'not-confirmed', 10000), 'not-confirmed');
+  assert.equal(hear('gateway', 'standstill', 11000, { isFresh: true }), 'standstill');
+});
+
+test('a gateway that answers by HTTP alone is not silent', () => {
+  const { hear } = confirmed();
+  assert.equal(hear('gateway', 'standstill', 10000), 'standstill');
+  assert.equal(hear('console', 'not-confirmed', 10100), 'standstill');
+});
+
+test('a console that takes its own word back is believed until the gateway says standstill again', () => {
+  const { hear } = confirmed();
+  hear('console', 'standstill', 2000, { isFresh: true });
+  assert.equal(hear('console', 'not-confirmed', 3000, { isFresh: true }), 'not-confirmed');
+  assert.equal(hear('gateway', 'standstill', 3100, { isFresh: true }), 'standstill');
+  assert.equal(hear('console', 'not-confirmed', 4000, { isFresh: true }), 'standstill');
+});
+
+test('what a gateway took back is confirmed by the console only when that gateway is silent', () => {
+  const { hear } = confirmed();
+  assert.equal(hear('gateway', 'not-confirmed', 2000, { isFresh: true }), 'not-confirmed');
+  assert.equal(hear('console', 'standstill', 3000, { isFresh: true }), 'not-confirmed');
+  assert.equal(hear('console', 'standstill', 9000), 'standstill');
+});
+
+test('a restarted console counts ages anew, and its late confirmation counts at once', () => {
+  const all = presses();
+  const hear = (state, age_ms, boot, now) => {
+    all.take(step('a', state, { age_ms, boot }), 'console', now, false);
+    return all.byRobot(now, {}).get('a')[0].state;
+  };
+  assert.equal(hear('not-confirmed', 60000, 'b1', 61000), 'not-confirmed');
+  assert.equal(hear('standstill', 1500, 'b2', 63000), 'standstill');
+  assert.equal(hear('not-confirmed', 1400, 'b2', 63010), 'standstill'); // overtaken
+});

@@ -109,7 +109,14 @@ def _battery(entry: Entry, facts: Facts) -> Waiting | None:
     if mission.battery_share is None:
         text = "What the mission needs is not known, so the battery cannot be checked. Ask for a fixed charge instead."
         return Waiting("energy_unknown", text, "Set a fixed charge.", Who.PLANNER)
-    needed = min(1.0, mission.battery_share + rule.battery_reserve)
+    needed = mission.battery_share + rule.battery_reserve
+    if needed > 1.0:  # on one charge the reserve cannot be kept, however full it is
+        text = (
+            f"One charge does not last: the mission needs {mission.battery_share:.0%} "
+            f"and {rule.battery_reserve:.0%} should stay."
+        )
+        cure = "Plan it in parts, or ask for a fixed charge: it pauses to be charged then."
+        return Waiting("battery_never", text, cure, Who.PLANNER)
     why = f"the mission needs {mission.battery_share:.0%} and {rule.battery_reserve:.0%} stay as reserve"
     return _low(robot.soc, needed, why) if robot.soc < needed else None
 

@@ -34,7 +34,13 @@ class Waiting:
 
 
 def clock_text(at: datetime, now: datetime, zone: ZoneInfo, *, seconds: bool = False) -> str:
-    """Return a time on the farm's clock, with the day where it is not today: ``07:42``, ``Sun 22 Nov 07:42``."""
+    """Return a time on the farm's clock, with the day where it is not today, and the year where that is another one.
+
+    ``07:42``, ``Sun 22 Nov 07:42``, ``Fri 1 Jan 2027 07:42``.
+    """
     local, today = at.astimezone(zone), now.astimezone(UTC).astimezone(zone).date()
     text = local.strftime("%H:%M:%S" if seconds else "%H:%M")
-    return text if local.date() == today else f"{local.strftime('%a')} {local.day} {local.strftime('%b')} {text}"
+    if local.date() == today:
+        return text
+    year = "" if local.year == today.year else f"{local.year} "
+    return f"{local.strftime('%a')} {local.day} {local.strftime('%b')} {year}{text}"

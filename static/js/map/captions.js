@@ -94,6 +94,7 @@ export function robotLabels(robots, look) {
     else if (robot.isStale && (robot.id === look.selected || ghosts < MOST_GHOST_NAMES)) {
       ghosts += 1;
       labels.push(ghostLabel(robot, at, look));
+      if (look.isFleet && robot.level === 1 && !robot.isQuiet) labels.push({ ...fleetLabel(robot, at, look), priority: 91 }); // it fell silent in danger: that before when it was seen
     } else if (look.isFleet) {
       const label = fleetLabel(robot, at, look);
       if (label) labels.push(label);

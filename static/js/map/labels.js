@@ -21,6 +21,11 @@ export function withinSight(x, wide, room, edge) {
   return x + Math.max(-room, Math.min(room, shift));
 }
 
+/** A text left of its robot goes to the right of it where the edge of the map would cut it. */
+export function sideOf({ align, dx }, x, wide) {
+  return align === 'right' && dx < 0 && x - wide < MARGIN_PX ? 'left' : align;
+}
+
 /** The layer of texts; `draw` is called after each frame of the engine. */
 export class LabelLayer {
   constructor(host) {
@@ -109,10 +114,12 @@ export class LabelLayer {
       high += line.px * 1.25;
     }
     if (label.kind) x = withinSight(x, wide, ((label.widthM ?? 0) * this.worldPx) / 2, this.edge);
-    const left = label.align === 'left' ? x : label.align === 'right' ? x - wide : x - wide / 2;
+    const align = sideOf(label, x, wide);
+    if (align !== label.align) x -= 2 * label.dx;
+    const left = align === 'left' ? x : align === 'right' ? x - wide : x - wide / 2;
     const box = [left - 4, y - high / 2 - 2, left + wide + 4, y + high / 2 + 2];
     const overlaps = (o) => !(o.isSoft && label.pill) && box[0] < o[2] && o[0] < box[2] && box[1] < o[3] && o[1] < box[3];
-    const isCut = (label.pill && (box[2] > this.edge || (label.align !== 'left' && box[0] < 0))) || (label.isWhole && box[0] < 0); // it has another side to stand on, or is of no use in part
+    const isCut = (label.pill && box[2] > this.edge) || ((label.pill || label.isWhole) && box[0] < 0); // it has another side to stand on, or is of no use in part
     if (!label.isFixed && (isCut || taken.some(overlaps))) return false;
     taken.push(box);
     this.texts.push(...lines.map((line) => line.text));
@@ -126,7 +133,7 @@ export class LabelLayer {
     for (const line of lines) {
       const baseline = top + line.px * 0.98;
       top += line.px * 1.25;
-      const at = label.align === 'left' ? left : label.align === 'right' ? left + wide - line.wide : left + (wide - line.wide) / 2;
+      const at = align === 'left' ? left : align === 'right' ? left + wide - line.wide : left + (wide - line.wide) / 2;
       context.font = font(line);
       if (!label.pill) {
         context.strokeStyle = palette.halo;

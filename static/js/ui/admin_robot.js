@@ -12,6 +12,7 @@
     ["http_token", "Its token", { type: "password", autocomplete: "new-password", maxlength: "200" }],
     ["contact_name", "Contact on site", { maxlength: "80" }],
     ["contact_phone", "Phone", { type: "tel", maxlength: "40" }],
+    ["keep_out_m", "People stay away, m (its factsheet may ask for more)", { type: "number", inputmode: "decimal", min: "1", max: "1000", step: "any" }],
   ];
 
   class RobotSheet {
@@ -53,7 +54,7 @@
       const found = {};
       for (const [key, input] of Object.entries(this.inputs)) {
         const value = input.value.trim();
-        if (key === "http_token" ? value : value !== String(this.robot[key] ?? "")) found[key] = value === "" && TAKEN_AWAY.has(key) ? null : value;
+        if (key === "http_token" ? value : value !== String(this.robot[key] ?? "")) found[key] = value === "" && TAKEN_AWAY.has(key) ? null : key === "keep_out_m" ? Number(value) : value;
       }
       if (this.noToken.input.checked) found.http_token = null;
       if (this.unattended.input.checked !== (this.robot.is_unattended_allowed === true)) found.is_unattended_allowed = this.unattended.input.checked;
@@ -64,6 +65,7 @@
       this.tell("", "");
       const changes = this.changes();
       if (changes.name === "") return this.tell("A robot needs a name.", "name");
+      if (changes.keep_out_m !== undefined && !(changes.keep_out_m >= 1 && changes.keep_out_m <= 1000)) return this.tell("Say 1 to 1000 m.", "keep_out_m");
       if (this.noToken.input.checked && this.inputs.http_token.value.trim()) return this.tell("Enter a token, or take the one away that is set; not both.", "http_token");
       if (!Object.keys(changes).length) return this.close();
       this.button.disabled = true;

@@ -15,6 +15,7 @@
   }
 
   const take = (robots) => post("handover", { robots, to_user: HL.fleet.me() });
+  const withdraw = (robots) => post("decline", { robots });
   const release = (robots) => post("release", { robots });
 
   async function handOver(robots) {
@@ -73,10 +74,16 @@
   // one line about a robot, for its menu
   function line(id) {
     const duty = HL.fleet.duty[id];
-    if (!duty?.user) return "Nobody is responsible.";
-    const offer = duty.offer ? ` Offered to ${duty.offer.to_name}.` : "";
+    const offer = duty?.offer ? ` Offered to ${duty.offer.to_name}.` : "";
+    if (!duty?.user) return `Nobody is responsible.${offer}`;
     return `${duty.user === HL.fleet.me() ? "You are" : `${duty.name} is`} responsible since ${time(duty.since)}.${offer}${duty.note ? ` Note: ${duty.note}` : ""}`;
   }
 
-  HL.fleetDuty = { handOver, take, release, line, Offers };
+  // who offered it, or is responsible, may take the offer back
+  function canWithdraw(id) {
+    const duty = HL.fleet.duty[id];
+    return Boolean(duty?.offer) && [duty.user, duty.offer.by_id].includes(HL.fleet.me());
+  }
+
+  HL.fleetDuty = { handOver, take, release, withdraw, canWithdraw, line, Offers };
 })();

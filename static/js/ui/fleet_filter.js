@@ -44,7 +44,7 @@
         el("div", { class: "f-checks" }, ...kinds),
         el("div", { class: "h-form" }, el("label", { class: "h-field" }, "State", state), el("label", { class: "h-field" }, "Group", group)),
         views(), groupsOf(),
-        el("div", { class: "h-row" }, el("a", { class: "h-btn", href: "/wall", "data-testid": "wall-open" }, icon("tablet", "m"), "Wall mode"), HL.fleet.can("manage_walls") ? el("button", { type: "button", class: "h-btn", "data-testid": "wall-manage", onclick: () => HL.fleetWalls() }, "Wall screens") : ""),
+        el("div", { class: "h-row" }, el("a", { class: "h-btn", href: "/wall", "data-testid": "wall-open", onclick: () => HL.closeSheet() }, icon("tablet", "m"), "Wall mode"), HL.fleet.can("manage_walls") ? el("button", { type: "button", class: "h-btn", "data-testid": "wall-manage", onclick: () => HL.fleetWalls() }, "Wall screens") : ""),
       ],
       buttons: [["Show all", (close) => (HL.fleet.setFilter({ ...HL.fleet.NO_FILTER }), close())], ["Done", (close) => close(), true]],
     });
@@ -57,13 +57,26 @@
     return parts.filter(Boolean).join(", ") || "all robots";
   }
 
+  // what was kept is not gone by one tap, and a refusal is told
+  function askDelete(title, text, path, load) {
+    const go = async () => {
+      const answer = await HL.port.api("DELETE", path);
+      await load();
+      openFilters();
+      if (!answer.ok) HL.toast(answer.text, "block");
+    };
+    HL.sheet({ title, hook: "fleet-delete", body: [el("p", { class: "h-2 h-t16" }, text)], buttons: [["Keep it", () => openFilters()], ["Delete", go, true]] });
+  }
+  const dropView = (view) => askDelete(`Delete view ${view.name}?`, "It cannot be brought back.", `/fleet/views/${view.id}`, HL.fleet.loadViews);
+  const dropGroup = (group) => askDelete(`Delete group ${group.name}?`, `${group.robots.length === 1 ? "One robot is" : `${group.robots.length} robots are`} in it. It is gone for everybody on this farm and cannot be brought back.`, `/fleet/groups/${group.id}`, HL.fleet.loadGroups);
+
   function views() {
     const list = el("div", { class: "f-kept" });
     const name = el("input", { class: "h-input", maxlength: "80", placeholder: "Name of this view", "aria-label": "Name of this view", "data-testid": "fleet-view-name" });
     const said = el("span", { class: "h-error", role: "alert" });
     const draw = () => list.replaceChildren(...HL.fleet.views.map((view) => el("div", { class: "h-row" },
       el("button", { type: "button", class: "h-btn f-view", "data-testid": `fleet-view-${view.id}`, onclick: () => (HL.fleet.setFilter({ ...HL.fleet.NO_FILTER, ...view.filter }), HL.closeSheet()) }, view.name, el("span", { class: "h-2 h-t13 h-plain h-ell" }, filterWords(view.filter))),
-      el("button", { type: "button", class: "h-btn q ico", "aria-label": `Delete view ${view.name}`, onclick: async () => (await HL.port.api("DELETE", `/fleet/views/${view.id}`), await HL.fleet.loadViews(), draw()) }, icon("delete", "m")))));
+      el("button", { type: "button", class: "h-btn q ico", "aria-label": `Delete view ${view.name}`, "data-testid": `fleet-view-drop-${view.id}`, onclick: () => dropView(view) }, icon("delete", "m")))));
     const save = async () => {
       if (!name.value.trim()) return text(said, "Give the view a name.");
       const { q, ...filter } = HL.fleet.filter;
@@ -83,7 +96,7 @@
     const list = el("div", { class: "f-kept" });
     const draw = () => list.replaceChildren(...HL.fleet.groups.map((one) => el("div", { class: "h-row" },
       el("button", { type: "button", class: "h-btn f-view", "data-testid": `fleet-choose-${one.id}`, onclick: () => (HL.fleet.chooseAll(one.robots.filter((id) => id in HL.port.fleet())), HL.closeSheet()) }, `Choose ${one.name}`, el("span", { class: "h-2" }, ` ${one.robots.length}`)),
-      HL.fleet.can("pause") ? el("button", { type: "button", class: "h-btn q ico", "aria-label": `Delete group ${one.name}`, onclick: async () => (await HL.port.api("DELETE", `/fleet/groups/${one.id}`), await HL.fleet.loadGroups(), draw()) }, icon("delete", "m")) : "")));
+      HL.fleet.can("pause") ? el("button", { type: "button", class: "h-btn q ico", "aria-label": `Delete group ${one.name}`, "data-testid": `fleet-group-drop-${one.id}`, onclick: () => dropGroup(one) }, icon("delete", "m")) : "")));
     draw();
     return el("section", { class: "f-kepts" }, el("b", { class: "h-t16" }, "Groups of this farm"), list);
   }

@@ -14,7 +14,7 @@
     const now = map();
     if (!now) return;
     const { items, filter, chosen, current, order, marks } = HL.fleet;
-    const isNarrowed = HL.fleet.isNarrowed(filter);
+    const isNarrowed = HL.view.screen !== "wall" && HL.fleet.isNarrowed(filter); // a wall hides nobody
     const key = [order, marks, items.length, now.intake.robots.size, current, [...chosen], JSON.stringify(shown), isNarrowed && HL.fleet.looks].join("|");
     if (now.fleet.said && key === told.key && now === told.map) return; // most looks change nothing that the map shows
     told = { key, map: now };

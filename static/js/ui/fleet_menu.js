@@ -39,6 +39,7 @@
           HL.fleet.can("pause") ? item("fleet-menu-pause", "pause", "Pause", () => (close(), HL.fleetActs.pause([id]))) : "",
           HL.fleet.can("pause") && !isMine ? item("fleet-menu-take", "badge", "I am responsible", () => (close(), HL.fleetDuty.take([id]))) : "",
           HL.fleet.can("pause") ? item("fleet-menu-duty", "group", "Hand over", () => (close(), HL.fleetDuty.handOver([id]))) : "",
+          HL.fleet.can("pause") && HL.fleetDuty.canWithdraw(id) ? item("fleet-menu-withdraw", "undo", "Withdraw the offer", () => (close(), HL.fleetDuty.withdraw([id]))) : "",
           isMine ? item("fleet-menu-release", "logout", "Not responsible any more", () => (close(), HL.fleetDuty.release([id]))) : ""),
       ],
       buttons: [["Close", (done) => done()]],

@@ -4,8 +4,12 @@
   const SOON_S = 900; // a robot that needs somebody within a quarter of an hour is watched
   const LOST_MS = 3500;
   const FOLD_ABOVE = 200; // robots beyond which those that need nobody fold into groups
+  const STANDS = 3; // how urgent a robot is that only waits for somebody
+  const OVER = "Nobody has acknowledged it.";
+  // What it says of itself may not hold while one of these does: what to do is what the alarm says, not what clears its hold.
+  const UNSAFE = new Set(["stop-not-confirmed", "moves-after-stop", "tool-on-unasked", "outside-fence"]);
   const ACTIVE = { unacknowledged: 0, latched: 1, acknowledged: 2, returned: 3 };
-  const FAMILIES = { weeder: "Weeders", planter: "Planters", uav: "Drones", other: "Other robots" };
+  const FAMILIES = { weeder: "Weeders", planter: "Planters", uav: "UAVs", other: "Other robots" };
   const names = new Intl.Collator("en", { numeric: true });
   const orInfinity = (value) => (typeof value === "number" ? value : Infinity);
 
@@ -39,6 +43,9 @@
   const about = (s) => (s === null || s === undefined ? "" : s < 45 ? `about ${s} s` : `about ${Math.max(1, Math.round(s / 60))} min`);
   const inTime = (s) => (s < 60 ? "now" : `in ${Math.round(s / 60)} min`);
 
+  // parts as sentences, one after the other; the last keeps its end
+  const said = (...parts) => parts.filter(Boolean).map((part, i, all) => (i === all.length - 1 || /[.!?…]$/.test(part) ? part : `${part}.`)).join(" ");
+
   // what clears it, who can, how long it takes
   function advice(robot) {
     const parts = [robot.clears, robot.who && robot.who !== "nobody" ? `Who: ${robot.who}` : "", about(robot.takes_s)];
@@ -59,27 +66,51 @@
   }
 
   function verdict(robot, ageMs, stop, alarm, words) {
-    if (stop?.state === "not-confirmed") return { level: 1, head: "Stop not confirmed", line: "Use the red button on the machine", since: stop.t ?? null, look: "unacknowledged", waits: true };
+    if (stop?.state === "not-confirmed") return { level: 1, head: "Stop not confirmed", line: "Use the red button on the machine", since: stop.t ?? null, look: "unacknowledged", waits: true, isLost: robot.is_online === false || ageMs > LOST_MS };
     if (robot.is_registered === false) return { level: 4, head: "New robot", line: "An admin must accept it before it can be operated", since: null, waits: false };
     if (robot.is_online === false || ageMs > LOST_MS) return lost(robot, ageMs, alarm, words);
-    if (alarm && !(isOver(alarm) && needs(robot))) return ofAlarm(robot, alarm);
-    if (needs(robot)) return { level: robot.level ?? 3, head: robot.why || robot.fault || robot.text, line: advice(robot), since: robot.since ?? null, look: "acknowledged", waits: Boolean(robot.waits) };
+    if (alarm && isAlarmFirst(robot, alarm)) return ofAlarm(robot, alarm);
+    if (needs(robot) || alarm) return ofRobot(robot, alarm);
     return { level: null, head: robot.task || robot.text || "–", line: robot.why || "", since: robot.since ?? null, waits: false };
   }
 
   // an alarm whose cause is gone, which nobody has seen yet
   const isOver = (alarm) => alarm.state === "returned";
+  const unseen = (alarm) => (isUnanswered(alarm) ? "" : OVER); // where that is said in front
   const needs = (robot) => Boolean(robot.waits || robot.level);
+  // how urgent it is that it stands; what is more urgent has an alarm of its own
+  const standing = (robot) => (!robot.why || !needs(robot) ? Infinity : robot.waits ? STANDS : Math.max(STANDS, robot.level));
+  const isHeld = (robot) => Boolean(robot.why) && robot.code !== "charging"; // what only charges is held by nothing
+  const isAlarmFirst = (robot, alarm) => (isOver(alarm) ? !needs(robot) && !isHeld(robot) : alarm.priority < standing(robot));
+  // "person-ahead" of the hold "person_ahead": the same in other words
+  const isOwn = (robot, alarm) => alarm.code === (robot.code || "").replaceAll("_", "-");
 
-  // What the robot asks for is said with its reason, unless that is what the alarm is about.
+  // Why it stands, what clears it, who can; then what an alarm says beside it that is no more urgent, or over.
+  function ofRobot(robot, alarm) {
+    const level = robot.waits ? Math.min(STANDS, robot.level ?? STANDS) : robot.level;
+    const found = { level, head: robot.why || robot.fault || robot.text, line: advice(robot), since: robot.since ?? null, look: "acknowledged", waits: Boolean(robot.waits) };
+    if (!alarm) return found;
+    if (isOver(alarm)) {
+      if (needs(robot)) return { ...found, line: said(found.line, `${alarm.title}: over`, OVER) };
+      const line = said(found.line, `${alarm.title}: over`, unseen(alarm));
+      return { ...found, level: alarm.priority, line, since: alarm.t ?? null, look: alarm.state, alarm: alarm.id, isOver: true };
+    }
+    const isEqual = alarm.priority === standing(robot);
+    const same = { ...found, level: standing(robot), ...(isEqual && { look: alarm.state }) };
+    if (!isOther(robot, alarm)) return { ...same, alarm: alarm.id };
+    return { ...same, line: said(found.line, alarm.title, news(alarm), isUnanswered(alarm) && "Nobody answered") };
+  }
+
+  // whether why it stands says anything that the alarm does not
+  const isOther = (robot, alarm) => robot.why && !isOwn(robot, alarm) && !starts(robot.why, alarm.title) && !(alarm.text || "").includes(robot.why.replace(/\.$/, ""));
+
+  // The answer stands before the words of the alarm: those are cut off where there is little room.
   function ofAlarm(robot, alarm) {
     const level = alarm.priority;
     const about = { level, since: alarm.t ?? null, look: alarm.state, waits: Boolean(robot.waits), alarm: alarm.id };
-    if (isOver(alarm)) return { ...about, isOver: true, head: `${alarm.title}: over`, line: "It is gone again. Nobody has acknowledged it." };
-    const isAsked = level <= 2 || robot.waits;
-    const isOther = robot.why && !starts(robot.why, alarm.title) && !(alarm.text || "").includes(robot.why.replace(/\.$/, ""));
-    const line = [news(alarm), isAsked && isOther ? robot.why : "", isAsked ? advice(robot) : ""].filter(Boolean).join(" ");
-    return { ...about, head: alarm.title, line: line || robot.why };
+    if (isOver(alarm)) return { ...about, isOver: true, head: `${alarm.title}: over`, line: said("It is gone again.", unseen(alarm)) };
+    if (UNSAFE.has(alarm.code)) return { ...about, head: alarm.title, line: said(...(alarm.steps ?? []), news(alarm)) };
+    return { ...about, head: alarm.title, line: said(isOther(robot, alarm) && robot.why, advice(robot), news(alarm)) || robot.why };
   }
 
   // What a text adds to its title: one that only says the title again is no news, nor is its beginning if that does.
@@ -92,12 +123,16 @@
     return more && starts(first, title) ? more[0].toUpperCase() + more.slice(1) : text;
   }
 
+  // It is silent. What it was last heard doing comes first if that is critical: nobody walks up to it for its radio.
   function lost(robot, ageMs, alarm, words) {
     const isKnown = Number.isFinite(ageMs);
-    const look = alarm && alarm.code === "link-lost" ? alarm.state : "acknowledged";
-    const line = isKnown ? "Its values are old. Look at its power and radio" : "Not heard since the server started";
-    const level = alarm ? Math.min(2, alarm.priority) : 2;
-    return { level, head: isKnown ? `No link for ${words.since(ageMs)}` : "Never heard", line, since: robot.t ?? null, look, waits: false, isLost: true, alarm: alarm?.id };
+    const silent = isKnown ? `No link for ${words.since(ageMs)}` : "Never heard";
+    const found = { level: alarm ? Math.min(2, alarm.priority) : 2, head: silent, since: robot.t ?? null, look: "acknowledged", waits: false, isLost: true, alarm: alarm?.id };
+    const isCritical = alarm?.priority === 1 && alarm.code !== "link-lost";
+    if (isCritical && isOver(alarm)) return { ...found, line: said("Look before you walk up to it", `${alarm.title}: over`, unseen(alarm)) };
+    if (isCritical) return { ...found, head: alarm.title, line: said(silent, alarm.steps?.[0], `Last heard: ${alarm.text || alarm.title}`), look: alarm.state };
+    if (alarm?.priority <= 2 && !isOver(alarm)) found.look = alarm.state;
+    return { ...found, line: isKnown ? "Its values are old. Look at its power and radio" : "Not heard since the server started" };
   }
 
   // priority, then what is so before what is over, then how soon help is needed, then who waits longest, then by name

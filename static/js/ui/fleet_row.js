@@ -63,10 +63,10 @@
         this.drawn = key;
         this.sign.replaceChildren(verdict.level ? alarm(verdict.level, 26, verdict.look) : "");
       }
-      text(this.head, verdict.isLost && Number.isFinite(one.ageMs) ? `No link for ${HL.words.since(HL.port.age(robot.t))}` : verdict.head);
+      text(this.head, verdict.head);
       text(this.line, verdict.line);
       attr(this.node, "title", [verdict.head, verdict.line].filter(Boolean).join(". "));
-      const asks = verdict.group === "needs-you" && !verdict.isLost && typeof verdict.since === "number";
+      const asks = verdict.group === "needs-you" && (verdict.waits || !verdict.isLost) && typeof verdict.since === "number";
       attr(this.waiting, "hidden", !asks);
       if (asks) text(this.wait, waited(verdict.since));
       text(this.link, verdict.isLost ? "no link" : typeof robot.rtt_ms === "number" ? `${Math.round(robot.rtt_ms)} ms` : "–");

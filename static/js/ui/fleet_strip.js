@@ -17,7 +17,7 @@
     }
   }
 
-  const KPIS = [["working", "Working"], ["area", "Area today"], ["plants", "Trees today"], ["utilisation", "Utilisation"], ["interventions", "Interventions"], ["slowest", "Slowest link"], ["oldest", "Oldest datum"]];
+  const KPIS = [["working", "Working"], ["area", "Area today"], ["plants", "Trees today"], ["utilisation", "Utilisation"], ["interventions", "Interventions"], ["slowest", "Slowest link"], ["oldest", "Oldest value"]];
 
   class FleetKpis extends LiveElement {
     build() {

@@ -24,9 +24,9 @@
       attr(this.node, "data-testid", `wall-row-${one.id}`);
       attr(this.node, "data-level", verdict.level);
       text(this.name, robot.name);
-      text(this.head, verdict.isLost && Number.isFinite(one.ageMs) ? `No link for ${HL.words.since(HL.port.age(robot.t))}` : verdict.head);
+      text(this.head, verdict.head);
       text(this.line, verdict.line);
-      const asks = typeof verdict.since === "number" && !verdict.isLost;
+      const asks = typeof verdict.since === "number" && (verdict.waits || !verdict.isLost);
       text(this.time, asks ? HL.words.clock(HL.port.age(verdict.since) / 1000) : "");
     }
   }
@@ -74,8 +74,9 @@
       const count = needs.items.length;
       const none = this.isUnsure ? "Who is needed is not known" : HL.fleet.items.length ? "Nobody is needed" : "No robots yet";
       text(this.sum, count ? `${count} ${count === 1 ? "needs" : "need"} somebody` : none);
-      const more = needs.items.length + watch.items.length - shown.length;
-      text(this.rest, [more > 0 ? `${more} more to watch` : "", HL.fleet.items.length ? `${normal.count} normal` : ""].filter(Boolean).join(" · "));
+      const askers = needs.items.slice(shown.length).length;
+      const watched = watch.items.length - (shown.length - (count - askers));
+      text(this.rest, [askers ? `${askers} more ${askers === 1 ? "needs" : "need"} somebody` : "", watched ? `${watched} ${watched < watch.items.length ? "more " : ""}to watch` : "", HL.fleet.items.length ? `${normal.count} normal` : ""].filter(Boolean).join(" · "));
     }
   }
 

@@ -48,6 +48,9 @@
   // age of the camera picture that is open for this robot; null when nobody steers by one
   const pictureMs = () => HL.picture?.ageMs(drive.robot) ?? null;
 
+  // a sheet or a menu has the keys, and may lie over the pads
+  const isCovered = () => document.querySelector(".h-scrim, .h-menu:not([hidden])");
+
   // why nothing may move now; empty when it may
   function obstacle() {
     const delayMs = HL.port.delayMs(drive.robot);
@@ -56,7 +59,9 @@
     if (delayMs > LIMIT_MS) return `Off, ${Math.round(delayMs)} ms`;
     if (pictureMs() > PICTURE_LIMIT_MS) return HL.picture.why(PICTURE_LIMIT_MS);
     if (document.hidden) return "Screen is hidden";
-    return "";
+    if (isCovered()) return "Close what is open";
+    // the stick of one gamepad is heard in every window; a finger on a pad is here, also before its window has the focus
+    return document.hasFocus() || drive.held.has("pad") ? "" : "This window is not in front";
   }
 
   function beat() {
@@ -87,11 +92,12 @@
   }
 
   function press(source, v, w) {
-    if (!drive.isMine() || drive.blockedBy) return false;
+    if (!drive.isMine()) return false;
     drive.held.set(source, { v, w });
-    drive.lastInput = performance.now();
+    drive.blockedBy = obstacle(); // anew: a touch may have brought the window to the front
+    if (drive.blockedBy) return !drive.held.delete(source);
     beat();
-    return true;
+    return drive.held.has(source);
   }
 
   async function open(robot) {
@@ -157,10 +163,10 @@
   }
 
   const byKey = Object.fromEntries(Object.entries(PADS).map(([name, pad]) => [pad.key, name]));
-  const isTyping = (event) => event.target instanceof HTMLElement && event.target.closest("input, textarea, select, [contenteditable]");
+  const isTaken = (event) => isCovered() || event.target.closest?.("input, textarea, select, [contenteditable], [role=radiogroup], [role=listbox]");
   window.addEventListener("keydown", (event) => {
     const name = byKey[event.key];
-    if (!name || !drive.isMine() || isTyping(event) || event.ctrlKey || event.altKey || event.metaKey) return;
+    if (!name || !drive.isMine() || isTaken(event) || event.ctrlKey || event.altKey || event.metaKey) return;
     event.preventDefault();
     if (!event.repeat) press(`key:${name}`, PADS[name].v, PADS[name].w);
   });

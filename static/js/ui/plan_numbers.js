@@ -28,7 +28,7 @@
 
   const share = (part, whole) => (whole > 0 ? (100 * part) / whole : 0);
   const kwh = (j) => (j / 3.6e6).toFixed(1);
-  const hours = (s) => `${Math.floor(s / 3600)}:${String(Math.round((s % 3600) / 60) % 60).padStart(2, "0")}`;
+  const hours = (s) => [Math.floor(Math.round(s / 60) / 60), String(Math.round(s / 60) % 60).padStart(2, "0")].join(":");
   // the last word is the unit: 6 h 12 and min
   const time = (s) => (s >= MANY_S ? [String(Math.round(s / 3600)), "h"] : [words.left(s).replace(/ min$/, ""), "min"]);
   const km = (m) => (m >= 1000 ? [(m / 1000).toFixed(2), "km"] : [m.toFixed(0), "m"]);
@@ -113,5 +113,5 @@
     return answer.state === "same" ? `the same path as ${NAMES[answer.as].toLowerCase()}` : answer.text;
   }
 
-  Object.assign(HL.planner, { cards, energy, Compare, planningWords, place });
+  Object.assign(HL.planner, { cards, energy, Compare, planningWords, place, hours });
 })();

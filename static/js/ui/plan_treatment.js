@@ -29,8 +29,10 @@
     constructor(areas, actions) {
       this.areas = areas;
       this.actions = actions;
+      const kept = HL.draft.get(DRAFT) || {};
+      this.chosen = new Map(Object.entries(kept.chosen ?? {})); // by a person; the others stay as the map has them
       this.doses = new Map();
-      this.drawn = HL.draft.get(DRAFT) || []; // [{outline, dose}], of this plan alone
+      this.drawn = kept.drawn ?? []; // [{outline, dose}], of this plan alone
       this.pen = el("button", { type: "button", class: "h-btn", "data-testid": "plan-draw-area", onclick: () => this.draw() }, icon("pentagon", "m"), "Draw an area");
       this.own = el("div", { class: "p-areas" });
       this.rest = select("plan-rest-dose", "Rest of the field", REST);
@@ -38,8 +40,11 @@
       this.leadOut = metres("plan-lead-out", "Tool off after, m");
       this.list = el("div", { class: "p-areas" });
       this.none = el("p", { class: "h-t13 h-2" }, "No treatment areas of the map lie in this field. Draw one here for this plan, or under Maps for all plans.");
+      this.rest.value = kept.rest ?? "1";
+      this.leadIn.value = kept.leadIn ?? "";
+      this.leadOut.value = kept.leadOut ?? "";
       const field = (label, input) => el("label", { class: "h-field" }, label, input);
-      this.node = el("div", { class: "p-treatment" }, this.list, this.none, this.own, this.pen, field("Rest of the field", this.rest), el("div", { class: "p-two" }, field("Tool on before, m", this.leadIn), field("Tool off after, m", this.leadOut)));
+      this.node = el("div", { class: "p-treatment", oninput: () => this.keep() }, this.list, this.none, this.own, this.pen, field("Rest of the field", this.rest), el("div", { class: "p-two" }, field("Tool on before, m", this.leadIn), field("Tool off after, m", this.leadOut)));
     }
 
     // offers the areas whose surroundings meet the field's
@@ -52,9 +57,9 @@
       this.list.replaceChildren(...this.shown.map((area) => {
         const dose = area.properties?.dose;
         const choice = select(`plan-dose-${area.id}`, area.name, typeof dose === "number" && !DOSES.some(([value]) => value === String(dose)) ? [...DOSES, [String(dose), `${dose} times`]] : DOSES);
-        choice.value = this.doses.get(area.id) ?? (area.kind === "treatment" ? String(dose ?? 1) : "");
+        choice.value = this.chosen.get(area.id) ?? (area.kind === "treatment" ? String(dose ?? 1) : "");
         this.doses.set(area.id, choice.value);
-        choice.addEventListener("input", () => this.doses.set(area.id, choice.value));
+        choice.addEventListener("input", () => (this.chosen.set(area.id, choice.value), this.doses.set(area.id, choice.value)));
         return el("label", { class: "h-field" }, area.name, choice);
       }));
     }
@@ -67,8 +72,12 @@
       }, () => this.paintDrawn());
     }
 
+    keep() {
+      HL.draft.set(DRAFT, { drawn: this.drawn, chosen: Object.fromEntries(this.chosen), rest: this.rest.value, leadIn: this.leadIn.value, leadOut: this.leadOut.value });
+    }
+
     redrawn() {
-      HL.draft.set(DRAFT, this.drawn);
+      this.keep();
       this.paintDrawn();
       this.actions.changed();
     }
@@ -110,12 +119,13 @@
     }
 
     apply(wish) {
-      this.doses = new Map((wish.treatments ?? []).filter((one) => one.feature_id).map((one) => [one.feature_id, String(one.dose)]));
+      this.chosen = new Map((wish.treatments ?? []).filter((one) => one.feature_id).map((one) => [one.feature_id, String(one.dose)]));
       this.drawn = (wish.treatments ?? []).filter((one) => one.geometry?.type === "Polygon").map((one) => ({ outline: one.geometry.coordinates[0].slice(0, -1), dose: one.dose }));
-      for (const area of this.areas) if (!this.doses.has(area.id) && wish.treatments) this.doses.set(area.id, "");
+      for (const area of this.areas) if (!this.chosen.has(area.id) && wish.treatments) this.chosen.set(area.id, "");
       this.rest.value = String(wish.rest_dose ?? 1);
       this.leadIn.value = wish.lead_in_m ?? "";
       this.leadOut.value = wish.lead_out_m ?? "";
+      this.keep();
     }
 
     summary() {

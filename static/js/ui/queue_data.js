@@ -16,8 +16,14 @@
   }
 
   const day = (at, zone) => new Date(at).toLocaleDateString("en-GB", { timeZone: zone, weekday: "short", day: "numeric", month: "short" }).replace(",", "");
-  const isSameDay = (a, b, zone) => day(a, zone) === day(b, zone);
-  const when = (at, zone, now = Date.now()) => clock(at, zone, !isSameDay(at, now, zone));
+  const date = (at, zone) => new Date(at).toLocaleDateString("en-CA", { timeZone: zone }); // 2026-11-22
+  const isSameDay = (a, b, zone) => date(a, zone) === date(b, zone);
+  const isSameYear = (a, b, zone) => date(a, zone).slice(0, 4) === date(b, zone).slice(0, 4);
+
+  function when(at, zone, now = Date.now()) {
+    if (isSameDay(at, now, zone)) return clock(at, zone);
+    return isSameYear(at, now, zone) ? clock(at, zone, true) : `${day(at, zone)} ${date(at, zone).slice(0, 4)} ${clock(at, zone)}`;
+  }
 
   // minutes that the farm's clock is ahead of UTC at an instant
   function offsetMs(at, zone) {

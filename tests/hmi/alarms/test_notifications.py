@@ -236,6 +236,78 @@ async def test_a_refusal_for_good_is_not_repeated_and_is_remembered() -> None:
     assert (health.failed, health.waiting, health.last_error) == (1, 0, "hooks.example answered 404.")
 
 
+@pytest.mark.parametrize("mend", ["tested", "other address", "other secret", "off"])
+async def test_a_channel_that_was_mended_or_switched_off_is_not_called_failing(mend: str) -> None:
+    outside = Outside()
+    outside.errors = [NotDelivered("hooks.example answered 404.", is_lasting=True)]
+    outside.post.set_channels([hook()])
+    outside.post.tell("Hof Brandt", told(1))
+    await outside.run(1)
+    assert outside.post.health()["hook"].failing_since_s is not None
+    outside.post.set_channels([replace(hook(), name="The same by another name")])
+    assert outside.post.health()["hook"].failing_since_s is not None
+    changed = {
+        "other address": hook("https://hooks.example/y"),
+        "other secret": hook(secret="another"),
+        "off": replace(hook(), is_on=False),
+    }
+    if mend == "tested":
+        assert await outside.post.test(hook(), "Hof Brandt") == ""
+    else:
+        outside.post.set_channels([changed[mend]])
+    health = outside.post.health()["hook"]
+    assert (health.failing_since_s, health.last_error) == (None, "")
+
+
+async def test_a_test_of_what_is_not_in_use_proves_nothing() -> None:
+    outside = Outside()
+    outside.errors = [NotDelivered("down.")]
+    outside.post.set_channels([hook()])
+    outside.post.tell("Hof Brandt", told(1))
+    await outside.run(1)
+    assert await outside.post.test(hook("https://hooks.example/y"), "Hof Brandt") == ""
+    assert outside.post.health()["hook"].failing_since_s is not None
+
+
+@pytest.mark.parametrize("between", [replace(hook(), is_on=False), hook("https://hooks.example/y")])
+async def test_what_waited_is_sent_neither_after_a_channel_was_off_nor_elsewhere(between: Channel) -> None:
+    outside = Outside()
+    outside.errors = [NotDelivered("down.")]
+    outside.post.set_channels([hook()])
+    outside.post.tell("Hof Brandt", told(1))
+    await outside.run(1)
+    outside.post.tell("Hof Brandt", told(2))
+    outside.post.set_channels([between])
+    assert outside.post.health()["hook"].waiting == 0
+    await outside.run(60)
+    outside.post.set_channels([hook()])
+    await outside.run(60)
+    assert outside.got == []
+    outside.post.tell("Hof Brandt", told(3))
+    await outside.run(1)
+    assert [item.source for message in outside.got for item in message.items] == ["weeder-03"]
+
+
+async def test_a_message_that_fails_after_its_channel_was_changed_is_no_news_of_it() -> None:
+    fails, under_way = asyncio.Event(), asyncio.Event()
+
+    async def take(_channel: Channel, _message: Message) -> None:
+        under_way.set()
+        await fails.wait()
+        raise NotDelivered("down.")
+
+    post = PostOffice(FakeClock(), take)
+    post.set_channels([hook()])
+    post.tell("Hof Brandt", told(1))
+    sending = asyncio.create_task(post.send_due())
+    await asyncio.wait_for(under_way.wait(), 10)
+    post.set_channels([hook("https://hooks.example/y")])
+    fails.set()
+    await sending
+    health = post.health()["hook"]
+    assert (health.waiting, health.failed, health.failing_since_s) == (0, 0, None)
+
+
 async def test_an_outage_keeps_the_newest_in_bounded_memory() -> None:
     outside = Outside()
     outside.errors = [NotDelivered("down.")] * 3

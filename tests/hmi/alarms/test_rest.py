@@ -65,6 +65,14 @@ async def test_a_viewer_reads_alarms_with_what_they_say_and_may_not_acknowledge(
     assert console.alarms.get(LINK).alarm.seen_by == ""
 
 
+async def test_only_what_is_critical_is_listed_with_what_to_do(console: AlarmConsole) -> None:
+    console.turn(Turn.COMES, "moves-after-stop", "It is stopped and moves at 0.8 m/s.")
+    viewer = await console.browser(Role.VIEWER)
+    steps = {one["code"]: one["steps"] for one in (await viewer.get("/alarms?state=active")).json()["alarms"]}
+    assert steps["link-lost"] == []
+    assert steps["moves-after-stop"][0] == "Use the red button on the machine"
+
+
 async def test_acknowledging_notes_who_and_resets_nothing(console: AlarmConsole) -> None:
     martha = await console.browser(Role.OPERATOR)
     answer = (await martha.post(f"/alarms/{LINK}/acknowledge")).json()

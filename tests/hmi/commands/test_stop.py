@@ -109,6 +109,16 @@ async def test_it_is_acknowledged_confirmed_and_then_empties_itself(field: Field
     assert len(field.sender.sent) == copies  # a press that was reset never latches again
 
 
+async def test_a_step_tells_how_old_the_proof_is_and_which_run_of_the_console_counts_its_age(field: Field) -> None:
+    assert field.press()[0]["safety_ms"] is None
+    field.report()
+    field.clock.advance(0.7)
+    (step,) = field.service.steps(STOP_ID)
+    assert (step["state"], step["age_ms"], step["safety_ms"]) == ("standstill", 700, 700)
+    assert field.press()[0]["boot"] == step["boot"]
+    assert Field().press()[0]["boot"] != step["boot"]
+
+
 async def test_copies_go_until_standstill_and_limits_run_out_by_the_monotonic_clock(field: Field) -> None:
     field.press()
     field.clock.jump_wall(-3600)

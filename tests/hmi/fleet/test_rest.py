@@ -158,6 +158,26 @@ async def test_an_offer_can_be_declined_and_withdrawn(console: FleetConsole) -> 
         assert (await martha.get("/fleet/duty")).json()["book"][0]["what"] == what
 
 
+async def test_who_offered_a_robot_that_is_not_theirs_withdraws_the_offer_and_nobody_else_does(
+    console: FleetConsole,
+) -> None:
+    martha = await console.browser(Role.OPERATOR)
+    dora = await console.browser(Role.DISPATCHER, browser="2")
+    anna = await console.browser(Role.SUPERVISOR, browser="3")
+    await martha.put("/fleet/duty/weeder-02", json={"user": "operator"})
+    for robot, responsible in (("weeder-01", ""), ("weeder-02", "operator")):  # nobody's, and somebody else's
+        offered = await anna.put(f"/fleet/duty/{robot}", json={"user": "dispatcher"})
+        assert offered.json()["duty"][robot]["offer"]["by_id"] == "supervisor"
+        again = Duties(console.database, FARM, console.field.clock)
+        again.load()
+        assert again.of(robot).offered_by_id == "supervisor"
+        if not responsible:
+            assert (await martha.post("/fleet/duty/decline", json={"robots": [robot]})).status_code == 409
+        left = (await anna.post("/fleet/duty/decline", json={"robots": [robot]})).json()
+        assert (left["duty"][robot]["user"], left["duty"][robot]["offer"]) == (responsible, None)
+        assert (await dora.get("/fleet/duty")).json()["book"][0]["what"] == "withdrawn"
+
+
 async def test_responsibility_is_offered_to_people_who_may_operate_only(console: FleetConsole) -> None:
     martha = await console.browser(Role.OPERATOR)
     await console.session(Role.VIEWER, browser="2")

@@ -31,6 +31,7 @@ class Entry:
     http_token: str | None = None
     contact_name: str | None = "Jonas Weber"
     contact_phone: str | None = "+49 170 000"
+    keep_out_m: float = 15.0
 
 
 @dataclass

@@ -24,6 +24,7 @@ class CrowdEntry:
     http_token: str | None = None
     contact_name: str | None = None
     contact_phone: str | None = None
+    keep_out_m: float = 15.0
 
 
 class Crowd:

@@ -6,11 +6,12 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
-from hmi.api import errors
+from hmi.api import errors, plan_body
 from hmi.api.access import Access
 from hmi.api.templates import template_routes
 from hmi.commands.template_book import TemplateBook
 from hmi.domain.role import Role
+from hmi.planning import job
 from hmi.store.templates import Templates
 from tests.hmi.missions.rig import FARM, OTHER_FARM, Door, NoTokens, Rig
 
@@ -55,7 +56,20 @@ async def test_a_template_may_carry_field_and_robot(rig: Rig) -> None:
     assert saved.json()["wish"] == bound
 
 
-@pytest.mark.parametrize("wish", [{}, {"width_m": 1.0, "colour": "red"}, {"width_m": 1.0, "overlap": 2}])
+async def test_a_name_of_blanks_is_none(rig: Rig) -> None:
+    async with client(rig, Role.PLANNER) as planner:
+        answer = await planner.post("/plan-templates", json={"name": "   ", "wish": WISH})
+    assert answer.status_code == 422
+    assert "it is empty: give it a name that people know" in answer.text
+
+
+def test_a_template_takes_the_widths_that_the_planner_takes() -> None:
+    assert (plan_body.LEAST_WIDTH_M, plan_body.MOST_WIDTH_M) == (job.MIN_WIDTH_M, job.MAX_WIDTH_M)
+
+
+@pytest.mark.parametrize(
+    "wish", [{}, {"width_m": 1.0, "colour": "red"}, {"width_m": 1.0, "overlap": 2}, {"width_m": -3.0}]
+)
 async def test_what_could_not_be_planned_with_is_not_kept(rig: Rig, wish: dict[str, object]) -> None:
     async with client(rig, Role.PLANNER) as planner:
         assert (await planner.post("/plan-templates", json={"name": "Odd", "wish": wish})).status_code == 422

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from fastapi import APIRouter, Request
+from fastapi.responses import JSONResponse
 
 PEOPLE = [
     {"id": "operator", "name": "Martha Keller", "role": "operator"},
@@ -36,6 +37,7 @@ class FleetStage:
         self.walls: list[dict[str, Any]] = []
         self.outcomes: dict[str, dict[str, str]] = {}
         self.orders: list[dict[str, Any]] = []
+        self.refusal = ""  # what deleting is answered with
 
     def answer(self, robots: list[str]) -> dict[str, Any]:
         """Return a result for each robot."""
@@ -113,7 +115,9 @@ def _kept(api: APIRouter, stage: FleetStage) -> None:
         return made
 
     @api.delete("/api/v1/fleet/{kind}/{entry_id}")
-    async def forget(kind: str, entry_id: str) -> dict[str, Any]:
+    async def forget(kind: str, entry_id: str) -> Any:
+        if stage.refusal:
+            return JSONResponse({"code": "refused", "text": stage.refusal}, 409)
         setattr(stage, kind, [one for one in getattr(stage, kind) if one["id"] != entry_id])
         return {}
 
@@ -125,10 +129,20 @@ def _duty(api: APIRouter, stage: FleetStage) -> None:
         to = next(one for one in PEOPLE if one["id"] == body["to_user"])
         if to["id"] == request.cookies.get("stage"):
             return stage.give(body["robots"], to["id"], to["name"], body.get("note", ""))
-        offer = {"to": to["id"], "to_name": to["name"], "by": "Martha Keller", "at": 1, "note": body.get("note", "")}
+        by = next(one for one in PEOPLE if one["id"] == request.cookies.get("stage"))
+        offer = {
+            "to": to["id"], "to_name": to["name"], "by": by["name"], "by_id": by["id"], "at": 1,
+            "note": body.get("note", ""),
+        }  # fmt: skip
         for robot in body["robots"]:
             held = stage.duty.get(robot, {"user": "", "name": "", "since": None, "note": ""})
             stage.duty[robot] = {**held, "offer": offer}
+        return {"duty": {}}
+
+    @api.post("/api/v1/fleet/duty/decline")
+    async def decline(request: Request) -> dict[str, Any]:
+        for robot in (await request.json())["robots"]:
+            stage.duty[robot] = {**stage.duty[robot], "offer": None}
         return {"duty": {}}
 
     @api.post("/api/v1/fleet/duty/accept")

@@ -61,11 +61,14 @@ def test_only_what_was_changed_is_sent_and_a_token_is_never_shown(admin: tuple[P
     expect(page.get_by_test_id("robot-edit-http-token")).to_have_value("")
     page.get_by_test_id("robot-edit-name").fill("Weeder Seven")
     page.get_by_test_id("robot-edit-contact-phone").fill("")
+    page.get_by_test_id("robot-edit-keep-out-m").fill("25")
     page.get_by_test_id("robot-edit-unattended").check()
     page.get_by_test_id("robot-edit-save").click()
     expect(page.get_by_test_id("robot-row-weeder-07")).to_contain_text("Weeder Seven")
     expect(page.get_by_test_id("robot-row-weeder-07")).to_contain_text("yes")
-    assert registry.asked == [{"name": "Weeder Seven", "contact_phone": None, "is_unattended_allowed": True}]
+    assert registry.asked == [
+        {"name": "Weeder Seven", "contact_phone": None, "keep_out_m": 25, "is_unattended_allowed": True}
+    ]
 
 
 @pytest.mark.long

@@ -53,6 +53,20 @@ def test_styles_and_scripts_of_a_cold_page_fit_their_share() -> None:
     assert size < 39_400
 
 
+def test_comments_stay_at_home_and_strings_stay_whole() -> None:
+    text = """
+      // a line of its own
+      const far = "http://farm // field"; // why
+      const near = `a // b`; // the robot's own
+      go(); // 10 Hz
+    """
+    assert bundle._lean(text).splitlines() == [
+        'const far = "http://farm // field";',
+        "const near = `a // b`; // the robot's own",
+        "go();",
+    ]
+
+
 def test_operating_texts_name_no_far_server() -> None:
     for text in (bundle.script().decode(), bundle.style_sheet().decode()):
         assert re.findall(r"https?://(?!www\.w3\.org)[\w.-]+", text) == []

@@ -125,6 +125,44 @@ def test_a_hand_over_waits_for_the_other_to_take_over(look: Look, fleet: Callabl
     expect(anna.get_by_test_id("fleet-row-weeder-07")).to_be_visible()
 
 
+def test_an_offer_is_withdrawn_in_the_menu_by_who_made_it(look: Look, fleet: Callable[..., dict[str, Any]]) -> None:
+    martha = look("/fleet")
+    choose(martha, "weeder-07")  # it is nobody's
+    martha.get_by_test_id("fleet-do-duty").click()
+    martha.get_by_test_id("duty-person").select_option("supervisor")
+    martha.get_by_role("button", name="Hand over", exact=True).last.click()
+    expect(martha.get_by_test_id("toast")).to_contain_text("Offered.")
+    martha.get_by_test_id("fleet-menu-weeder-07").click()
+    expect(martha.get_by_test_id("fleet-menu")).to_contain_text("Offered to Anna Ostermeier.")
+    martha.get_by_test_id("fleet-menu-withdraw").click()
+    expect(martha.get_by_test_id("fleet-menu")).to_have_count(0)
+    martha.wait_for_function("HL.fleet.duty['weeder-07'].offer === null")
+    martha.get_by_test_id("fleet-menu-weeder-07").click()
+    expect(martha.get_by_test_id("fleet-menu-duty")).to_be_visible()
+    expect(martha.get_by_test_id("fleet-menu-withdraw")).to_have_count(0)
+
+
+def test_a_group_is_deleted_after_a_question_and_a_refusal_is_told(
+    look: Look, fleet: Callable[..., dict[str, Any]]
+) -> None:
+    group = {"id": "g-0", "name": "North", "robots": ["weeder-07", "weeder-01"], "changed_by": "Martha Keller"}
+    fleet(groups=[group], refusal="North is in use.")
+    page = look("/fleet")
+    page.wait_for_function("HL.fleet.groups.length === 1")
+    page.get_by_test_id("fleet-filter").click()
+    page.get_by_test_id("fleet-group-drop-g-0").click()
+    expect(page.get_by_test_id("fleet-delete")).to_contain_text("It is gone for everybody on this farm")
+    assert fleet()["groups"] == [group]
+    page.get_by_role("button", name="Delete", exact=True).click()
+    expect(page.get_by_test_id("toast")).to_contain_text("North is in use.")
+    expect(page.get_by_test_id("fleet-choose-g-0")).to_be_visible()
+    fleet(refusal="")
+    page.get_by_test_id("fleet-group-drop-g-0").click()
+    page.get_by_role("button", name="Delete", exact=True).click()
+    expect(page.get_by_test_id("fleet-choose-g-0")).to_have_count(0)
+    assert fleet()["groups"] == []
+
+
 def test_keys_walk_the_list_and_the_row_menu_stops_this_robot_alone(
     look: Look, theatre: Theatre, fleet: Callable[..., dict[str, Any]]
 ) -> None:
@@ -205,6 +243,43 @@ def test_the_wall_shows_who_is_needed_in_big_type_and_nothing_to_press_but_stop(
     expect(page.get_by_test_id("wall-row-weeder-01")).to_contain_text("Never heard")
     expect(page.get_by_test_id("stop")).to_be_visible()
     assert page.locator(".w-screen button:visible").count() == 0
+
+
+def test_the_wall_hides_no_robot_that_the_fleet_screen_filters_out(
+    look: Look, fleet: Callable[..., dict[str, Any]]
+) -> None:
+    page = look("/fleet", role="supervisor")
+    page.get_by_test_id("fleet-search").fill("planter")
+    expect(page.get_by_test_id("fleet-row-weeder-07")).to_have_count(0)
+    page.get_by_test_id("fleet-filter").click()
+    page.get_by_test_id("wall-open").click()
+    expect(page.get_by_test_id("wall-row-weeder-01")).to_be_visible()
+    expect(page.get_by_test_id("fleet-filters")).to_have_count(0)
+    said = "document.querySelector('.w-screen .hl-map')?.hlMap?.fleet.said"
+    page.wait_for_function(f"({said})?.verdicts.size === 3")
+    assert page.evaluate(f"HL.fleet.items.every((one) => {said}.isSeen(one.id))")
+
+
+def test_the_wall_counts_those_it_has_no_room_for_by_who_needs_somebody(
+    look: Look, fleet: Callable[..., dict[str, Any]], theatre: Theatre
+) -> None:
+    names = [f"disk-{number}.console" for number in range(20)]
+    theatre.alarms(put={name: {"title": "Disk full", "text": "", "name": "Headland"} for name in names})
+    page = look("/wall", role="viewer", size="landscape")
+    expect(page.get_by_test_id("wall-sum")).to_have_text("22 need somebody")
+    shown = "document.querySelectorAll('.w-row').length"
+    page.wait_for_function(f"{shown} < 22 && document.querySelector('.w-rest').innerText.includes('more')")
+    rest = page.locator(".w-rest").inner_text()
+    assert rest == f"{22 - page.evaluate(shown)} more need somebody · 1 to watch · 0 normal"
+    assert page.evaluate(
+        """() => {
+        const card = document.querySelector('.f-kpis').getBoundingClientRect();
+        const right = document.querySelector('.f-map').getBoundingClientRect().right;
+        return [...document.querySelectorAll('.f-kpi:not([hidden])')].every((one) =>
+            one.getBoundingClientRect().right <= Math.min(card.right, right));
+        }"""
+    ), "no figure is cut"
+    theatre.alarms(anew=True)
 
 
 @pytest.mark.parametrize("address", ["/fleet", "/wall"])

@@ -275,6 +275,22 @@ def test_an_area_drawn_with_a_finger_belongs_to_this_plan(plan: Callable[..., tu
     expect(page.locator(".p-svg .drawn")).to_have_count(1)  # and stays where it is on the plan's own plane
 
 
+def test_how_the_field_is_treated_outlives_a_reload(plan: Callable[..., tuple[Page, PlayedPlans]]) -> None:
+    page, played = plan()
+    page.get_by_test_id("plan-change-treatment").click()
+    page.get_by_test_id("plan-dose-wet-1").select_option("0")
+    page.get_by_test_id("plan-rest-dose").select_option("0.5")
+    page.get_by_test_id("plan-lead-in").fill("2")
+    page.reload()
+    page.get_by_test_id("mission-plan").click()
+    page.get_by_test_id("plan-preview").click()
+    expect(page.get_by_test_id("plan-stat-turns")).to_be_visible()
+    asked = played.asked[-1][2]
+    assert (asked["rest_dose"], asked["lead_in_m"], asked["treatments"]) == (
+        0.5, 2, [{"feature_id": "wet-1", "dose": 0}]
+    )  # fmt: skip
+
+
 @pytest.mark.long
 def test_the_dose_of_a_map_area_is_planned_with_and_can_be_switched_off(
     plan: Callable[..., tuple[Page, PlayedPlans]],

@@ -137,6 +137,11 @@ def test_the_mode_is_said_in_a_word_or_two(state: str, mode: str, text: str) -> 
     assert (shown["mode"], shown["text"]) == (mode, text)
 
 
+def test_people_stay_away_as_far_as_the_machine_says_or_further_where_the_farm_asks_for_it() -> None:
+    asked = [present(r.RUNNING, Context(keep_out_m=metres), ["body"])["body"]["keep_out_m"] for metres in (None, 8, 25)]
+    assert asked == [15.0, 15.0, 25]
+
+
 def test_the_mission_is_called_by_its_name_when_it_is_known() -> None:
     context = Context(title_of=lambda mission_id: MissionTitle("M-0412", "Nordfeld 12") if mission_id else None)
     mission = present(r.RUNNING, context, ["mission"])["mission"]

@@ -37,6 +37,36 @@ def test_a_stop_says_what_it_does_to_this_kind_of_machine(family: Family, words:
     assert (found["text"], found["who"], found["takes_s"]) == (words, "operator", TAKES_S["stop_latched"])
 
 
+@pytest.mark.parametrize(
+    "robot",
+    [
+        r.BRAKING,
+        r.with_safety(r.LATCHED, tool_off=False),
+        r.with_safety(r.LATCHED, standstill=False),
+        replace(r.LATCHED, link=replace(r.LINK, heard_s=1002.0)),  # the newest word of its safety controller is old
+    ],
+)
+@pytest.mark.parametrize("family", list(Family))
+def test_a_stop_claims_no_standstill_that_the_robot_does_not_report_now(robot: Robot, family: Family) -> None:
+    found = sentence(of(robot, family))
+    assert found is not None
+    assert found["text"] == "Martha Keller pressed STOP. It does not say yet that it stands."
+    assert (found["clears"], found["takes_s"]) == ("Reset the stop when it stands still.", None)
+
+
+@pytest.mark.parametrize(
+    ("code", "takes_s"),
+    [
+        ("rebooted", 20), ("link_lost", 20), ("operator_lost", 20), ("after_stop", 10), ("manual", 10),
+        ("battery_low", None), ("tray_empty", None),
+    ],
+)  # fmt: skip
+def test_what_is_cleared_at_the_screen_alone_says_how_long_that_takes(code: str, takes_s: float | None) -> None:
+    found = sentence(r.with_state(r.PAUSED, hold=replace(r.HOLD_PAUSED, code=code)))
+    assert found is not None
+    assert found["takes_s"] == takes_s
+
+
 def test_an_aircraft_that_waits_says_how_long_it_can_hover() -> None:
     waiting = with_battery(r.with_state(of(r.PAUSED, Family.UAV), hold=None), 0.6, 1200.0)
     found = sentence(waiting)

@@ -91,7 +91,7 @@ def test_a_robot_at_another_place_keeps_the_slide_locked() -> None:
 def test_a_charge_below_need_and_reserve_warns_and_says_what_happens() -> None:
     check = found(ready(), facts(battery_share=0.65))["battery"]
     assert (check["ok"], check["blocks"]) == (False, False)
-    assert check["text"] == "Battery 68 %, the mission needs 65 % and 10 % reserve."
+    assert check["text"] == "Battery 68 %, the mission needs 65 % and 15 % reserve."
     assert "goes on later" in check["clears"]
 
 

@@ -113,6 +113,8 @@ async def test_an_entry_moves_changes_and_goes(farm: QueueFarm) -> None:
         ({"mission_id": "wheat-1", "earliest_utc": "2026-06-14T06:00:00Z"}, "too_late"),
         ({"mission_id": "wheat-1", "earliest_utc": "2026-06-16T06:00"}, "invalid"),
         ({"mission_id": "wheat-1", "earliest_utc": "soon"}, "invalid"),
+        ({"mission_id": "wheat-1", "earliest_utc": "0001-01-01T00:00:00+14:00"}, "invalid"),
+        ({"mission_id": "wheat-1", "earliest_utc": "9999-12-31T23:59:59Z"}, "invalid"),
         ({"mission_id": "wheat-1", "hurry": True}, "invalid"),
     ],
 )

@@ -7,12 +7,16 @@ from datetime import timedelta
 
 import pytest
 
+from hmi.commands import queue_runner
 from hmi.commands.lease_service import LeaseOp
 from hmi.commands.queue_book import EntryOrder
 from hmi.commands.refusal import OrderRefused
 from hmi.domain.mission import MissionStatus, Mover
 from hmi.domain.mission_plan import MissionRefused
+from hmi.domain.queue.entry import Entry
+from hmi.domain.queue.facts import Facts
 from hmi.domain.queue.repeat import Repeat, RepeatKind
+from hmi.domain.queue.waiting import Verdict
 from hmi.domain.robot import Mode, OrderStatus
 from hmi.domain.role import Role
 from hmi.store.errors import NotFound
@@ -67,6 +71,29 @@ async def test_an_attended_mission_is_sent_and_waits_for_the_person(farm: QueueF
     await farm.step(30)
     assert farm.why(entry) == "Ready on Weeder 01. The person on site starts it with a slide."
     assert farm.code(other) == "not_first"
+    assert farm.weeder.starts == []
+
+
+async def test_an_entry_that_cannot_be_judged_holds_up_no_other_robot(
+    farm: QueueFarm, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    farm.put_robot("weeder-02", "Weeder 02")
+    odd, good = await farm.add("wheat-1"), await farm.add("wheat-2", robot_id="weeder-02")
+    await farm.step(2)
+    await farm.arm()
+    judge = queue_runner.why_waiting
+
+    def judged(entry: Entry, facts: Facts) -> Verdict:
+        if entry.id == odd.id:
+            raise OverflowError("date value out of range")
+        return judge(entry, facts)
+
+    monkeypatch.setattr(queue_runner, "why_waiting", judged)
+    await farm.step(3)
+    assert farm.robot("weeder-02") is not None
+    assert farm.code(good) == "not_armed", "its mission was sent and waits"
+    assert farm.why(odd) == "Something is wrong with this queue; see the console's log."
+    assert not farm.is_armed()
     assert farm.weeder.starts == []
 
 

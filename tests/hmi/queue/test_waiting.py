@@ -108,10 +108,14 @@ def test_the_sentence_says_what_is_missing_and_what_clears_it() -> None:
         "Waits for Weeder 03: it is running Wheat 2."
     )
     assert says(soc=0.42) == "Waits for the battery: 42%, needs 45% (the mission needs 30% and 15% stay as reserve)."
+    assert says(mission=replace(MISSION, battery_share=3.63), soc=1.0) == (
+        "One charge does not last: the mission needs 363% and 15% should stay."
+    )
     assert says(fix="float") == "Waits for RTK on Weeder 03: the fix is float."
     assert says(link_age_s=12.0) == "No link to Weeder 03 for 12 s."
     assert says(owner="Jonas Weber") == "Jonas Weber has control of Weeder 03."
     assert says(replace(ENTRY, earliest=NOW + timedelta(hours=20))) == "Waits until Tue 16 Jun 08:00."
+    assert says(replace(ENTRY, earliest=NOW + timedelta(days=365))) == "Waits until Tue 15 Jun 2027 12:00."
     night_off = Blackout("b", "farm", "Lunch", frozenset({0}), 11 * 60, 13 * 60)
     assert says(blackouts=[night_off]) == "Waits for the end of Lunch: 13:00."
 

@@ -8,11 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hmi.clock import FakeClock
+from hmi.domain.machine import Worksite
 from hmi.domain.robot import Node, Stamp
 from hmi.store.fleet import NODE_LIMIT, UNREGISTERED_KEPT_S, UNREGISTERED_LIMIT, FleetStore
 from hmi.store.robot_record import Part
 from tests.hmi.ingest.wire import Entry
 from tests.hmi.presenters.robots import FAST, SAFE, SHEET, STATE
+
+NODE = Node("driver", "started", None, None, 0, "", Stamp(0, 0))
+SITE = Worksite(stop=3, area=(), obstacles=(), targets=(), stamp=Stamp(0, 0))
 
 
 def store(*registered: str) -> tuple[FleetStore, FakeClock]:
@@ -122,6 +126,61 @@ def test_a_robot_taken_out_of_the_registry_is_gone_and_told_so() -> None:
     assert fleet.since(revision).removed == {"weeder-01"}
     fleet.set_registry([Entry("weeder-01")])
     assert fleet.since(revision).removed == frozenset()
+
+
+def test_a_robot_accepted_again_is_what_it_said_it_is_and_nothing_live_of_before() -> None:
+    fleet, _ = store("weeder-01")
+    fleet.put_factsheet("weeder-01", SHEET)
+    fleet.put_node("weeder-01", NODE)
+    fleet.put_worksite("weeder-01", SITE)
+    fleet.put_state("weeder-01", STATE)
+    fleet.put_safety("weeder-01", replace(SAFE, latched=True))
+    fleet.put_telemetry("weeder-01", FAST)
+    fleet.put_heartbeat("weeder-01", boot="b", challenge="c", heard_s=0.0)
+    fleet.set_registry([])
+    revision = fleet.revision
+    assert fleet.admit("weeder-01")
+    stranger = fleet.robot("weeder-01")
+    assert stranger is not None
+    assert not stranger.is_registered
+    assert (stranger.factsheet, stranger.nodes, stranger.worksite) == (SHEET, {NODE.name: NODE}, SITE)
+    assert (stranger.state, stranger.safety, stranger.telemetry, stranger.body) == (None, None, None, None)
+    assert (stranger.link.is_online, stranger.link.challenge, stranger.link.boot) == (False, None, None)
+    assert fleet.since(revision).robots["weeder-01"] >= {Part.FACTSHEET, Part.NODES, Part.WORKSITE}
+    fleet.set_registry([Entry("weeder-01")])
+    robot = fleet.robot("weeder-01")
+    assert robot is not None
+    assert robot.is_registered
+    assert robot.factsheet == SHEET
+
+
+def test_a_robot_taken_out_and_accepted_while_it_is_silent_has_its_factsheet_and_its_farewell() -> None:
+    fleet, _ = store("weeder-01")
+    fleet.put_factsheet("weeder-01", SHEET)
+    fleet.put_presence("weeder-01", is_online=False, is_shutdown=True)
+    fleet.set_registry([])
+    assert fleet.robots() == []
+    fleet.set_registry([Entry("weeder-01")])
+    robot = fleet.robot("weeder-01")
+    assert robot is not None
+    assert robot.factsheet == SHEET
+    assert fleet.said_goodbye("weeder-01")
+    fleet.put_factsheet("weeder-01", replace(SHEET, name="Another"))
+    fleet.set_registry([])
+    fleet.set_registry([Entry("weeder-01")])
+    robot = fleet.robot("weeder-01")
+    assert robot is not None
+    assert robot.factsheet is not None
+    assert robot.factsheet.name == "Another"
+
+
+def test_a_robot_that_was_registered_gets_in_among_too_many_strangers() -> None:
+    fleet, _ = store("weeder-01")
+    fleet.set_registry([])
+    for number in range(UNREGISTERED_LIMIT):
+        assert fleet.admit(f"stranger-{number}")
+    assert not fleet.admit("late-comer")
+    assert fleet.admit("weeder-01")
 
 
 def test_a_stranger_long_silent_makes_room_for_a_new_one() -> None:

@@ -63,7 +63,7 @@ def test_a_registered_robot_reaches_the_gateway(robots: Robots, clock: FakeClock
         {
             "id": "weeder-01", "name": "Weeder 01", "http_url": "http://10.0.0.7:9000", "token": "t0ken",
             "decel_mps2": 1.2, "ack_limit_s": 1.0, "standstill_limit_s": 3.0, "keep_out_m": 15.0,
-            "contact_name": "Jonas Weber", "contact_phone": "+49 1",
+            "own_keep_out_m": None, "contact_name": "Jonas Weber", "contact_phone": "+49 1",
         }
     ]  # fmt: skip
     assert stat.S_IMODE((folder / "robots.json").stat().st_mode) == 0o600
@@ -181,3 +181,30 @@ def test_hashes_are_not_shown_when_credentials_are_logged(database: Database, cl
     users = Users(database, clock)
     users.add("martha", FARM, "Martha Keller", Role.OPERATOR, "$argon2id$secret")
     assert "secret" not in repr(users.credentials("martha"))
+
+
+def test_the_gateway_asks_for_the_larger_distance_and_keeps_it_over_a_restart(
+    database: Database, robots: Robots, stop_list: StopList, clock: FakeClock, folder: Path
+) -> None:
+    added = robots.add(weeder(clock))
+    stop_list.learn_keep_out({"weeder-01": 20.0, "not-ours": 50.0})
+    assert _keep_out(folder) == (20.0, 20.0)
+    robots.change(replace(added, keep_out_m=30.0))
+    StopList(database, FARM, folder).export()  # a machine that is off has said it before
+    assert _keep_out(folder) == (30.0, 20.0)
+
+
+def test_a_list_is_written_only_when_a_machine_says_something_new(
+    robots: Robots, stop_list: StopList, clock: FakeClock, folder: Path
+) -> None:
+    robots.add(weeder(clock))
+    stop_list.learn_keep_out({"weeder-01": 20.0})
+    (folder / "robots.json").unlink()
+    stop_list.learn_keep_out({"weeder-01": 20.0})
+    assert not (folder / "robots.json").exists()
+
+
+def _keep_out(folder: Path) -> tuple[float, float]:
+    row = in_file(folder, "robots.json")[0]
+    assert isinstance(row, dict)
+    return row["keep_out_m"], row["own_keep_out_m"]
