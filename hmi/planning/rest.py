@@ -360,7 +360,9 @@ class _Rest:
         legs = legs_of(segments)
         work = effort(legs, self.machine)
         return {
-            MACHINE: planned_machine(self.base["robot"], self.wish.robot, self.machine, legs),
+            MACHINE: planned_machine(
+                self.base["robot"], self.wish.robot, self.machine, legs, self.base["width_m"]
+            ),
             "length_m": round(work.length_m, 4),
             "working_length_m": round(work.working_length_m, 4),
             "duration_s": round(work.duration_s, 4),
