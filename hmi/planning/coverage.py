@@ -78,7 +78,7 @@ def _cover(job: Job, field: BaseGeometry, division: Headland, tell: Tell) -> Pla
     if not any(cells):
         raise PlanRefused("nothing_to_treat", "No row crosses ground to be treated. Change the treatment.", "treatment")
     if job.rows is Rows.RECORDED_ROWS:  # they may end anywhere: what lies beyond is free
-        standing = rows_of.crop_of(rows.cells, job.treated_width_m)
+        standing = rows_of.crop_of(rows.cells, job.pass_width_m)
         ground = Ground(field, job.machine, crop=erode(standing, min(job.width_m, 1.0) * 0.6))
     return _Course(job, ground, division, cells, field, inner, tell, rows.notes).run(rows.angle_rad)
 

@@ -65,7 +65,7 @@ def _checked(wish: PlanWish, segments: Sequence[Mapping[str, Any]], notes: Seque
         passes=sum(leg.kind is LegKind.HEADLAND and not leg.is_continued for leg in legs),
     )
     worked = 1 - figures.missed_m2 / figures.wanted_m2 if figures.wanted_m2 else 0.0
-    if worked < LEAST_SHARE:
+    if worked < LEAST_SHARE * job.treated_width_m / job.pass_width_m:
         raise PathUnfit("little", f"It works {worked:.0%} of the ground to be treated only.")
     told = [_plain(note) for note in notes[:MAX_NOTES]]
     said = dict.fromkeys(note for note in (*told, missed_note(job, figures)) if note)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
+from hmi.domain.family import Family
 from hmi.domain.mission_plan import PlanRefused
 from hmi.domain.planned_machine import PIVOTING_RADIUS_M
 from hmi.domain.robot import Factsheet
@@ -31,7 +32,8 @@ class RobotProfile:
     The tool is switched on
     ``lead_in_m`` before ground to be treated and off ``lead_out_m`` after it. ``stand_s_per_m`` is how long it stands
     for a metre of worked path: a planter plants where it stands. ``reverse_mps`` is its speed backwards in turns, 0 if
-    it follows no path backwards.
+    it follows no path backwards. ``tool_width_m`` is the most that its tool treats in one pass, ``None`` if that is not
+    known, or no matter.
     """
 
     length_m: float = 2.6
@@ -51,6 +53,7 @@ class RobotProfile:
     lead_out_m: float = 0.2
     stand_s_per_m: float = 0.0
     reverse_mps: float = 0.0
+    tool_width_m: float | None = None
 
     def __post_init__(self) -> None:
         """Refuse a machine that cannot be."""
@@ -89,6 +92,8 @@ class RobotProfile:
             lead_in_m=_LEAD_IN_M.get(sheet.tool_kind, base.lead_in_m),
             lead_out_m=_LEAD_OUT_M.get(sheet.tool_kind, base.lead_out_m),
             reverse_mps=min(sheet.path_reverse_mps or 0.0, top),
+            # a crane plants the row it is driven along, however far the next one is
+            tool_width_m=None if sheet.family is Family.PLANTER else sheet.tool_width_m or None,
         )
 
     def planting(self, width_m: float, spacing_m: float | None) -> RobotProfile:
