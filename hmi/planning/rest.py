@@ -207,6 +207,8 @@ class _Rest:
         is_back = is_first and self.wish.stand is not None
         approach = LegKind.APPROACH
         legs = self.ground.approach(approach, pose, goal, is_free=True) if is_back else self.ground.turn(pose, goal)
+        if legs is None and is_first and self._is_on_the_way:  # off the field yet: over the roads
+            legs = self.ground.approach(approach, pose, goal, is_free=False)
         if legs is None:
             where = "where it stands" if is_first else "the piece before"
             text = f"No known way leads from {where} to {work.name}. "
@@ -214,6 +216,12 @@ class _Rest:
                 "no_way", text + ("Drive it nearer by hand, then repeat." if is_back else "Choose other rows.")
             )
         return [_document(leg) for leg in legs]
+
+    @property
+    def _is_on_the_way(self) -> bool:
+        """Whether it stands on its way from home to the first piece."""
+        here = self.done[-1] if len(self.done) > self.first else self.base["segments"][self.first]
+        return not self.wish.is_running and here["kind"] == "approach"
 
     def _known_way(self, before: Work | None, number: int | None) -> list[Document] | None:
         """Return the base's own segments between two pieces if nothing was in between and nothing stands there now."""
@@ -346,12 +354,13 @@ class _Rest:
 
     def _effort(self, segments: Sequence[Document]) -> dict[str, Any]:
         work = effort(legs_of(segments), self.machine)
+        width_m = min(self.base["width_m"], self.machine.tool_width_m or math.inf)
         return {
             "duration_s": round(work.duration_s, 1),
             "energy_j": round(work.energy_j),
             "battery_share": round(work.energy_j / self.machine.battery_j, 4),
             "length_m": round(work.length_m, 1),
-            "area_m2": round(work.working_length_m * self.base["width_m"], 1),
+            "area_m2": round(work.working_length_m * width_m, 1),
             "rows": len({s["row"] for s in segments if s["row"]}),
         }
 
@@ -360,9 +369,7 @@ class _Rest:
         legs = legs_of(segments)
         work = effort(legs, self.machine)
         return {
-            MACHINE: planned_machine(
-                self.base["robot"], self.wish.robot, self.machine, legs, self.base["width_m"]
-            ),
+            MACHINE: planned_machine(self.base["robot"], self.wish.robot, self.machine, legs, self.base["width_m"]),
             "length_m": round(work.length_m, 4),
             "working_length_m": round(work.working_length_m, 4),
             "duration_s": round(work.duration_s, 4),
