@@ -128,10 +128,15 @@ def _doses(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> DoseMap:
     return DoseMap(areas, given.rest_dose, lead_in, lead_out)
 
 
+def is_planter(wish: PlanWish) -> bool:
+    """Say whether it is a planter that shall work."""
+    return wish.robot is not None and wish.robot.family is Family.PLANTER
+
+
 def machine_of(wish: PlanWish) -> RobotProfile:
     """Return the machine of a wish with the speed and tool it asks for; raises ``PlanRefused``."""
     usual = RobotProfile() if wish.robot is None else RobotProfile.from_factsheet(wish.robot)
-    if wish.robot is not None and wish.robot.family is Family.PLANTER:
+    if is_planter(wish):
         usual = usual.planting(wish.width_m, wish.plant_spacing_m)
     if wish.row_speed_mps is None:
         return usual
@@ -146,7 +151,10 @@ def _document(wish: PlanWish, job: Job, plan: Plan) -> Document:
     _check_length(plan)
     segments = [_segment(leg) for leg in plan.legs]
     is_home_at_end = bool(plan.legs) and plan.legs[-1].kind.value == "exit"
+    # left out where nobody entered one: a planter that knows no such field takes the mission too
+    planting = {} if wish.plant_spacing_m is None or not is_planter(wish) else {"plant_spacing_m": wish.plant_spacing_m}
     return {
+        **planting,
         "robot": wish.robot_id,
         "mission_id": wish.mission_id,
         "revision": wish.revision,

@@ -34,7 +34,7 @@ from hmi.planning.rest_work import (
     turned,
     turned_line,
 )
-from hmi.planning.statistics import planned_machine
+from hmi.planning.statistics import planned_machine, planting
 
 AHEAD_M = 10.0  # a running robot drives on while a person looks at the new rest: the new path begins beyond this
 MAX_SEGMENTS = 20_000
@@ -57,7 +57,7 @@ class _Rest:
         self.base = wish.base
         self.machine = RobotProfile() if wish.robot is None else RobotProfile.from_factsheet(wish.robot)
         if wish.robot is not None and wish.robot.family is Family.PLANTER:
-            self.machine = self.machine.planting(wish.base["width_m"], None)
+            self.machine = self.machine.planting(wish.base["width_m"], wish.base.get("plant_spacing_m"))
         self.frame = LocalFrame(wish.base["datum"]["lat_deg"], wish.base["datum"]["lon_deg"])
         self.lead_in_m, self.lead_out_m = wish.lead_m or (self.machine.lead_in_m, self.machine.lead_out_m)
         self.notes: list[str] = []
@@ -368,8 +368,11 @@ class _Rest:
         """Return the figures of the whole mission that changed; ``share`` of its area is left."""
         legs = legs_of(segments)
         work = effort(legs, self.machine)
+        width_m, spacing_m = self.base["width_m"], self.base.get("plant_spacing_m")
+        is_planter = self.wish.robot is not None and self.wish.robot.family is Family.PLANTER
         return {
-            MACHINE: planned_machine(self.base["robot"], self.wish.robot, self.machine, legs, self.base["width_m"]),
+            **(planting(width_m, spacing_m, work.working_length_m) if is_planter else {}),
+            MACHINE: planned_machine(self.base["robot"], self.wish.robot, self.machine, legs, width_m),
             "length_m": round(work.length_m, 4),
             "working_length_m": round(work.working_length_m, 4),
             "duration_s": round(work.duration_s, 4),

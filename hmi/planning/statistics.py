@@ -42,10 +42,14 @@ def statistics(wish: PlanWish, job: Job, plan: Plan) -> dict[str, Any]:
             "areas": [{"dose": one.dose, "geometry": dict(one.geometry)} for one in wish.treatment.areas],
         }
     if wish.robot is not None and wish.robot.family is Family.PLANTER:
-        spacing = wish.plant_spacing_m or 1 / (SEEDLINGS_PER_M2 * wish.width_m)
-        found["plant_spacing_m"] = round(spacing, 3)
-        found["seedlings"] = round(plan.figures.working_length_m / spacing)
+        found |= planting(wish.width_m, wish.plant_spacing_m, plan.figures.working_length_m)
     return found
+
+
+def planting(width_m: float, spacing_m: float | None, length_m: float) -> dict[str, Any]:
+    """Return how far apart the plants of ``length_m`` of row are and how many they are; ``None``: as dense as usual."""
+    spacing_m = spacing_m or 1 / (SEEDLINGS_PER_M2 * width_m)
+    return {"plant_spacing_m": round(spacing_m, 3), "seedlings": round(length_m / spacing_m)}
 
 
 def planned_machine(
