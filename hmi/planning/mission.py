@@ -78,7 +78,7 @@ def job_of(wish: PlanWish, machine: RobotProfile | None = None) -> Job:
 
 def _job(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> Job:
     parcel = _polygon(wish.parcel, frame)
-    obstacles = closed_areas(wish.surroundings, frame)
+    obstacles = closed_areas(wish.surroundings, frame, machine)
     near = [area for area in obstacles if area.intersects(parcel)]
     home = None
     ways = way_areas(wish.surroundings, frame)
@@ -94,7 +94,7 @@ def _job(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> Job:
         machine=machine,
         obstacles=tuple(polygon for area in near for polygon in _parts(area)),
         angle_rad=wish.angle_rad,
-        headland_passes=wish.headland_passes,
+        headland_passes=_laps(wish, machine),
         home=home,
         roads=roads,
         returns_home=wish.returns_home,
@@ -106,6 +106,12 @@ def _job(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> Job:
         lines=_crop_rows(wish, frame),
         crop_spacing_m=wish.row_spacing_m,
     )
+
+
+def _laps(wish: PlanWish, machine: RobotProfile) -> int | None:
+    """Return the laps asked for; in the air none is needed to turn where it can stand."""
+    needs_none = machine.flies and machine.can_pivot
+    return 0 if wish.headland_passes is None and needs_none else wish.headland_passes
 
 
 def _crop_rows(wish: PlanWish, frame: LocalFrame) -> tuple[CropRow, ...]:

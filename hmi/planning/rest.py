@@ -212,9 +212,8 @@ class _Rest:
         if legs is None:
             where = "where it stands" if is_first else "the piece before"
             text = f"No known way leads from {where} to {work.name}. "
-            raise PlanRefused(
-                "no_way", text + ("Drive it nearer by hand, then repeat." if is_back else "Choose other rows.")
-            )
+            nearer = f"{'Fly' if self.machine.flies else 'Drive'} it nearer by hand, then repeat."
+            raise PlanRefused("no_way", text + (nearer if is_back else "Choose other rows."))
         return [_document(leg) for leg in legs]
 
     @property
