@@ -186,7 +186,11 @@ class Proof(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 
 
 class Mission(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
-    """A complete mission. Sending it moves nothing; the robot answers with the hash of what it stored."""
+    """A complete mission. Sending it moves nothing; the robot answers with the hash of what it stored.
+
+    ``plant_spacing_m`` is for planters: one line of plants where the tool is on, one each so many metres along it; left
+    out, the planter's usual density over ``width_m``, and no part of the hash.
+    """
 
     mission_id: Id
     revision: Count
@@ -203,6 +207,7 @@ class Mission(Order, frozen=True, kw_only=True, forbid_unknown_fields=True):
     note: Text = ""
     at_end: Literal["stay", "return_home"] = "stay"
     home: tuple[Metres, Metres] | None = field(default=None)
+    plant_spacing_m: Annotated[float, Meta(ge=0.05, le=100)] | UnsetType = UNSET
     map_version: MapVersion | UnsetType = UNSET
     continues: Continues | UnsetType = UNSET
     proof: Annotated[

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from backend_clients.simulator.machine import STOPPED, Machine
 from backend_clients.simulator.planter_chart import PlanterMachine
 from backend_clients.simulator.planting_cycle import PlantingCycle, TreeResult
-from backend_clients.simulator.planting_site import AREA_M, TREES_PER_M2, Site, Stretch, area_of, map_site
+from backend_clients.simulator.planting_site import AREA_M, Site, Stretch, area_of, map_site
 from backend_clients.simulator.planting_stops import Stops, width_of
 from backend_clients.simulator.tracking import Setpoint
 from backend_clients.simulator.verdict import Verdict, accepted, refused
@@ -118,8 +118,8 @@ class Planting:
         """Return how long it will stand at the sites that are left."""
         if self._stops is None or self._stops.route is not run.route:
             self._stops = Stops(run)
-        left_m = self._stops.length_left_m(run.tracker.s_m - AT_STOP_M)
-        return left_m * (width_of(run) * TREES_PER_M2 * TREE_S + STOP_S / AREA_M)
+        from_m = run.tracker.s_m - AT_STOP_M
+        return self._stops.trees_left(from_m) * TREE_S + self._stops.length_left_m(from_m) * STOP_S / AREA_M
 
     # ---- on the way ------------------------------------------------------------------------------------
 
@@ -182,7 +182,7 @@ class Planting:
         rig.site = Site(rig.stops, stop.row, [(round(x, 3), round(y, 3)) for x, y in area_of(ends, width_m)])
         seed = f"{rig.seed}/{round(ends[0][0])}/{round(ends[0][1])}"
         most = rig.tuning.most_points
-        map_site(rig.site, self._machine.base, width_m, seed, first_tree=rig.trees + 1, most=most)
+        map_site(rig.site, self._machine.base, width_m, seed, first_tree=rig.trees + 1, most=most, line=stop)
         rig.trees += len(rig.site.targets)
 
     # ---- at a site -------------------------------------------------------------------------------------

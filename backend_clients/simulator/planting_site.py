@@ -28,12 +28,17 @@ _KINDS = (("stump", (0.12, 0.32), (0.2, 0.5)), ("stone", (0.08, 0.28), (0.08, 0.
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A piece of a row that is planted from one stop of the machine; metres along the path."""
+    """A piece of a row that is planted from one stop of the machine; metres along the path.
+
+    ``plants_m``: where its plants stand in one line, ``spacing_m`` apart, if the mission says so.
+    """
 
     row: int
     from_m: float
     to_m: float
     stop_m: float
+    plants_m: tuple[float, ...] = ()
+    spacing_m: float | None = None
 
 
 @dataclass(slots=True)
@@ -94,18 +99,31 @@ def area_of(ends: tuple[Point, Point], width_m: float) -> list[Point]:
     return [(ax + sx, ay + sy), (bx + sx, by + sy), (bx - sx, by - sy), (ax - sx, ay - sy)]
 
 
-def map_site(site: Site, base: Base, width_m: float, seed: str, *, first_tree: int, most: int | None = None) -> None:
-    """Find obstacles, then up to 2,500 points a hectare that the crane reaches and that are clear of them.
+def map_site(
+    site: Site,
+    base: Base,
+    width_m: float,
+    seed: str,
+    *,
+    first_tree: int,
+    most: int | None = None,
+    line: Stretch | None = None,
+) -> None:
+    """Find obstacles, then the points that the crane reaches and that are clear of them.
+
+    They are up to 2,500 a hectare, or as far apart as the mission says.
 
     Args:
         base: how the machine stands.
         seed: makes the obstacles repeatable.
         first_tree: number of the first point.
         most: no more points than this.
+        line: the piece of row that is planted here.
     """
     rng = random.Random(seed)  # noqa: S311
     site.obstacles = _obstacles(site, rng)
-    cells = _cells(site.area, width_m)
+    is_in_line = line is not None and line.spacing_m is not None
+    cells = _cells_in_line(site.area, line) if line is not None and is_in_line else _cells(site.area, width_m)
     spots = [spot for cell in cells if (spot := _spot(cell, site, base)) is not None]
     spots.sort(key=lambda at: to_machine(base, at)[1])
     site.targets = [
@@ -176,6 +194,15 @@ def _cells(area: Sequence[Point], width_m: float) -> Iterator[tuple[Point, Point
     for i in range(along):
         for j in range(across):
             yield _inside(area, (i + 0.5) / along, (j + 0.5) / across), half_u, half_v
+
+
+def _cells_in_line(area: Sequence[Point], line: Stretch) -> Iterator[tuple[Point, Point, Point]]:
+    """Yield as ``_cells`` for the plants of a line along the middle of the area."""
+    length_m, share = line.to_m - line.from_m, (line.spacing_m or 0.0) / 2 / (line.to_m - line.from_m)
+    (ax, ay), (bx, by), _, (dx, dy) = area
+    for plant_m in line.plants_m:
+        at = _inside(area, (plant_m - line.from_m) / length_m, 0.5)
+        yield at, ((bx - ax) * share, (by - ay) * share), ((dx - ax) / 2, (dy - ay) / 2)
 
 
 def _spot(cell: tuple[Point, Point, Point], site: Site, base: Base) -> Point | None:

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from hmi.commands.row_direction import row_direction
-from hmi.domain.map_ground import CLOSED_KINDS, CROSSED_KINDS, SLOW_MPS, WAY_KINDS, WIDTHS_M
+from hmi.domain.family import Family
+from hmi.domain.map_ground import CLOSED_KINDS, CROSSED_KINDS, KEPT_OUT_KINDS, SLOW_MPS, WAY_KINDS, WIDTHS_M
 from hmi.domain.mission_plan import (
     Corner,
     Geometry,
@@ -108,7 +109,7 @@ def wish_for(
         headland_passes=order.headland_passes,
         home=home,
         returns_home=order.returns_home,
-        surroundings=surroundings_of(features, field.geometry, field.id),
+        surroundings=surroundings_of(features, field.geometry, field.id, flies=is_flying(sheet)),
         pattern=order.pattern,
         corner=order.start_corner,
         overlap=order.overlap,
@@ -146,17 +147,33 @@ def _home(features: Sequence[Feature], order: PlanOrder, place: tuple[float, flo
     return None if best is None else _places(best.geometry)[0]
 
 
-def surroundings_of(features: Sequence[Feature], field: Geometry, field_id: str | None) -> Surroundings:
-    """Return what is near a field, any part of it; a farm may have sites on other continents."""
+def is_flying(sheet: Factsheet | None) -> bool:
+    """Say whether a robot flies over what others drive around."""
+    return sheet is not None and sheet.family is Family.UAV
+
+
+def surroundings_of(
+    features: Sequence[Feature], field: Geometry, field_id: str | None, *, flies: bool = False
+) -> Surroundings:
+    """Return what is near a field, any part of it; a farm may have sites on other continents.
+
+    Args:
+        flies: for a machine that is kept off by zones alone and needs no roads.
+    """
     around = _Box.around(field).grown(FAR_M)
     near = [one for one in features if one.id != field_id and around.meets(one.geometry)]
+    slow = tuple((one.geometry, _slow_mps(one)) for one in near if one.kind == "slow")
+    if flies:
+        zones = [one for one in near if one.kind in KEPT_OUT_KINDS]
+        names = tuple(one.title for one in zones)
+        return Surroundings(tuple((one.geometry, 0.0) for one in zones), ((around.geometry, 0.0),), (), slow, names)
     solid = [one for one in near if one.kind in CLOSED_KINDS and one.kind not in CROSSED_KINDS]
     crossed = [one for one in near if one.kind in CROSSED_KINDS]
     return Surroundings(
         tuple((one.geometry, _width(one)) for one in solid),
         tuple((one.geometry, _width(one)) for one in near if one.kind in WAY_KINDS),
         tuple((one.geometry, _width(one)) for one in crossed),
-        tuple((one.geometry, _slow_mps(one)) for one in near if one.kind == "slow"),
+        slow,
         tuple(one.title for one in (*solid, *crossed)),
     )
 
@@ -179,6 +196,13 @@ class _Box:
         lons = [math.remainder(x - middle, 360.0) for x, _ in places]
         lats = [y for _, y in places]
         return cls(middle, min(lons), min(lats), max(lons), max(lats))
+
+    @property
+    def geometry(self) -> Geometry:
+        """It as a polygon."""
+        west, east = self.lon + self.west, self.lon + self.east
+        ring = [(west, self.south), (east, self.south), (east, self.north), (west, self.north), (west, self.south)]
+        return {"type": "Polygon", "coordinates": [[list(place) for place in ring]]}
 
     def grown(self, metres: float) -> _Box:
         """Return it with so much more on each side."""

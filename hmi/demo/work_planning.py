@@ -9,20 +9,19 @@ from typing import Any
 import numpy as np
 import shapely
 
+from hmi.commands.plan_wish import surroundings_of
 from hmi.demo.catalogue import row_angle, surroundings
-from hmi.demo.farm import POLDER, feature
+from hmi.demo.farm import POLDER, DemoFeature, feature, features
 from hmi.demo.fleet import POLDER_DATUM, DemoRobot, robot
 from hmi.demo.work import FILE, TASKS, Task
 from hmi.domain.mission_plan import PlannedMission, PlanWish, Surroundings
 from hmi.domain.robot import Factsheet, Family
 from hmi.ingest import translate
-from hmi.planning.energy import UAV
-from hmi.planning.machine import RobotProfile
 from hmi.planning.mission import plan_mission
 from hmi.planning.projection import LocalFrame
+from hmi.store.features import Feature
 
 EDGE_M = 9.0  # along the border of a field
-LONG_AWAY = (-2000.0, 2000.0)
 
 
 def plan_task(task: Task) -> PlannedMission:
@@ -42,54 +41,27 @@ def plan_task(task: Task) -> PlannedMission:
             datum_lon_deg=machine.datum_lon_deg,
             robot=sheet,
             angle_rad=angle,
-            headland_passes=0 if machine.family is Family.UAV else None,
             home=machine.home,
             returns_home=True,
-            surroundings=_around(machine.family, field.geometry),
-        ),
-        _flyer() if machine.family is Family.UAV else None,
+            surroundings=_around(machine.family, field),
+        )
     )
 
 
-def _flyer() -> RobotProfile:
-    return RobotProfile(
-        length_m=0.9,
-        width_m=0.9,
-        base_to_front_m=0.45,
-        turning_radius_m=4.0,
-        row_speed_mps=5.0,
-        turn_speed_mps=3.0,
-        transit_speed_mps=7.0,
-        accel_mps2=2.0,
-        yaw_rate_radps=1.5,
-        lead_in_m=0.0,
-        lead_out_m=0.0,
-        energy=UAV,
-        battery_j=UAV.store_j,
-    )
-
-
-def _around(family: Family, field: dict[str, Any]) -> Surroundings:
+def _around(family: Family, field: DemoFeature) -> Surroundings:
     """Return roads and obstacles, and the edge of the field as the way to a band inside it.
 
-    A planter may cross all of its field, for nothing stands there yet; a UAV flies over everything.
+    A planter may cross all of its field, for nothing stands there yet; a UAV keeps out of zones alone.
     """
     if family is Family.UAV:
-        return _sky()
+        map_now = [Feature(one.id, "", one.kind, one.name, one.geometry, one.properties) for one in features()]
+        return surroundings_of(map_now, field.geometry, field.id, flies=True)
     frame, known = LocalFrame(*POLDER_DATUM), surroundings(POLDER)
-    outline = shapely.transform(shapely.geometry.shape(field), frame.to_local)
+    outline = shapely.transform(shapely.geometry.shape(field.geometry), frame.to_local)
     inner = shapely.Polygon() if family is Family.PLANTER else outline.buffer(-EDGE_M)
     edge = shapely.transform(outline.difference(inner), frame.to_lon_lat)
     way: dict[str, Any] = shapely.geometry.mapping(edge)
     return Surroundings((*known.obstacles, *known.crossed), (*known.ways, (way, 0.0)))
-
-
-def _sky() -> Surroundings:
-    """Return ground without anything on it: a UAV flies over what others drive around."""
-    low, high = LONG_AWAY
-    frame = LocalFrame(*POLDER_DATUM)
-    box = frame.to_lon_lat([(low, low), (high, low), (high, high), (low, high), (low, low)])
-    return Surroundings(ways=(({"type": "Polygon", "coordinates": [box.tolist()]}, 0.0),))
 
 
 def _band(geometry: dict[str, Any], angle_rad: float, band: tuple[float, float]) -> dict[str, Any]:

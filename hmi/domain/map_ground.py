@@ -10,6 +10,9 @@ CROSSED_KINDS = ("water", "hedge", "tree")
 CLOSED_KINDS = ("obstacle", "building", "no-go", "no_go", "hole", *CROSSED_KINDS)
 """Where no machine may be."""
 
+KEPT_OUT_KINDS = ("no-go", "no_go")
+"""Where nothing may be, in the air neither. How high all else stands the map does not say: who flies, flies over it."""
+
 WAY_KINDS = ("road", "yard")
 
 WIDTHS_M = MappingProxyType({"road": 4.0, "hedge": 5.0, "tree": 5.0, "water": 4.0})

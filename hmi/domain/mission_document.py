@@ -44,7 +44,7 @@ def canonical(document: Mapping[str, Any]) -> Document:
         "at_end": document.get("at_end", "stay"),
         "home": None if home is None else [float(home[0]), float(home[1])],
     }
-    for name, form in (("map_version", _map_version), ("continues", _continues)):
+    for name, form in (("plant_spacing_m", float), ("map_version", _map_version), ("continues", _continues)):
         if document.get(name) is not None:  # a field of the contract that is left out, not null, where it is unknown
             whole[name] = form(document[name])
     return whole

@@ -24,6 +24,7 @@ class PlannedMachine:
         turning_radius_m: of the tightest arcs.
         turns_on_spot, reverse_mps, top_mps: what the path needs, the last two in m/s.
         battery_wh: ``None`` if it was assumed.
+        tool_width_m: that one pass works; ``None`` if the tool was not known, or nobody asked.
     """
 
     robot_id: str
@@ -36,6 +37,7 @@ class PlannedMachine:
     reverse_mps: float
     top_mps: float
     battery_wh: float | None = None
+    tool_width_m: float | None = None
 
     @classmethod
     def of(cls, robot_id: str, sheet: Factsheet) -> PlannedMachine:
@@ -63,7 +65,12 @@ class PlannedMachine:
         return None if not raw else cls(**{name: raw[name] for name in cls.__slots__ if name in raw})
 
     def ahead_of(self, sheet: Factsheet) -> str:
-        """Return in what it was planned for more than this machine can, as in "which is smaller"; empty if it fits."""
+        """Return in what it was planned for more than this machine can, as in "which is smaller"; empty if it fits.
+
+        What was not known when it was planned is not compared.
+        """
+        if self.family is not None and self.family != sheet.family.value:
+            return "is another kind of machine"
         rear_m, rear_now_m = self.length_m - self.base_to_front_m, sheet.length_m - sheet.base_to_front_m
         outlines = ((sheet.width_m, self.width_m), (sheet.base_to_front_m, self.base_to_front_m), (rear_now_m, rear_m))
         if any(now > planned + SAME_M for now, planned in outlines):
@@ -74,7 +81,14 @@ class PlannedMachine:
             return "turns tighter"
         if self.reverse_mps > (sheet.path_reverse_mps or 0.0) + SAME_MPS:
             return "drives backwards in turns"
+        if self.tool_width_m is not None and 0 < sheet.tool_width_m < self.tool_width_m - SAME_M:
+            return "works wider"
         return "drives faster" if self.top_mps > sheet.max_speed_mps + SAME_MPS else ""
+
+
+def worked_width_m(width_m: float, sheet: Factsheet | None) -> float | None:
+    """Return how wide one pass works, rows ``width_m`` apart; ``None`` if the tool is not known."""
+    return None if sheet is None or sheet.tool_width_m <= 0 else min(width_m, sheet.tool_width_m)
 
 
 def battery_share_on(statistics: Mapping[str, Any], sheet: Factsheet | None) -> float | None:

@@ -15,7 +15,7 @@ from hmi.planning import headland as headlands
 from hmi.planning import rows as rows_of
 from hmi.planning.corners import Corners
 from hmi.planning.dubins import Pose
-from hmi.planning.figures import figures_of, missed_note, worked_strips
+from hmi.planning.figures import figures_of, flight_note, missed_note, worked_strips
 from hmi.planning.ground import Ground, erode
 from hmi.planning.headland import Headland, Lap
 from hmi.planning.job import Job, checked_field, inner_field
@@ -33,6 +33,9 @@ _MORE_PASSES = "Choose more headland passes."
 _NO_WAY_OUT = (
     "No known way leads from home to this field. Draw the road under Maps, choose another home, "
     "or let the robot start at the field: you drive it there."
+)
+_NO_FLIGHT_OUT = (
+    "A keep-out zone lies around home, this field or between. Choose another home, or let the robot start at the field."
 )
 _DEEPER_RADII = (0.0, 1.0, 2.0)  # a border that slants more than usual needs a deeper headland to turn in
 
@@ -72,13 +75,15 @@ def plan_coverage(job: Job, tell: Tell = nobody) -> Plan:
 def _cover(job: Job, field: BaseGeometry, division: Headland, tell: Tell) -> Plan:
     tell(0.02, "Laying rows")
     inner = inner_field(field, division, job)
-    ground = Ground(field, job.machine, crop=erode(inner, min(job.width_m, 1.0) * 0.6))
+    is_crop_met = not job.machine.flies
+    crop = erode(inner, min(job.width_m, 1.0) * 0.6) if is_crop_met else None
+    ground = Ground(field, job.machine, crop=crop)
     rows = rows_of.laid(job, inner, ground.turning)
     cells = [[row for row in cell if job.doses.is_wanted_along(row.points)] for cell in rows.cells]
     if not any(cells):
         raise PlanRefused("nothing_to_treat", "No row crosses ground to be treated. Change the treatment.", "treatment")
-    if job.rows is Rows.RECORDED_ROWS:  # they may end anywhere: what lies beyond is free
-        standing = rows_of.crop_of(rows.cells, job.treated_width_m)
+    if job.rows is Rows.RECORDED_ROWS and is_crop_met:  # they may end anywhere: what lies beyond is free
+        standing = rows_of.crop_of(rows.cells, job.pass_width_m)
         ground = Ground(field, job.machine, crop=erode(standing, min(job.width_m, 1.0) * 0.6))
     return _Course(job, ground, division, cells, field, inner, tell, rows.notes).run(rows.angle_rad)
 
@@ -131,8 +136,7 @@ class _Course:
         worked = self._strips(legs)
         legs = self.job.limits.cut(legs)
         figures = self._figures(legs, worked, angle)
-        if missed := missed_note(self.job, figures):
-            self.notes.append(missed)
+        self.notes += filter(None, (missed_note(self.job, figures), flight_note(self.job)))
         return Plan(tuple(legs), figures, tuple(self.notes))
 
     # rows
@@ -245,7 +249,7 @@ class _Course:
         around = shapely.union_all([one for one in shapely.get_parts(self._with_roads()) if one.intersects(home)])
         is_cut_off = [not around.intersects(shapely.LineString(group[0][0].points)) for group in groups]
         if all(is_cut_off):
-            raise PlanRefused("home_unreachable", _NO_WAY_OUT, "home_id")
+            raise _no_way_out(self.job.machine)
         return [group for _, group in sorted(zip(is_cut_off, groups, strict=True), key=lambda one: one[0])]
 
     def _home(self) -> None:
@@ -257,7 +261,7 @@ class _Course:
         start: Pose = (float(first.points[0][0]), float(first.points[0][1]), first.first_heading_rad)
         away = linker.link(_standing(self.job.home, start), start)
         if away is None:
-            raise PlanRefused("home_unreachable", _NO_WAY_OUT, "home_id")
+            raise _no_way_out(self.job.machine)
         self.legs = [Leg(LegKind.APPROACH, p, way_speed(p, machine, machine.way_mps)) for p in away] + self.legs
         if not self.job.returns_home:
             return
@@ -279,6 +283,10 @@ class _Course:
             around = [leg for leg in legs if leg.kind is LegKind.HEADLAND]
             return [*strips(self.done, width), *worked_strips(around, width)]
         return worked_strips(legs, width)
+
+
+def _no_way_out(machine: RobotProfile) -> PlanRefused:
+    return PlanRefused("home_unreachable", _NO_FLIGHT_OUT if machine.flies else _NO_WAY_OUT, "home_id")
 
 
 def _entry_cost(here: Pose, lap: Floats) -> float:

@@ -43,7 +43,7 @@ def drawing(job: Job, plan: Plan, frame: LocalFrame) -> dict[str, Any]:
         "places": {
             "parcel": [_ring(ring) for ring in (job.parcel.exterior, *job.parcel.interiors)],
             "obstacles": _polygons(shapely.union_all(job.obstacles)) if job.obstacles else [],
-            "roads": _polygons(job.roads) if job.roads is not None else [],
+            "roads": [] if job.roads is None or machine.flies else _polygons(job.roads),
             "home": None if job.home is None else list(job.home),
             "lines": [np.round(line.points, 2).tolist() for line in job.lines],
             "doses": [{"dose": dose, "rings": _polygons(area)} for area, dose in job.doses.areas],

@@ -41,7 +41,7 @@ class Job:
         returns_home: drive back at the end.
         pattern: order of the rows.
         corner: where the rows begin.
-        tool_width_m: the width one pass treats; ``None`` is the distance of the rows.
+        tool_width_m: the width one pass is to treat; ``None`` is the distance of the rows.
         doses: where the tool works, and how much.
         limits: where it drives slower than it could.
         rows: what the rows run along; ``angle_rad`` counts unless they follow an edge or lines.
@@ -69,7 +69,12 @@ class Job:
 
     @property
     def treated_width_m(self) -> float:
-        """Width that one pass treats."""
+        """Width that one pass treats: what it is to, as far as the tool takes it."""
+        return min(self.pass_width_m, self.machine.tool_width_m or math.inf)
+
+    @property
+    def pass_width_m(self) -> float:
+        """Width that one pass is to treat: it takes as many rows of the field as that holds."""
         return self.tool_width_m or self.width_m
 
 

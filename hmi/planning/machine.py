@@ -8,10 +8,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
+from hmi.domain.family import Family
 from hmi.domain.mission_plan import PlanRefused
 from hmi.domain.planned_machine import PIVOTING_RADIUS_M
 from hmi.domain.robot import Factsheet
-from hmi.planning.energy import WEEDER, Energy, energy_of
+from hmi.planning.energy import UAV, WEEDER, Energy, energy_of
 from hmi.planning.projection import Floats
 
 _LEAD_IN_M = {"laser": 0.3, "planter": 0.0}  # a laser sees weeds half a second before it fires at them
@@ -31,7 +32,9 @@ class RobotProfile:
     The tool is switched on
     ``lead_in_m`` before ground to be treated and off ``lead_out_m`` after it. ``stand_s_per_m`` is how long it stands
     for a metre of worked path: a planter plants where it stands. ``reverse_mps`` is its speed backwards in turns, 0 if
-    it follows no path backwards.
+    it follows no path backwards. ``tool_width_m`` is the most that its tool treats in one pass, ``None`` if that is not
+    known, or no matter. ``clearance_m`` is kept from closed ground on top of the margin. ``flies``: it needs no
+    headland to turn on, and standing rows are not in its way.
     """
 
     length_m: float = 2.6
@@ -51,6 +54,9 @@ class RobotProfile:
     lead_out_m: float = 0.2
     stand_s_per_m: float = 0.0
     reverse_mps: float = 0.0
+    tool_width_m: float | None = None
+    clearance_m: float = 0.0
+    flies: bool = False
 
     def __post_init__(self) -> None:
         """Refuse a machine that cannot be."""
@@ -67,8 +73,11 @@ class RobotProfile:
 
     @classmethod
     def from_factsheet(cls, sheet: Factsheet) -> RobotProfile:
-        """Take the outline and motion limits the robot declares; speeds never above its own limit."""
-        base = cls()
+        """Take the outline and motion limits the robot declares, what it leaves open from the usual one of its family.
+
+        Speeds and accelerations are the usual ones, never above its own limits.
+        """
+        base = _FLYER if sheet.family is Family.UAV else cls()
         energy = energy_of(sheet.family)
         top = sheet.max_speed_mps
         return replace(
@@ -77,7 +86,7 @@ class RobotProfile:
             width_m=sheet.width_m,
             base_to_front_m=min(sheet.base_to_front_m, sheet.length_m),
             # tracks that turn on the spot still tear up less soil on an arc
-            turning_radius_m=max(sheet.turning_radius_m, PIVOTING_RADIUS_M if sheet.can_pivot else 0.0),
+            turning_radius_m=max(sheet.turning_radius_m, base.turning_radius_m if sheet.can_pivot else 0.0),
             can_pivot=sheet.can_pivot,
             row_speed_mps=min(base.row_speed_mps, top),
             turn_speed_mps=min(base.turn_speed_mps, top),
@@ -89,6 +98,8 @@ class RobotProfile:
             lead_in_m=_LEAD_IN_M.get(sheet.tool_kind, base.lead_in_m),
             lead_out_m=_LEAD_OUT_M.get(sheet.tool_kind, base.lead_out_m),
             reverse_mps=min(sheet.path_reverse_mps or 0.0, top),
+            # a crane plants the row it is driven along, however far the next one is
+            tool_width_m=None if sheet.family is Family.PLANTER else sheet.tool_width_m or None,
         )
 
     def planting(self, width_m: float, spacing_m: float | None) -> RobotProfile:
@@ -99,7 +110,7 @@ class RobotProfile:
     @property
     def way_mps(self) -> float:
         """Speed of a short or bent way between field and home."""
-        return min(_WAY_MPS, self.transit_speed_mps)
+        return min(self.turn_speed_mps if self.flies else _WAY_MPS, self.transit_speed_mps)
 
     @property
     def reach_m(self) -> float:
@@ -140,3 +151,22 @@ class RobotProfile:
     def outline_polygons(self, poses: Floats) -> shapely.Geometry:
         """Return an array of N polygons, see ``outlines``."""
         return shapely.polygons(self.outlines(poses))
+
+
+_FLYER = RobotProfile(
+    length_m=0.9,
+    width_m=0.9,
+    base_to_front_m=0.45,
+    turning_radius_m=4.0,
+    row_speed_mps=5.0,
+    turn_speed_mps=3.0,
+    transit_speed_mps=7.0,
+    accel_mps2=2.0,
+    yaw_rate_radps=1.5,
+    clearance_m=2.0,  # its fix need not be RTK
+    energy=UAV,
+    battery_j=UAV.store_j,
+    lead_in_m=0.0,
+    lead_out_m=0.0,
+    flies=True,
+)

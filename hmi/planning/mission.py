@@ -78,7 +78,7 @@ def job_of(wish: PlanWish, machine: RobotProfile | None = None) -> Job:
 
 def _job(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> Job:
     parcel = _polygon(wish.parcel, frame)
-    obstacles = closed_areas(wish.surroundings, frame)
+    obstacles = closed_areas(wish.surroundings, frame, machine)
     near = [area for area in obstacles if area.intersects(parcel)]
     home = None
     ways = way_areas(wish.surroundings, frame)
@@ -94,7 +94,7 @@ def _job(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> Job:
         machine=machine,
         obstacles=tuple(polygon for area in near for polygon in _parts(area)),
         angle_rad=wish.angle_rad,
-        headland_passes=wish.headland_passes,
+        headland_passes=_laps(wish, machine),
         home=home,
         roads=roads,
         returns_home=wish.returns_home,
@@ -106,6 +106,12 @@ def _job(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> Job:
         lines=_crop_rows(wish, frame),
         crop_spacing_m=wish.row_spacing_m,
     )
+
+
+def _laps(wish: PlanWish, machine: RobotProfile) -> int | None:
+    """Return the laps asked for; in the air none is needed to turn where it can stand."""
+    needs_none = machine.flies and machine.can_pivot
+    return 0 if wish.headland_passes is None and needs_none else wish.headland_passes
 
 
 def _crop_rows(wish: PlanWish, frame: LocalFrame) -> tuple[CropRow, ...]:
@@ -128,10 +134,15 @@ def _doses(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> DoseMap:
     return DoseMap(areas, given.rest_dose, lead_in, lead_out)
 
 
+def is_planter(wish: PlanWish) -> bool:
+    """Say whether it is a planter that shall work."""
+    return wish.robot is not None and wish.robot.family is Family.PLANTER
+
+
 def machine_of(wish: PlanWish) -> RobotProfile:
     """Return the machine of a wish with the speed and tool it asks for; raises ``PlanRefused``."""
     usual = RobotProfile() if wish.robot is None else RobotProfile.from_factsheet(wish.robot)
-    if wish.robot is not None and wish.robot.family is Family.PLANTER:
+    if is_planter(wish):
         usual = usual.planting(wish.width_m, wish.plant_spacing_m)
     if wish.row_speed_mps is None:
         return usual
@@ -146,7 +157,10 @@ def _document(wish: PlanWish, job: Job, plan: Plan) -> Document:
     _check_length(plan)
     segments = [_segment(leg) for leg in plan.legs]
     is_home_at_end = bool(plan.legs) and plan.legs[-1].kind.value == "exit"
+    # left out where nobody entered one: a planter that knows no such field takes the mission too
+    planting = {} if wish.plant_spacing_m is None or not is_planter(wish) else {"plant_spacing_m": wish.plant_spacing_m}
     return {
+        **planting,
         "robot": wish.robot_id,
         "mission_id": wish.mission_id,
         "revision": wish.revision,

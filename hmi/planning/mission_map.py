@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from hmi.domain.planned_machine import MACHINE
 from hmi.planning.projection import LocalFrame
 
 DIGITS = 7  # of longitude and latitude: a centimetre
@@ -26,7 +27,7 @@ def mission_geojson(document: Mapping[str, Any], statistics: Mapping[str, Any] |
     parcel = {
         "kind": "parcel",
         "name": document["field_name"],
-        "width_m": document["width_m"],
+        "width_m": _treated_m(document, statistics or {}),
         "area_m2": document["area_m2"],
     }
     features = [_feature("Polygon", [_rounded(ring) for ring in document["parcel"]], parcel)]
@@ -46,6 +47,12 @@ def mission_geojson(document: Mapping[str, Any], statistics: Mapping[str, Any] |
         features.append(_feature("Point", place, {"kind": "home", "name": "Home"}))
     features += areas_of(statistics or {})
     return {"type": "FeatureCollection", "mission_id": document["mission_id"], "features": features}
+
+
+def _treated_m(document: Mapping[str, Any], statistics: Mapping[str, Any]) -> float:
+    """Return how wide one pass works: rows further apart than the tool is wide leave ground between them."""
+    width_m: float = document["width_m"]
+    return min(width_m, statistics.get(MACHINE, {}).get("tool_width_m") or width_m)
 
 
 def areas_of(statistics: Mapping[str, Any]) -> list[dict[str, Any]]:

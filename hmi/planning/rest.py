@@ -34,7 +34,7 @@ from hmi.planning.rest_work import (
     turned,
     turned_line,
 )
-from hmi.planning.statistics import planned_machine
+from hmi.planning.statistics import planned_machine, planting
 
 AHEAD_M = 10.0  # a running robot drives on while a person looks at the new rest: the new path begins beyond this
 MAX_SEGMENTS = 20_000
@@ -57,7 +57,7 @@ class _Rest:
         self.base = wish.base
         self.machine = RobotProfile() if wish.robot is None else RobotProfile.from_factsheet(wish.robot)
         if wish.robot is not None and wish.robot.family is Family.PLANTER:
-            self.machine = self.machine.planting(wish.base["width_m"], None)
+            self.machine = self.machine.planting(wish.base["width_m"], wish.base.get("plant_spacing_m"))
         self.frame = LocalFrame(wish.base["datum"]["lat_deg"], wish.base["datum"]["lon_deg"])
         self.lead_in_m, self.lead_out_m = wish.lead_m or (self.machine.lead_in_m, self.machine.lead_out_m)
         self.notes: list[str] = []
@@ -207,13 +207,20 @@ class _Rest:
         is_back = is_first and self.wish.stand is not None
         approach = LegKind.APPROACH
         legs = self.ground.approach(approach, pose, goal, is_free=True) if is_back else self.ground.turn(pose, goal)
+        if legs is None and is_first and self._is_on_the_way:  # off the field yet: over the roads
+            legs = self.ground.approach(approach, pose, goal, is_free=False)
         if legs is None:
             where = "where it stands" if is_first else "the piece before"
             text = f"No known way leads from {where} to {work.name}. "
-            raise PlanRefused(
-                "no_way", text + ("Drive it nearer by hand, then repeat." if is_back else "Choose other rows.")
-            )
+            nearer = f"{'Fly' if self.machine.flies else 'Drive'} it nearer by hand, then repeat."
+            raise PlanRefused("no_way", text + (nearer if is_back else "Choose other rows."))
         return [_document(leg) for leg in legs]
+
+    @property
+    def _is_on_the_way(self) -> bool:
+        """Whether it stands on its way from home to the first piece."""
+        here = self.done[-1] if len(self.done) > self.first else self.base["segments"][self.first]
+        return not self.wish.is_running and here["kind"] == "approach"
 
     def _known_way(self, before: Work | None, number: int | None) -> list[Document] | None:
         """Return the base's own segments between two pieces if nothing was in between and nothing stands there now."""
@@ -346,12 +353,13 @@ class _Rest:
 
     def _effort(self, segments: Sequence[Document]) -> dict[str, Any]:
         work = effort(legs_of(segments), self.machine)
+        width_m = min(self.base["width_m"], self.machine.tool_width_m or math.inf)
         return {
             "duration_s": round(work.duration_s, 1),
             "energy_j": round(work.energy_j),
             "battery_share": round(work.energy_j / self.machine.battery_j, 4),
             "length_m": round(work.length_m, 1),
-            "area_m2": round(work.working_length_m * self.base["width_m"], 1),
+            "area_m2": round(work.working_length_m * width_m, 1),
             "rows": len({s["row"] for s in segments if s["row"]}),
         }
 
@@ -359,8 +367,11 @@ class _Rest:
         """Return the figures of the whole mission that changed; ``share`` of its area is left."""
         legs = legs_of(segments)
         work = effort(legs, self.machine)
+        width_m, spacing_m = self.base["width_m"], self.base.get("plant_spacing_m")
+        is_planter = self.wish.robot is not None and self.wish.robot.family is Family.PLANTER
         return {
-            MACHINE: planned_machine(self.base["robot"], self.wish.robot, self.machine, legs),
+            **(planting(width_m, spacing_m, work.working_length_m) if is_planter else {}),
+            MACHINE: planned_machine(self.base["robot"], self.wish.robot, self.machine, legs, width_m),
             "length_m": round(work.length_m, 4),
             "working_length_m": round(work.working_length_m, 4),
             "duration_s": round(work.duration_s, 4),

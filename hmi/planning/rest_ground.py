@@ -52,7 +52,7 @@ class RestGround:
         self._lost = self._no_field_now()
         drawn = [self._drawn(area) for area in wish.areas if area.kind == OBSTACLE]
         left_out = [self._drawn(area) for area in wish.areas if area.kind == LEAVE_OUT]
-        self._closed = shapely.union_all([*closed_areas(wish.surroundings, frame), *drawn])
+        self._closed = shapely.union_all([*closed_areas(wish.surroundings, frame, machine), *drawn])
         self.obstacles = shapely.union_all([self._closed, self._lost])
         # left out is left out: no lead, unlike a border of treatment
         self.doses = DoseMap(tuple((area, 0.0) for area in left_out))
@@ -130,7 +130,9 @@ class RestGround:
         before = self._wish.around_before
         if before is None:
             return self._told
-        known = shapely.union_all(closed_areas(before, self._frame)).buffer(SAME_EDGE_M, join_style="mitre")
+        known = shapely.union_all(closed_areas(before, self._frame, self._machine)).buffer(
+            SAME_EDGE_M, join_style="mitre"
+        )
         return shapely.union_all([self._told, self._closed.difference(known)])
 
     @cached_property
@@ -176,6 +178,8 @@ class RestGround:
 
     def _crop(self) -> BaseGeometry:
         """Return the standing rows as one area, a little smaller than it is, so that row ends stay free."""
+        if self._machine.flies:
+            return Polygon()
         width = self._wish.base["width_m"]
         rows = [LineString(s["points"]) for s in self._wish.base["segments"] if s["kind"] == "row"]
         strips = [row.buffer(0.51 * width, cap_style="flat") for row in rows if row.length > 0]

@@ -77,7 +77,7 @@ def _along_lines(job: Job, inner: BaseGeometry, room: BaseGeometry) -> Laid:
     if job.rows is Rows.GUIDE_LINE:
         found, width = _beside_the_guide(job, lines, inner), job.width_m
     else:
-        radius, width = job.machine.turning_radius_m, job.treated_width_m
+        radius, width = job.machine.turning_radius_m, job.pass_width_m
         found = passes(lines, inner, width, radius, job.crop_spacing_m)
     cells = lay_along(found.lines, found.along, inner, room, width)
     return Laid(cells, _mean_angle([line.points for line in lines]), found.notes)

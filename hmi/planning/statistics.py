@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from hmi.domain.mission_plan import PlanWish, Rows
-from hmi.domain.planned_machine import MACHINE, PlannedMachine
+from hmi.domain.planned_machine import MACHINE, PlannedMachine, worked_width_m
 from hmi.domain.robot import Factsheet, Family
 from hmi.planning.job import Job
 from hmi.planning.machine import SEEDLINGS_PER_M2, RobotProfile
@@ -31,7 +31,7 @@ def statistics(wish: PlanWish, job: Job, plan: Plan) -> dict[str, Any]:
         "energy_basis": _energy_basis(wish, job),
         "is_tank": job.machine.energy.is_tank,
         "reserve_share": round(_reserve_share(job, plan), 4),
-        MACHINE: planned_machine(wish.robot_id, wish.robot, job.machine, plan.legs),
+        MACHINE: planned_machine(wish.robot_id, wish.robot, job.machine, plan.legs, wish.width_m),
     }
     if wish.robot is not None and wish.robot.charge_w is not None:
         found["charge_w"] = wish.robot.charge_w
@@ -42,16 +42,20 @@ def statistics(wish: PlanWish, job: Job, plan: Plan) -> dict[str, Any]:
             "areas": [{"dose": one.dose, "geometry": dict(one.geometry)} for one in wish.treatment.areas],
         }
     if wish.robot is not None and wish.robot.family is Family.PLANTER:
-        spacing = wish.plant_spacing_m or 1 / (SEEDLINGS_PER_M2 * wish.width_m)
-        found["plant_spacing_m"] = round(spacing, 3)
-        found["seedlings"] = round(plan.figures.working_length_m / spacing)
+        found |= planting(wish.width_m, wish.plant_spacing_m, plan.figures.working_length_m)
     return found
 
 
+def planting(width_m: float, spacing_m: float | None, length_m: float) -> dict[str, Any]:
+    """Return how far apart the plants of ``length_m`` of row are and how many they are; ``None``: as dense as usual."""
+    spacing_m = spacing_m or 1 / (SEEDLINGS_PER_M2 * width_m)
+    return {"plant_spacing_m": round(spacing_m, 3), "seedlings": round(length_m / spacing_m)}
+
+
 def planned_machine(
-    robot_id: str, sheet: Factsheet | None, machine: RobotProfile, legs: Sequence[Leg]
+    robot_id: str, sheet: Factsheet | None, machine: RobotProfile, legs: Sequence[Leg], width_m: float
 ) -> dict[str, Any]:
-    """Return what a path asks of a machine, as it is stored."""
+    """Return what a path with rows ``width_m`` apart asks of a machine, as it is stored."""
     return PlannedMachine(
         robot_id=robot_id,
         family=None if sheet is None else sheet.family.value,
@@ -63,6 +67,7 @@ def planned_machine(
         reverse_mps=round(max((leg.speed_mps for leg in legs if leg.is_backward), default=0.0), 3),
         top_mps=round(max((leg.speed_mps for leg in legs), default=0.0), 3),
         battery_wh=None if sheet is None else sheet.battery_wh,
+        tool_width_m=worked_width_m(width_m, sheet),
     ).as_json()
 
 

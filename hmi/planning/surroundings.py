@@ -12,10 +12,11 @@ from hmi.planning.projection import LocalFrame
 from hmi.planning.speed_limits import SpeedLimits
 
 
-def closed_areas(around: Surroundings, frame: LocalFrame) -> list[BaseGeometry]:
-    """Return the ground that no machine may enter; raises as ``area_of``."""
+def closed_areas(around: Surroundings, frame: LocalFrame, machine: RobotProfile) -> list[BaseGeometry]:
+    """Return the ground that a machine may not enter, with the clearance it keeps; raises as ``area_of``."""
     closed = [area_of(geometry, width, frame) for geometry, width in around.obstacles]
-    return closed + crossed_areas(around, frame)
+    closed += crossed_areas(around, frame)
+    return [area.buffer(machine.clearance_m) for area in closed] if machine.clearance_m else closed
 
 
 def crossed_areas(around: Surroundings, frame: LocalFrame) -> list[BaseGeometry]:

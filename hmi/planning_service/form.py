@@ -36,7 +36,7 @@ def form_of(wish: PlanWish) -> wire.Wish:
 
     _only_known(wish)
     machine = machine_of(wish)
-    doses = job_of(wish).doses
+    job = job_of(wish)
     frame = LocalFrame(wish.datum_lat_deg, wish.datum_lon_deg)
     return wire.Wish(
         datum=wire.Datum(lat_deg=wish.datum_lat_deg, lon_deg=wish.datum_lon_deg),
@@ -45,7 +45,7 @@ def form_of(wish: PlanWish) -> wire.Wish:
         width_m=wish.width_m,
         overlap=wish.overlap,
         angle_rad=wish.angle_rad,
-        headland_passes=wish.headland_passes,
+        headland_passes=job.headland_passes,
         pattern=wish.pattern.value,
         corner=None if wish.corner is None else wish.corner.value,
         home=wish.home,
@@ -55,8 +55,8 @@ def form_of(wish: PlanWish) -> wire.Wish:
         treatment=wire.Treatment(
             areas=[wire.DoseArea(geometry=_plain(one.geometry), dose=one.dose) for one in wish.treatment.areas],
             rest_dose=wish.treatment.rest_dose,
-            lead_in_m=doses.lead_in_m,
-            lead_out_m=doses.lead_out_m,
+            lead_in_m=job.doses.lead_in_m,
+            lead_out_m=job.doses.lead_out_m,
         ),
     )
 

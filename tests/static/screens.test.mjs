@@ -43,6 +43,27 @@ test('the first offer of headland laps is what the headland on the map takes', (
   assert.deepEqual([offered('a', '3'), offered('b', '3')], ['1', '1']);
 });
 
+test('a UAV is offered no headland laps, and flies home', () => {
+  let family = 'weeder';
+  const word = {};
+  const hl = { ...bare(), text: (node, value) => (node.word = value), port: { fleet: () => ({ r: { family } }) } };
+  const { Inputs } = load(['plan_inputs'], hl).planner;
+  const inputs = Object.assign(Object.create(Inputs.prototype), {
+    places: { fields: [{ id: 'a', properties: { headland_m: 12 } }], robots: [] },
+    all: { robot_id: { value: 'r' }, field_id: { value: 'a' }, width_m: { value: '3' }, headland_passes: { value: '' } },
+    spacing: {}, wayBack: word,
+  });
+  const offered = (kind) => {
+    family = kind;
+    inputs.offerSpacing();
+    inputs.offerLaps();
+    return [inputs.all.headland_passes.value, word.word];
+  };
+  assert.deepEqual(offered('weeder'), ['4', 'Drive home at the end']);
+  assert.deepEqual(offered('uav'), ['', 'Fly home at the end']);
+  assert.deepEqual(offered('planter'), ['4', 'Drive home at the end']);
+});
+
 test('headland laps that were offered follow the field after a reload too, entered ones stay', () => {
   const kept = {};
   const draft = { get: (key) => kept[key], set: (key, value) => (kept[key] = JSON.parse(JSON.stringify(value))) };

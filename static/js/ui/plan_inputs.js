@@ -73,6 +73,7 @@
         start_corner: select("plan-corner", "start_corner", CORNERS.map(([value, word]) => el("option", { value }, word))),
       };
       this.spacing = field("Plant spacing, m", this.all.plant_spacing_m);
+      this.wayBack = el("span", { "data-testid": "plan-return-word" }, "Drive home at the end");
       this.bearing = field("Row direction, ° from north", this.all.row_bearing_deg);
       this.all.rows.addEventListener("input", () => this.offerRows());
       this.all.width_m.addEventListener("input", () => this.offerLaps());
@@ -82,7 +83,7 @@
     }
 
     where() {
-      return [el("div", { class: "p-two" }, field("Robot", this.all.robot_id), field("Home", this.all.home_id)), el("label", { class: "h-check" }, this.all.returns_home, "Drive home at the end")];
+      return [el("div", { class: "p-two" }, field("Robot", this.all.robot_id), field("Home", this.all.home_id)), el("label", { class: "h-check" }, this.all.returns_home, this.wayBack)];
     }
 
     how() {
@@ -109,11 +110,11 @@
       this.offerLaps();
     }
 
-    // follows field and width until somebody enters laps
+    // follows field and width until somebody enters laps; in the air there is no headland
     offerLaps() {
       const laps = this.all.headland_passes;
       if (laps.value !== (this.laps ?? "")) return;
-      laps.value = this.laps = usualLaps(this.fieldPlace?.properties?.headland_m, Number(this.all.width_m.value));
+      laps.value = this.laps = this.flies ? "" : usualLaps(this.fieldPlace?.properties?.headland_m, Number(this.all.width_m.value));
     }
 
     // without a home there is no way back to it
@@ -141,9 +142,14 @@
       return true;
     }
 
-    // only planters plant; HL.port knows the family as soon as the robot was heard
+    // only planters plant, and UAVs fly; HL.port knows the family as soon as the robot was heard
     offerSpacing() {
-      this.spacing.hidden = (HL.port.fleet()[this.all.robot_id.value]?.family ?? this.robot?.family) !== "planter";
+      const family = HL.port.fleet()[this.all.robot_id.value]?.family ?? this.robot?.family;
+      this.spacing.hidden = family !== "planter";
+      const flew = this.flies;
+      this.flies = family === "uav";
+      HL.text(this.wayBack, `${this.flies ? "Fly" : "Drive"} home at the end`);
+      if (this.flies !== flew) this.offerLaps();
     }
 
     // what this field's rows can run along; a direction in degrees only where nothing else gives it

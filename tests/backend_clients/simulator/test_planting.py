@@ -3,21 +3,28 @@
 from __future__ import annotations
 
 import base64
+import itertools
 import math
 import random
 
+import msgspec
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from backend_clients.edge import messages_down as down
 from backend_clients.simulator.crane import JOINTS, TRANSPORT, Crane, OutOfReach, pose_for, tip_of
+from backend_clients.simulator.enu import EnuFrame
+from backend_clients.simulator.families import FAMILIES
 from backend_clients.simulator.faults import PersonAhead
 from backend_clients.simulator.joint_travel import is_beyond
 from backend_clients.simulator.kinematics import Base
-from backend_clients.simulator.planter_rig import PlanterRig, Tuning
-from backend_clients.simulator.planting_site import CLEAR_M, Site, area_of, is_reachable, map_site
-from tests.backend_clients.simulator.rig import Rig, small_mission
+from backend_clients.simulator.mission_run import MissionRun
+from backend_clients.simulator.planter_rig import FAILS_NEVER, PlanterRig, Tuning
+from backend_clients.simulator.planting_site import CLEAR_M, Site, Stretch, area_of, is_reachable, map_site
+from backend_clients.simulator.planting_stops import Stops
+from tests.backend_clients.simulator.rig import LAT, LON, Rig, small_mission
 from tests.backend_clients.simulator.test_families import until
 
 BASE = Base(x_m=8.0, y_m=0.0, theta_rad=0.0)
@@ -174,3 +181,48 @@ def test_the_body_says_tip_load_stock_and_gauges_in_their_scales() -> None:
         assert body.stock == rig.robot.machine.seedlings
         assert set(body.joints) == set(body.planned) == set(TRANSPORT)
         assert body.tool is not None
+
+
+def planted_row(spacing_m: float, length_m: float, pieces: int = 1) -> down.Mission:
+    """Return a mission of one row in so many segments, and a way on that the machine has behind the last site."""
+    row = small_mission(rows=1, length_m=length_m, width_m=4.0, plant_spacing_m=spacing_m)
+    ends = [(0.0, length_m * k / pieces) for k in range(pieces + 1)]
+    rows = [
+        down.Segment(kind="row", points=[a, b], speed_mps=1.0, tool_on=True, row=1) for a, b in itertools.pairwise(ends)
+    ]
+    beyond = down.Segment(kind="exit", points=[ends[-1], (0.0, length_m + 8.0)], speed_mps=1.0)
+    return msgspec.structs.replace(row, segments=[row.segments[0], *rows, beyond])
+
+
+@pytest.mark.parametrize("pieces", [1, 3])
+@pytest.mark.parametrize("spacing_m", [0.5, 2.0, 4.0, 7.0])
+def test_plants_stand_as_far_apart_as_the_mission_says_however_the_row_is_cut(spacing_m: float, pieces: int) -> None:
+    run = MissionRun(planted_row(spacing_m, 40.0, pieces), EnuFrame(LAT, LON), (0.0, -2.0), FAMILIES["planter"])
+    stops, plants, s_m = Stops(run), [], 0.0
+    assert stops.trees_left(0.0) == math.floor(40.0 / spacing_m + 0.5)
+    while (one := stops.next(s_m, set())) is not None:
+        plants += one.plants_m
+        s_m = one.stop_m + 0.01
+    assert len(plants) == math.floor(40.0 / spacing_m + 0.5)
+    assert np.diff(plants) == pytest.approx(spacing_m)
+    assert plants[0] == pytest.approx(2.0 + spacing_m / 2), "two metres of way before the row"
+
+
+def test_a_site_in_line_has_its_plants_on_the_row() -> None:
+    site = Site(1, 1, area_of(((0.0, 0.0), (4.0, 0.0)), 4.0))
+    line = Stretch(1, 10.0, 14.0, 18.0, (10.5, 11.5, 12.5, 13.5), 1.0)
+    map_site(site, BASE, 4.0, "clear", first_tree=1, line=line)
+    free = [one for one in site.targets if abs(one.y_m) < 0.01]
+    assert {round(one.x_m, 2) for one in free} <= {0.5, 1.5, 2.5, 3.5}
+    assert len(site.targets) >= 3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("spacing_m", [1.0, 4.0])
+def test_a_planter_plants_as_far_apart_as_it_was_told(spacing_m: float) -> None:
+    rig = Rig(family="planter")
+    rig.robot.machine.rig = PlanterRig("spaced", FAILS_NEVER)
+    rig.robot.boot = rig.robot.power_up()
+    rig.start(planted_row(spacing_m, 16.0))
+    until(rig, lambda: rig.state.order is not None and rig.state.order.status == "done", 3600.0)
+    assert rig.robot.machine.rig.trees == round(16.0 / spacing_m)

@@ -50,6 +50,7 @@ missions = st.builds(
     note=names,
     at_end=st.sampled_from(["stay", "return_home"]),
     home=st.none() | st.tuples(metres, metres),
+    plant_spacing_m=st.just(msgspec.UNSET) | st.floats(0.05, 100),
     map_version=st.just(msgspec.UNSET)
     | st.builds(down.MapVersion, number=st.integers(0, 99), sha256=st.just("a" * 64)),
     continues=st.just(msgspec.UNSET)
@@ -100,7 +101,7 @@ def test_a_document_without_its_defaults_has_the_same_hash() -> None:
 
 def test_the_contract_has_no_field_the_document_lacks() -> None:
     more = {"map_version": {"number": 1, "sha256": "a" * 64}, "continues": {"base_sha256": "b" * 64, "segments": 0}}
-    document = canonical({**plan_mission(wish()).document, **more})
+    document = canonical({**plan_mission(wish()).document, **more, "plant_spacing_m": 2.0})
     # the proof belongs to the moment of sending, not to the document
     assert set(document) == {f.encode_name for f in msgspec.structs.fields(down.Mission)} - {"proof"}
     more_of_it = {**document["segments"][0], "jump": True, "backward": True, "dose": 0.5}

@@ -22,6 +22,9 @@ from tests.hmi.presenters.robots import SHEET
 
 HERE = replace(SHEET, datum_lat_deg=51.78, datum_lon_deg=4.26, battery_wh=4000.0)
 BIG = replace(HERE, length_m=5.0, width_m=3.4, base_to_front_m=4.0)
+KITE = replace(HERE, family=Family.UAV, length_m=0.9, width_m=0.9, base_to_front_m=0.45, max_speed_mps=8.0,
+               tool_kind="camera", tool_width_m=20.0)  # fmt: skip
+"""Smaller, faster and nimbler than any machine on the ground, and it works wider."""
 REFUSED = "It was planned for Weeder 01, which is smaller. Plan the mission for Weeder 02."
 
 
@@ -55,6 +58,31 @@ async def test_a_larger_robot_neither_gets_nor_is_sent_it(rig: Rig) -> None:
     assert sent.outcome.value == "accepted"
 
 
+async def test_a_weeders_mission_goes_to_no_uav(rig: Rig) -> None:
+    mission = await planned(rig, HERE, KITE)
+    wire: Any = Wire(rig)
+    sender = MissionSender(wire, rig.book, wire, rig.audit, lambda _event: None)
+    sent = await sender.send(rig.person(Role.SUPERVISOR), "weeder-02", mission.id)
+    text = "It was planned for Weeder 01, which is another kind of machine. Plan the mission for Weeder 02."
+    assert (sent.code, sent.text, wire.sent) == ("other_machine", text, [])
+
+
+async def test_rows_nearer_than_the_tool_is_wide_ask_for_no_more(rig: Rig) -> None:
+    machines(rig, HERE)
+    near = await rig.book.plan(rig.person(Role.PLANNER), PlanOrder("field-1", "weeder-01", 1.0))
+    machine = PlannedMachine.from_json(near.statistics[MACHINE])
+    assert machine is not None
+    assert machine.ahead_of(replace(HERE, tool_width_m=1.2)) == ""
+
+
+async def test_what_a_mission_of_before_does_not_say_is_not_compared(rig: Rig) -> None:
+    kept = {**(await planned(rig, HERE)).statistics[MACHINE], "family": None}
+    del kept["tool_width_m"]
+    machine = PlannedMachine.from_json(kept)
+    assert machine is not None
+    assert machine.ahead_of(replace(KITE, tool_width_m=0.5)) == ""
+
+
 async def test_a_copy_knows_the_machine_too(rig: Rig) -> None:
     mission = await planned(rig, HERE, BIG)
     copy = await rig.book.copy(rig.person(Role.PLANNER), mission.id)
@@ -73,6 +101,10 @@ async def test_a_copy_knows_the_machine_too(rig: Rig) -> None:
         (replace(HERE, can_pivot=False), "turns on the spot"),
         (replace(HERE, turning_radius_m=4.0), "turns tighter"),
         (replace(HERE, max_speed_mps=0.3), "drives faster"),
+        (replace(HERE, tool_width_m=1.2), "works wider"),
+        (replace(HERE, tool_width_m=2.0), ""),
+        (replace(HERE, tool_width_m=0.0), ""),
+        (KITE, "is another kind of machine"),
     ],
 )
 async def test_it_fits_a_machine_that_is_no_larger_and_no_less_agile(rig: Rig, other: Factsheet, why: str) -> None:

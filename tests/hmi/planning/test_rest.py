@@ -10,19 +10,26 @@ from functools import cache
 from typing import Any
 
 import msgspec
+import numpy as np
 import pytest
+import shapely
 from hypothesis import assume, event, given, settings
 from hypothesis import strategies as st
 
 from backend_clients.edge import messages_down as down
 from hmi.domain.mission_plan import PlannedMission, PlanRefused, PlanWish, Surroundings
 from hmi.domain.mission_rest import PlannedRest, Progress, RestWish, cut, is_work, length_m, pieces_of
+from hmi.planning.ground import Ground
+from hmi.planning.machine import RobotProfile
 from hmi.planning.mission import plan_mission
 from hmi.planning.rest import AHEAD_M, plan_rest
 from tests.hmi.missions.rig import FRAME, lon_lat, parcel_geometry
 
 SIDE_M = 40.0
 HOME = (-8.0, 20.0)
+FIELD_AND_ROAD = shapely.union_all(
+    [shapely.box(0, 0, SIDE_M, SIDE_M), shapely.box(-15, 16.9, 7, 23.1), shapely.Point(HOME).buffer(4.1)]
+)
 ROAD = {"type": "LineString", "coordinates": lon_lat((-12.0, 20.0), (4.0, 20.0))}
 
 
@@ -189,6 +196,21 @@ def test_the_present_row_can_be_left_inside_when_it_is_paused() -> None:
     number = number_of(3)
     made = rest(at(number, 5.0), leave_out=(number,))
     assert work_m(made.document["segments"])["row", 3] == pytest.approx(5.0, abs=0.02)
+
+
+@pytest.mark.parametrize("s_m", [0.0, 2.0, 5.0])
+def test_on_the_way_from_home_the_first_row_can_be_left_out_or_come_last(s_m: float) -> None:
+    assert segments()[0]["kind"] == "approach"
+    left_out = rest(at(0, s_m), leave_out=(number_of(1),))
+    turned = rest(at(0, s_m), is_reversed=True)
+    for made in (left_out, turned):
+        check_is_whole(made)
+        ways_there = [one for one in made.document["segments"] if one["kind"] == "approach"]
+        assert math.dist(ways_there[0]["points"][0], HOME) < 0.01
+        inside = Ground(FIELD_AND_ROAD, RobotProfile())
+        assert all(inside.outside_m(np.asarray(one["points"])) == 0 for one in ways_there)
+    assert {one["row"] for one in left_out.document["segments"]} == {one["row"] for one in segments()} - {1}
+    assert work_m(turned.document["segments"]).keys() == work_m(segments()).keys()
 
 
 def test_a_running_robot_finishes_its_row_first() -> None:
