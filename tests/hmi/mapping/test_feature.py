@@ -232,7 +232,7 @@ def test_a_bad_name_is_refused(name: Any) -> None:
     assert refusal(raw("one", "parcel", POLYGON, name=name)).code == "bad_name"
 
 
-def test_a_feature_without_a_name_is_called_by_kind_and_id() -> None:
+def test_a_feature_without_a_name_is_called_unnamed() -> None:
     assert parse_feature(raw("one", "no-go", POLYGON, name="")).title == "Unnamed keep-out zone"
 
 
