@@ -7,7 +7,7 @@ import re
 from collections import OrderedDict
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from hmi.commands.map_book import MapBook
 from hmi.domain.ids import new_id
@@ -16,6 +16,7 @@ from hmi.domain.role import Permission
 from hmi.map_files.errors import BadMapFile
 from hmi.map_files.exported import MapFile
 from hmi.map_files.imported import Imported, MapItem
+from hmi.map_files.own_words import settled
 from hmi.map_files.progress import Progress, Report
 from hmi.mapping.attributes import LONGEST_NAME
 from hmi.mapping.feature import parse_feature
@@ -23,6 +24,9 @@ from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
 from hmi.store.errors import NotFound
 from hmi.store.maps import MapDraft
+
+if TYPE_CHECKING:
+    from hmi.mapping.row_field import Parcels
 
 WORD_CHARS = 56  # of an id: leaves room for a number
 KEPT = 4  # read files a farm may have waiting for a choice
@@ -127,7 +131,8 @@ class MapExchange:
         self, session: SessionInfo, import_id: str, ref: str, chosen: Sequence[int], kinds: Mapping[str, str]
     ) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
         """Put the chosen items into the draft as one step; an id that the map has already gets a number,
-        and what names it in the same take names it by its new id. The same ``ref`` again changes nothing.
+        and what names it in the same take names it by its new id. Rows that name no parcel get the one they lie in.
+        The same ``ref`` again changes nothing.
 
         Raises:
             NotFound: this import is not there any more, or there is no draft.
@@ -144,7 +149,8 @@ class MapExchange:
         taken = [items[n] for n in dict.fromkeys(chosen) if n in items]
         if not taken:
             raise BadMapFile("nothing_chosen", "Nothing was chosen to take over.")
-        changes = _changes([(one, kinds.get(str(one.n), one.kind)) for one in taken], draft.features)
+        wished = [(one, kinds.get(str(one.n), one.kind)) for one in taken]
+        changes = await asyncio.to_thread(_changes, wished, draft.features)
         what = "1 feature" if len(changes) == 1 else f"{len(changes)} features"
         return await self._book.change(session, ref, f"Imported {what}, {waiting.name}"[:200], changes)
 
@@ -170,15 +176,50 @@ class MapExchange:
 def _changes(taken: Sequence[tuple[MapItem, str]], there: MapFeatures) -> list[FeatureChange]:
     ids = _FreeIds(there)
     named = [(item, kind, ids.take(item, kind)) for item, kind in taken]
-    parcels = {item.id: feature_id for item, kind, feature_id in reversed(named) if item.id and kind == "parcel"}
-    return [FeatureChange(feature_id, None, _raw(item, kind, feature_id, parcels)) for item, kind, feature_id in named]
+    fields = _Fields(named, there)
+    return [FeatureChange(feature_id, None, _raw(item, kind, feature_id, fields)) for item, kind, feature_id in named]
 
 
-def _raw(item: MapItem, kind: str, feature_id: str, parcels: Mapping[str, str]) -> dict[str, Any]:
-    properties: dict[str, Any] = {**item.properties, "id": feature_id, "kind": kind, "name": item.name[:LONGEST_NAME]}
-    if kind == "rows" and (parcel := parcels.get(str(properties.get("parcel_id")))):
-        properties["parcel_id"] = parcel  # rows stay with the field they came with, whatever it is called now
+def _raw(item: MapItem, kind: str, feature_id: str, fields: _Fields) -> dict[str, Any]:
+    own = item.properties if kind == item.kind else settled(kind, item.geometry, item.properties, [])
+    properties: dict[str, Any] = {**own, "id": feature_id, "kind": kind, "name": item.name[:LONGEST_NAME]}
+    if kind == "rows" and (parcel := fields.of(item)):
+        properties["parcel_id"] = parcel
     return {"type": "Feature", "id": feature_id, "properties": properties, "geometry": item.geometry}
+
+
+class _Fields:
+    """Finds the parcel of rows: the one they name, then the file's, then the one that holds most of them."""
+
+    def __init__(self, named: Sequence[tuple[MapItem, str, str]], there: MapFeatures) -> None:
+        self._taken = [(item, feature_id) for item, kind, feature_id in named if kind == "parcel"]
+        self._by_id = {item.id: feature_id for item, feature_id in reversed(self._taken) if item.id}
+        self._there = {key: one for key, one in there.items() if one["properties"].get("kind") == "parcel"}
+        self._of_site: dict[int, list[tuple[str, Any]]] = {}
+        for item, feature_id in self._taken:
+            if item.site is not None:
+                self._of_site.setdefault(item.site, []).append((feature_id, item.geometry))
+        self._drawn: Parcels | None = None
+
+    def of(self, item: MapItem) -> str | None:
+        """Return the id of the parcel on the map, ``None`` where nothing tells."""
+        told = str(item.properties.get("parcel_id"))
+        if told in self._by_id:
+            return self._by_id[told]  # rows stay with the field they came with, whatever it is called now
+        if told in self._there:
+            return told
+        own = self._of_site.get(item.site, []) if item.site is not None else []
+        return own[0][0] if len(own) == 1 else self._holding(item, own)
+
+    def _holding(self, item: MapItem, own: list[tuple[str, Any]]) -> str | None:
+        from hmi.mapping.row_field import Parcels  # geometry: not for a console's start
+
+        if own and (found := Parcels(own).holding(item.geometry)):
+            return found
+        if self._drawn is None:
+            taken = [(feature_id, one.geometry) for one, feature_id in self._taken]
+            self._drawn = Parcels([*taken, *((key, one["geometry"]) for key, one in self._there.items())])
+        return self._drawn.holding(item.geometry)
 
 
 class _FreeIds:

@@ -7,6 +7,7 @@ Nothing is fetched: grids that are not installed are done without.
 
 from __future__ import annotations
 
+import math
 import re
 from functools import lru_cache
 from typing import Any
@@ -18,7 +19,9 @@ from pyproj.network import set_network_enabled  # type: ignore[attr-defined]
 set_network_enabled(False)
 
 WKT_CHARS = 20_000
+UNKNOWN_ERROR_M = 200  # what national datums are off WGS84, in most of Europe
 NOTABLE_ERROR_M = 1.0  # ETRS89 against WGS84 counts as 1 m, and everybody lives with that
+_BALLPARK = "Ballpark"  # in the name of an operation of PROJ: datums are taken for the same, which are not
 _EPSG = re.compile(r"^(?:urn:(?:x-)?ogc:def:crs:)?EPSG:(?:[0-9.]*:)?([0-9]{4,6})$", re.IGNORECASE)
 _LON_LAT = re.compile(r"(CRS84h?$|^WGS ?84$)", re.IGNORECASE)
 
@@ -40,7 +43,10 @@ class CoordinateSystem:
         self._transformer: Transformer | None = None  # takes longer to make than to use
 
     def to_wgs84(self, xs: list[float], ys: list[float]) -> tuple[list[float], list[float], float]:
-        """Return longitudes and latitudes in degrees (infinite where there are none) and the likely error in metres."""
+        """Return longitudes and latitudes in degrees (infinite where there are none) and the likely error in metres.
+
+        The error is infinite where PROJ knows no way from the system's datum to WGS84 and takes the one for the other.
+        """
         if self._crs is None or not xs:
             return xs, ys, 0.0
         try:
@@ -122,7 +128,9 @@ def _of(crs: CRS) -> CoordinateSystem:
 
 def _error_m(transformer: Transformer) -> float:
     try:
-        accuracy_m = transformer.get_last_used_operation().accuracy
+        used = transformer.get_last_used_operation()
     except ProjError:
-        accuracy_m = transformer.accuracy
-    return max(0.0, float(accuracy_m))  # -1 where nobody knows
+        used = transformer
+    if _BALLPARK in used.description:
+        return math.inf
+    return max(0.0, float(used.accuracy))  # -1 for parameters that the file itself brings

@@ -19,8 +19,12 @@ _AB, _A_PLUS, _CURVE, _PIVOT, _SPIRAL = "1", "2", "3", "4", "5"  # attribute C o
 TYPE_OF = {_AB: "a-b", _A_PLUS: "a-b", _CURVE: "curve", _SPIRAL: "curve"}
 
 
-def group(n: int, ggp: Element, layer: str, skipped: list[Skipped]) -> list[SourceFeature]:
-    """Return the rows of one guidance group: one feature a pattern, or one for all where only the group has a name."""
+def group(n: int, ggp: Element, layer: str, skipped: list[Skipped], *, is_one: bool = False) -> list[SourceFeature]:
+    """Return the rows of one guidance group: one feature a pattern, or one a type where only the group has a name.
+
+    Args:
+        is_one: the group was written for one feature of ours.
+    """
     found = []
     for i, gpn in enumerate(children(ggp, "GPN"), start=1):
         which = f"guidance {n}.{i}"
@@ -30,7 +34,9 @@ def group(n: int, ggp: Element, layer: str, skipped: list[Skipped]) -> list[Sour
             continue
         found.append(_pattern(which, gpn, ggp.get("B")))
     if len(found) > 1 and not any(gpn.get("B") for gpn in children(ggp, "GPN")):
-        return [_joined(found)]
+        types = dict.fromkeys("" if is_one else one.properties["type"] for one in found)
+        same = [[one for one in found if type_ in ("", one.properties["type"])] for type_ in types]
+        return [_joined(rows) if len(rows) > 1 else rows[0] for rows in same]
     return found
 
 

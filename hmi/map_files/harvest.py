@@ -114,7 +114,8 @@ class _Reaper:
             title = named if named or is_named else f"{best.capitalize()} {n + 1}"
             own_id = feature.id if len(shapes) == 1 else None
             said = list(dict.fromkeys(said))
-            self.items.append(MapItem(n, title or "", best, kinds, shape, kept, tuple(said), own_id, _area_m2(shape)))
+            area, site = _area_m2(shape), feature.site
+            self.items.append(MapItem(n, title or "", best, kinds, shape, kept, tuple(said), own_id, area, site))
 
 
 def _area_m2(shape: Geometry) -> float:

@@ -22,6 +22,7 @@ class MapItem:
         problems: sentences for the operator; the item can be taken nevertheless.
         id: the id that the file gives, where it gives a usable one.
         area_m2: inside the outline without holes; 0 for lines.
+        site: number of the field of the file that it belongs to, where the file says it.
     """
 
     n: int
@@ -33,6 +34,7 @@ class MapItem:
     problems: tuple[str, ...] = ()
     id: str | None = None
     area_m2: float = 0.0
+    site: int | None = None
 
     @property
     def vertices(self) -> int:

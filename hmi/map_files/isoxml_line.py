@@ -6,7 +6,7 @@ from itertools import pairwise
 from typing import Any
 from xml.etree.ElementTree import Element
 
-from hmi.map_files.xml_tree import children
+from hmi.map_files.xml_tree import children, local
 
 Places = list[list[Any]]
 _TRACE = 1e-12
@@ -26,6 +26,12 @@ def ring(lsg: Element) -> Places:
     """Return the points of an LSG that bounds a PLN, closed: version 3 leaves the last edge out."""
     points = places(lsg)
     return [*points, points[0]] if points and points[0] != points[-1] else points
+
+
+def binary_file(element: Element) -> str | None:
+    """Return the name of the file that holds corners of an element in binary (attribute I of PNT), or None."""
+    points = (one for one in element.iter() if local(one) == "PNT" and one.get("I") and not one.get("C"))
+    return next((f"{one.get('I')}.bin" for one in points), None)
 
 
 def width_m(lsg: Element | None) -> float | None:

@@ -16,7 +16,7 @@ from hmi.map_files.archive import Archive
 from hmi.map_files.coordinate_system import WGS84
 from hmi.map_files.errors import BadMapFile
 from hmi.map_files.imported import Skipped
-from hmi.map_files.isoxml_line import Places, is_inside, place, places, ring, width_m
+from hmi.map_files.isoxml_line import Places, binary_file, is_inside, place, places, ring, width_m
 from hmi.map_files.source import Source, SourceFeature, SourceLayer
 from hmi.map_files.xml_tree import children, local, parse
 
@@ -31,6 +31,7 @@ KIND_OF_POINT = {"1": "obstacle", "2": "tree", "3": "gate", "4": "home", "5": "o
 EXTERIOR, INTERIOR = "1", "2"  # attribute A of an LSG in a PLN
 GUIDANCE = "5"  # attribute A of an LSG in a GPN
 _EXTERNAL = re.compile(r"^[A-Z]{3}[0-9]{5}$")  # attribute A of XFR
+_MENDABLE = {"broken_xml", "damaged_archive", "not_a_map"}  # one such file does not spoil the others
 _PART = {"2": "treatment zone", "7": "flagged area", "8": "area", "9": "main field", "10": "headland"}
 
 
@@ -41,9 +42,9 @@ def read(root: Element, archive: Archive | None = None, path: str = "") -> Sourc
         archive, path: where the task data lies, for the files it refers to.
 
     Raises:
-        BadMapFile: a file it refers to is broken.
+        BadMapFile: a file it refers to is refused as unsafe.
     """
-    source = Source("isoxml", [])
+    source = Source("isoxml", [], _not_read(archive, path))
     roots = [root, *_external(root, archive, path, source.skipped)]
     elements = [element for one in roots for element in one]
     names = {element.get("A", ""): element.get("B", "") for element in _all(elements, "CTP", "FRM")}
@@ -56,8 +57,17 @@ def read(root: Element, archive: Archive | None = None, path: str = "") -> Sourc
 
 def task_data_path(archive: Archive) -> str | None:
     """Return the path of TASKDATA.XML, in any case and folder, the least deep first."""
-    found = [name for name in archive.ending("taskdata.xml") if _base(name).lower() == "taskdata.xml"]
-    return min(found, key=lambda name: (name.count("/"), name)) if found else None
+    return min(_task_data(archive), key=lambda name: (name.count("/"), name), default=None)
+
+
+def _task_data(archive: Archive) -> list[str]:
+    return [name for name in archive.ending("taskdata.xml") if _base(name).lower() == "taskdata.xml"]
+
+
+def _not_read(archive: Archive | None, path: str) -> list[Skipped]:
+    why = "The archive holds several task data, and one is read at a time."
+    others = [name for name in _task_data(archive) if name != path] if archive is not None else []
+    return [Skipped(name[:80], why, "Pack its folder into a zip of its own.") for name in others]
 
 
 def _all(elements: list[Element], *names: str) -> Iterator[Element]:
@@ -79,13 +89,22 @@ def _external(root: Element, archive: Archive | None, path: str, skipped: list[S
         names = archive.names if archive is not None else []
         found = [name for name in names if name.lower() == f"{folder}{stem}.xml".lower()]
         if found and archive is not None:
-            external = parse(archive.read(found[0]))
-            if local(external) != EXTERNAL_ROOT:
-                raise BadMapFile("not_a_map", f"{stem}.XML is not part of task data. Export it once more.")
-            yield external
+            try:
+                yield _part(archive, found[0])
+            except BadMapFile as error:
+                if error.code not in _MENDABLE:
+                    raise
+                skipped.append(Skipped(f"{stem}.XML", error.text, "Export the task data once more."))
         elif stem.startswith("PFD"):
             why = "The task data refers to this file, and it is not there."
             skipped.append(Skipped(f"{stem}.XML", why, "Pack the whole TASKDATA folder into one zip."))
+
+
+def _part(archive: Archive, name: str) -> Element:
+    external = parse(archive.read(name))
+    if local(external) != EXTERNAL_ROOT:
+        raise BadMapFile("not_a_map", "The file is not part of task data.")
+    return external
 
 
 def _partfield(
@@ -93,17 +112,31 @@ def _partfield(
 ) -> SourceLayer:
     title = pfd.get("C") or pfd.get("B") or f"Field {n}"
     layer = SourceLayer(f"field {n} ({title[:40]})", WGS84, [])
-    for i, pln in enumerate(children(pfd, "PLN"), start=1):
+    for i, pln in enumerate(_readable(pfd, "PLN", "area", layer.name, skipped), start=1):
         layer.features.append(isoxml_own.restore(_polygon(i, pln, title, _crop(pfd, names)), pln.get("E"), own))
-    for i, lsg in enumerate(children(pfd, "LSG"), start=1):
+    for i, lsg in enumerate(_readable(pfd, "LSG", "line", layer.name, skipped), start=1):
         layer.features.append(isoxml_own.restore(_line(i, lsg), lsg.get("F"), own))
-    for i, pnt in enumerate(children(pfd, "PNT"), start=1):
+    for i, pnt in enumerate(_readable(pfd, "PNT", "point", layer.name, skipped), start=1):
         if pnt.get("A") != "10":  # the reference point of the field is no thing on it
             layer.features.append(isoxml_own.restore(_point(i, pnt), pnt.get("G"), own))
-    for i, ggp in enumerate(children(pfd, "GGP"), start=1):
-        rows = guidance_reader.group(i, ggp, layer.name, skipped)
-        layer.features += [isoxml_own.restore(one, ggp.get("A") if len(rows) == 1 else None, own) for one in rows]
+    for i, ggp in enumerate(_readable(pfd, "GGP", "guidance", layer.name, skipped), start=1):
+        told = ggp.get("A")
+        rows = guidance_reader.group(i, ggp, layer.name, skipped, is_one=told in own)
+        layer.features += [isoxml_own.restore(one, told if len(rows) == 1 else None, own) for one in rows]
+    for feature in layer.features:
+        feature.site = n
     return layer
+
+
+def _readable(pfd: Element, name: str, word: str, layer: str, skipped: list[Skipped]) -> Iterator[Element]:
+    """Yield the elements whose corners stand in the task data, and name the others."""
+    for i, element in enumerate(children(pfd, name), start=1):
+        file = binary_file(element)
+        if file is None:
+            yield element
+        else:
+            why = f"Its corners are in a binary file ({file[:40]}), which is not read."
+            skipped.append(Skipped(f"{layer}: {word} {i}", why, "Export the task data with the corners as XML."))
 
 
 def _crop(pfd: Element, names: dict[str, str]) -> dict[str, str]:

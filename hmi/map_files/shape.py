@@ -11,7 +11,7 @@ import numpy as np
 from shapely import Polygon, is_valid
 
 from hmi.map_files import limits
-from hmi.map_files.coordinate_system import NOTABLE_ERROR_M, CoordinateSystem, UnknownSystem
+from hmi.map_files.coordinate_system import NOTABLE_ERROR_M, UNKNOWN_ERROR_M, CoordinateSystem, UnknownSystem
 from hmi.map_files.imported import Geometry
 from hmi.map_files.limits import Allowance
 
@@ -134,7 +134,10 @@ def _converted(lines: list[Line], crs: CoordinateSystem, problems: list[str]) ->
         raise BadShape(str(error), "Export the file again in WGS84 (EPSG:4326).") from error
     if not all(math.isfinite(n) for n in (*lons, *lats)):
         raise BadShape(f"A position lies outside of what {crs.label} covers.", "Check the coordinate system.")
-    if error_m > NOTABLE_ERROR_M:
+    if math.isinf(error_m):
+        off = f"positions may be off by {UNKNOWN_ERROR_M} m. Check them on the field."
+        problems.append(f"How {crs.label} lies on the earth is not known: {off}")
+    elif error_m > NOTABLE_ERROR_M:
         problems.append(f"Converted from {crs.label}: positions may be off by {error_m:g} m. Check them on the field.")
     places = iter(zip(lons, lats, strict=True))
     return [[_rounded(next(places)) for _ in line] for line in lines]

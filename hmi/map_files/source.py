@@ -19,6 +19,7 @@ class SourceFeature:
         name: where the format has a place of its own for it.
         kind: what the format says it is, in the words of the farm map.
         crs: its own, where it differs from its layer's.
+        site: number of the field of the file that it belongs to, where the format says it.
         is_exact: written by this program: names and values stand as they are.
     """
 
@@ -31,6 +32,7 @@ class SourceFeature:
     crs: CoordinateSystem | None = None
     problems: list[str] = field(default_factory=list)
     is_exact: bool = False
+    site: int | None = None
 
 
 @dataclass(slots=True)

@@ -35,8 +35,8 @@ class MapFeature:
 
     @property
     def title(self) -> str:
-        """Return what to call it in a sentence: its name, else its kind and id."""
-        return self.name or f"{KINDS[self.kind].noun} {self.id}"
+        """Return what to call it in a sentence: its name, or what to call a feature that nobody named."""
+        return self.name or f"Unnamed {KINDS[self.kind].noun}"
 
 
 def parse_feature(raw: Mapping[str, Any]) -> MapFeature:

@@ -104,7 +104,7 @@ def test_a_parcel_is_drawn_with_taps_and_closed_on_its_first_corner(tablet: Edit
     change = only_change(tablet)
     assert re.fullmatch(r"parcel-[0-9a-f]{8}", change["id"])
     assert (change["label"], change["before"]) == ("Parcel drawn", None)
-    assert change["after"]["properties"] == {"id": change["id"], "kind": "parcel", "name": ""}
+    assert change["after"]["properties"] == {"id": change["id"], "kind": "parcel", "name": "Parcel 1"}
     shape = outer(change)
     assert len(shape) == 5
     assert shape[0] == shape[-1]
@@ -279,13 +279,41 @@ def test_roads_homes_and_row_lines_are_features_of_their_own(surface: EditorPage
     surface.click(-40, 60)
     surface.call("editor.setTool('rows'); editor.setSnap(false)")
     surface.click(20, 10)
-    surface.click(30, 70)
-    surface.page.mouse.dblclick(*surface.px(30, 70))
+    surface.click(30, 70)  # an A-B line is done at its second point
     home, rows = surface.heard("drawn")
     assert (home["geometry"]["type"], home["properties"]["type"]) == ("Point", "home")
     assert rows["properties"]["parcel_id"] == "parcel-north"
     assert rows["properties"]["type"] == "a-b"
     assert [made["changes"][0]["before"] for made in surface.heard("change")] == [None, None]
+
+
+def test_a_drawing_in_hand_outlives_an_answer_of_the_server_and_says_when_it_is_enough(surface: EditorPage) -> None:
+    surface.open(DRAFT)
+    surface.call("editor.setSnap(false); editor.setTool('road')")
+    surface.click(-20, 100)
+    assert surface.call("return editor.canFinish") is False
+    surface.click(20, 100)
+    after = {**FIELD, "properties": {**FIELD["properties"], "crop": "beet"}}
+    surface.call("editor.patch([{ id: 'parcel-north', before: null, after: it }])", after)
+    surface.call("editor.setFeatures(it)", [after, *DRAFT[2:]])
+    surface.call("editor.select(['parcel-north'])")
+    assert surface.call("return editor.canFinish") is True
+    surface.click(60, 110)
+    surface.call("editor.finish()")
+    [road] = surface.heard("drawn")
+    assert len(road["geometry"]["coordinates"]) == 3
+    assert surface.call("return editor.canFinish") is False
+
+
+def test_what_is_not_in_the_draft_is_shown_where_it_was(surface: EditorPage) -> None:
+    surface.open(DRAFT)
+    gone = feature("well", "obstacle", "Point", (400, 300), radius_m=2)
+    surface.call("editor.setTrial([it]); editor.fit([it])", gone)
+    surface.settle()
+    x, y = surface.px(400, 300)
+    assert 400 < x < 880
+    assert 250 < y < 550
+    assert surface.call("return editor.bench.draft.get('well')") is None
 
 
 def test_measuring_says_lengths_and_changes_nothing(surface: EditorPage) -> None:

@@ -51,6 +51,10 @@ class Server {
       const before = this.features.get(id);
       return this.append(body.id, 'Inset', [{ id, before, after: zone(id, before.properties.radius_m + body.args.distance_m) }]);
     }
+    if (path === '/map/versions/1/restore') {
+      this.append(`back-${String(this.log.length).padStart(4, '0')}`, 'Back to version 1', [...this.features].map(([id, before]) => ({ id, before, after: null })));
+      return { status: 200, ...this.state(), features: this.all() };
+    }
     if (path === '/map/draft/publish') {
       if (body.last_id && body.last_id !== this.state().undo_id) return { status: 409, code: 'changed', text: 'The draft is not what was shown here any more.' };
       this.published = [...this.features.values()];
@@ -329,4 +333,39 @@ test('a change whose answer was lost and that another page took back is not show
   const before = loads();
   await page.commit('Pond drawn', 'pond', zone('pond'));
   assert.equal(loads(), before); // the usual way loads nothing
+});
+
+test('a version is restored when the server has every change of ours', async () => {
+  const server = new Server();
+  const page = await opened(server);
+  server.isDown = true;
+  await page.commit('Pond drawn', 'pond', zone('pond'));
+  assert.match((await page.client.restore(1)).text, /No connection/);
+  server.isDown = false;
+  assert.ok((await page.client.restore(1)).ok);
+  assert.deepEqual(page.shown, []);
+  assert.equal(page.client.queue.length, 0);
+  assert.deepEqual(server.log.map((one) => one.label), ['Pond drawn', 'Back to version 1']);
+});
+
+test('a version is not restored while a lost answer is open, and what waits for that one hears of it', async () => {
+  const server = new Server(zone('pond'));
+  const page = await opened(server);
+  server.loses = () => true;
+  const operation = await page.client.operate('buffer', ['pond'], { distance_m: -1 });
+  assert.match((await page.client.restore(1)).text, /may be done or not/);
+  server.loses = () => false;
+  await page.passes();
+  assert.equal(await operation.later, true);
+  assert.equal(server.asked.filter(([path]) => path.endsWith('restore')).length, 0);
+});
+
+test('a version begins a draft though changes wait since the last one was taken', async () => {
+  const server = new Server();
+  const page = await opened(server);
+  server.isDown = true;
+  await page.commit('Pond drawn', 'pond', zone('pond'));
+  page.client.draft = { ...page.client.draft, is_mine: false };
+  server.isDown = false;
+  assert.ok((await page.client.restore(1)).ok);
 });

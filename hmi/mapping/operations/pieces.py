@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
+from hmi.mapping.attributes import LONGEST_NAME
 from hmi.mapping.coordinates import Geometry
 from hmi.mapping.errors import OperationRefused
 from hmi.mapping.feature import MapFeature
@@ -38,7 +39,7 @@ def changes_for_pieces(
     first, *others = pieces
     changes = [changed(feature, replace(feature, geometry=first, properties=dict(properties)))]
     for (new_id, letter), geometry in zip(_free_ids(feature, draft), others, strict=False):
-        name = f"{_stem_name(feature)} {letter}" if feature.name else ""
+        name = f"{_stem_name(feature)[: LONGEST_NAME - 1 - len(letter)].rstrip()} {letter}" if feature.name else ""
         changes.append(added(MapFeature(new_id, feature.kind, name, geometry, dict(properties))))
     return tuple(changes)
 
@@ -93,4 +94,4 @@ def _stem_name(feature: MapFeature) -> str:
     name = feature.name
     if letter and name.endswith(f" {letter}") and len(name) > 2:
         name = name[:-2]
-    return name[:190]
+    return name

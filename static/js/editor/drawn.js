@@ -4,7 +4,7 @@ import { contains, idOf } from './draft.js';
 import { radiusOf } from './circle_pen.js';
 import { PENS } from './pen.js';
 import { kept } from '../map/plane.js';
-import { isArea, newFeature, partsOf, turnOf } from './shape.js';
+import { edgesOf, isArea, newFeature, partsOf, turnOf } from './shape.js';
 
 /** {feature}, {operation: {tool, coordinates, target}} or {problem}. */
 export function drawnOf(tool, points, selection, draft) {
@@ -17,7 +17,16 @@ export function drawnOf(tool, points, selection, draft) {
     circle: () => ({ type: 'Point', coordinates: points[0] }),
   }[shape]();
   if (shape === 'circle') return { feature: newFeature(kind, geometry, { radius_m: radiusOf(points[0], points[1]) }) };
-  return { feature: newFeature(kind, geometry, kind === 'rows' ? { ...rowsOf(points, selection, draft), ...own } : own) };
+  const told = { parcel: () => ({ name: freeName('Parcel', draft) }), rows: () => rowsOf(points, selection, draft) }[kind]?.();
+  return { feature: newFeature(kind, geometry, { ...told, ...own }) };
+}
+
+/** "Parcel 3": a name that nothing on the map has yet. */
+function freeName(word, draft) {
+  const names = new Set(draft.features.map((feature) => feature.properties?.name));
+  let number = 1;
+  while (names.has(`${word} ${number}`)) number += 1;
+  return `${word} ${number}`;
 }
 
 function rowsOf(points, selection, draft) {
@@ -32,21 +41,34 @@ function operationOf(tool, points, selection, draft) {
     const ring = turnOf(points) > 0 ? [...points].reverse() : points; // holes run clockwise
     return { operation: { tool, coordinates: [...ring, ring[0]], target: idOf(target) } };
   }
-  const target = targetOf(points, selection, draft, (feature) => feature.geometry.type !== 'Point');
+  const isCut = selection.only && isCutBy(selection.only, points);
+  const target = isCut ? selection.only : targetOf(points, selection, draft, (feature) => feature.geometry.type !== 'Point');
   if (!target) return { problem: 'Draw the cut across a parcel or a road.' };
   return { operation: { tool, coordinates: points, target: idOf(target) } };
 }
 
-/** The selected feature if it fits, else the smallest one that the drawing lies in or runs through. */
+/** What the drawing lies in or runs through: the selected feature where it fits and does, else the smallest one. */
 function targetOf(points, { only }, draft, fits) {
-  if (only && fits(only)) return only;
   const middles = points.slice(1).map((b, i) => [(points[i][0] + b[0]) / 2, (points[i][1] + b[1]) / 2]);
+  const isChosen = only && fits(only);
+  const holds = (feature, place) => !isArea(feature) || partsOf(feature).some((part) => contains(part, place));
   for (const place of [...middles, ...points]) {
-    const id = draft.under(place, 0.5).find((found) => {
-      const feature = draft.get(found);
-      return fits(feature) && (!isArea(feature) || partsOf(feature).some((part) => contains(part, place)));
-    });
+    if (isChosen && isArea(only) && holds(only, place)) return only;
+    const id = draft.under(place, 0.5).find((found) => fits(draft.get(found)) && holds(draft.get(found), place));
     if (id) return draft.get(id);
   }
-  return null;
+  return isChosen ? only : null;
+}
+
+/** Whether a cut runs right across: a line once, an area in and out again. */
+function isCutBy(feature, points) {
+  const lines = partsOf(feature).flat().filter((line) => line.length > 1);
+  const edges = lines.flatMap((line) => [...edgesOf(line, isArea(feature))]);
+  const cuts = edges.flatMap((edge) => points.slice(1).filter((b, i) => crosses(edge, [points[i], b])));
+  return cuts.length >= (isArea(feature) ? 2 : 1);
+}
+
+function crosses([a, b], [c, d]) {
+  const side = ([px, py], [qx, qy], [x, y]) => Math.sign((qx - px) * (y - py) - (qy - py) * (x - px));
+  return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
 }

@@ -104,7 +104,7 @@ export class MapEditor {
 
   /** Take the whole draft; selection and view stay. */
   setFeatures(features) {
-    this.#abandon();
+    this.#endGesture();
     const isFirst = this.bench.draft.byId.size === 0;
     this.bench.setFeatures(features);
     if (isFirst) this.fit();
@@ -112,7 +112,7 @@ export class MapEditor {
 
   /** Apply [{id, before, after}] of the server. */
   patch(changes) {
-    this.#abandon();
+    this.#endGesture();
     this.bench.apply(changes);
     this.bench.refresh();
   }
@@ -136,7 +136,7 @@ export class MapEditor {
   }
 
   select(ids) {
-    this.#abandon();
+    this.#endGesture();
     this.#selection.set(ids);
     this.bench.refresh();
   }
@@ -192,16 +192,25 @@ export class MapEditor {
     this.bench.commit(turnText(before, after), [{ id, before, after }]);
   }
 
-  /** Bring these, or everything, into view. */
-  fit(ids = null) {
+  /** Bring these, or everything, into view: ids, or features that the draft need not have. */
+  fit(shown = null) {
     const { draft, isReady, surface } = this.bench;
-    const features = ids ? ids.map((id) => draft.get(id)).filter(Boolean) : draft.features;
+    const features = shown ? shown.map((one) => one.geometry ? one : draft.get(one)).filter(Boolean) : draft.features;
     if (isReady) surface.fit(features);
   }
 
   /** Lay a base map with these bounds [west, south, east, north] under the map and bring it into view. */
   showBase(id, bounds) {
     if (this.bench.isReady) this.bench.surface.showBase(id, bounds);
+  }
+
+  /** Whether a drawing is in hand that could be finished as it is. */
+  get canFinish() {
+    return this.bench.pen?.isEnough ?? false;
+  }
+
+  finish() {
+    this.bench.pen?.finish();
   }
 
   /** Take the last point of the drawing back; false when nothing is being drawn. */
@@ -349,15 +358,23 @@ export class MapEditor {
   /** Give up whatever is under way. */
   #abandon() {
     this.pointer?.cancel();
-    this.#held = null;
     this.bench.pen?.clear();
+    this.#endGesture();
+  }
+
+  /** Give up a drag or nudge: what it changes may not be what it was. A drawing goes on. */
+  #endGesture() {
+    if (!this.bench.pen) this.pointer?.cancel();
+    this.#held = null;
     this.bench.revert();
   }
 
   #escape() {
     const { pen } = this.bench;
-    if (this.pointer.gesture || this.#held || pen?.isDrawing || pen?.finished) this.#abandon();
-    else if (this.#selection.corner || this.#selection.isDial) this.bench.choose(null);
+    if (this.pointer.gesture || this.#held || pen?.isDrawing || pen?.finished) {
+      this.#abandon();
+      this.say.onMeasure('');
+    } else if (this.#selection.corner || this.#selection.isDial) this.bench.choose(null);
     else if (this.#selection.ids.length) {
       this.select([]);
       this.say.onSelect([]);

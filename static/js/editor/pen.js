@@ -17,7 +17,7 @@ export const PENS = {
   road: { shape: 'line', kind: 'road', word: 'road', own: { width_m: 4 } },
   hedge: { shape: 'line', kind: 'hedge', word: 'hedge', own: { width_m: 3 } },
   yard: { shape: 'area', kind: 'road', word: 'yard' },
-  rows: { shape: 'line', kind: 'rows', word: 'row line' },
+  rows: { shape: 'line', kind: 'rows', word: 'row line', most: 2 },
   curve: { shape: 'line', kind: 'rows', word: 'guide line', own: { type: 'curve' } },
   recorded: { shape: 'line', kind: 'rows', word: 'crop row', own: { type: 'recorded' } },
   split: { shape: 'line', word: 'cut' },
@@ -49,6 +49,11 @@ export class Pen {
 
   get isDrawing() {
     return this.points.length > 0;
+  }
+
+  /** Whether what is drawn could be finished as it is. */
+  get isEnough() {
+    return this.points.length >= LEAST[this.shape];
   }
 
   /** Show where a tap would set the next corner. */
@@ -94,7 +99,7 @@ export class Pen {
     const { lastTap } = this;
     this.lastTap = { at, time };
     const isDouble = lastTap && time - lastTap.time < DOUBLE_TAP_MS && Math.hypot(at[0] - lastTap.at[0], at[1] - lastTap.at[1]) < REACH_PX;
-    if (isDouble && this.points.length >= LEAST[this.shape]) {
+    if (isDouble && this.isEnough) {
       this.finish();
       return;
     }
@@ -107,7 +112,7 @@ export class Pen {
     if (!isDouble) this.points = [...this.points, found.position];
     this.lift();
     this.#measured(this.points);
-    if (this.shape === 'point') this.finish();
+    if (this.shape === 'point' || this.points.length === PENS[this.tool].most) this.finish();
   }
 
   #measured(points) {
@@ -120,14 +125,15 @@ export class Pen {
     this.points = this.points.slice(0, -1);
     this.lastTap = null;
     this.lift();
-    this.#measured(this.points);
+    if (this.points.length > 1) this.#measured(this.points);
+    else this.core.measured('');
     return true;
   }
 
   /** Give the shape away and be ready for the next one. */
   finish({ isClosed = false } = {}) {
     const { points, shape, word } = this;
-    if (points.length < LEAST[shape]) {
+    if (!this.isEnough) {
       const more = { area: 'three corners', line: 'two points' }[shape];
       if (points.length) this.core.notice(`A ${word} needs ${more}.`);
       return;

@@ -1,10 +1,11 @@
 // A change that is only looked at: the shapes as they would become, and a dial to turn them by.
 
 import { DEG, labelPoint } from '../map/geometry.js';
-import { dashed, line } from './ink.js';
+import { dashed, disc, line } from './ink.js';
 import { isArea, partsOf } from './shape.js';
 
 const RADIUS_PX = 96;
+const POINT_PX = 12;
 
 /** Shapes of a preview, over everything: dashed, in the colour of what is chosen. */
 export function paintTrial(context, features, { toPx, palette }) {
@@ -13,6 +14,7 @@ export function paintTrial(context, features, { toPx, palette }) {
     const isClosed = isArea(feature);
     if (isClosed) tint(context, rings, palette.sel);
     for (const points of rings) {
+      if (points.length === 1) dashed(context, [4, 3], () => disc(context, ...points[0], POINT_PX, { fill: palette.raised, stroke: palette.sel, width: 3 }));
       line(context, points, palette.raised, 5, isClosed);
       dashed(context, [10, 6], () => line(context, points, palette.sel, 3, isClosed));
     }

@@ -23,7 +23,7 @@
       this.act.robot();
     }
     paintMachines() {
-      const robots = Object.entries(HL.port.fleet()).map(([id, one]) => [id, one.name]);
+      const robots = HL.maps.robots();
       const key = JSON.stringify(robots);
       if (key === this.machines) return;
       this.machines = key;
@@ -52,10 +52,10 @@
     }
     card(one, canEdit, nameOf) {
       const name = nameOf(one.feature_id);
-      const head = name && !one.text.includes(name) ? `${name}: ${one.text[0].toLowerCase()}${one.text.slice(1)}` : one.text;
+      const head = name && !one.text.toLowerCase().includes(name.toLowerCase()) ? `${name}: ${one.text[0].toLowerCase()}${one.text.slice(1)}` : one.text;
       const fix = one.fix ? el("button", { type: "button", class: "h-btn", "data-testid": "finding-fix", disabled: !canEdit, onclick: (event) => this.fix(one, event.currentTarget) }, one.fix.label) : "";
       const show = el("button", { type: "button", class: one.fix ? "h-btn ico" : "h-btn", "data-testid": "finding-show", "aria-label": `Show: ${head}`, onclick: () => this.act.show(one) }, one.fix ? icon("visibility", "m") : "Show");
-      return el("div", { class: "h-card m-finding", "data-testid": `finding-${one.code}`, "data-level": one.level }, alarm(one.level, 26), el("div", { class: "h-sp" }, el("div", { class: "h-t14 h-b" }, head), el("div", { class: "h-t13 h-2" }, one.advice)), show, fix);
+      return el("div", { class: "h-card m-finding", "data-testid": `finding-${one.code}`, "data-level": one.level }, alarm(one.level, 26), el("div", { class: "h-sp" }, el("div", { class: "h-t14 h-b" }, head), el("div", { class: "h-t13 h-2" }, one.advice)), el("span", { class: "h-row m-do" }, show, fix));
     }
     async fix(one, button) {
       attr(button, "disabled", true);

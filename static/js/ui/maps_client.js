@@ -325,12 +325,17 @@
       }
     }
 
-    async restore(version) {
-      const seen = this.draft?.undo_id ?? null;
-      const answer = await HL.port.api("POST", `/map/versions/${version}/restore`, {}, OPERATION_MS);
-      if (isUnknown(answer)) return this.lost((draft) => draft.undo_id !== seen);
-      if (answer.ok) this.take(answer.data);
-      return answer;
+    // may begin a draft: changes that wait since the last one was taken from us do not hold it up
+    restore(version) {
+      return this.serial(async () => {
+        const why = this.unsure || this.isEditing ? await this.unready() : null;
+        if (why) return why;
+        const seen = this.draft?.undo_id ?? null;
+        const answer = await HL.port.api("POST", `/map/versions/${version}/restore`, {}, OPERATION_MS);
+        if (isUnknown(answer)) return this.lost((draft) => draft.undo_id !== seen);
+        if (answer.ok) this.take(answer.data);
+        return answer;
+      });
     }
   }
 

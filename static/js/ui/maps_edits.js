@@ -4,12 +4,14 @@
   const M = HL.maps;
   const PREVIEW_MS = 15000;
   const ROAD_M = 4; // as a drawn road, until somebody says otherwise
+  const COPY = " copy";
   const COPY_M = 8; // a copy lies beside its original, not on it
 
   // needs of the screen: client, editor, chosen, tool, changed(), commit(label, changes), operate(op, ids, args, what), open(isTaking)
   class MapEdits extends HL.LiveElement {
     take(name) {
       this.reshape.close();
+      this.hideGone();
       if (this.tool === "merge" && name !== "merge") this.several(false);
       this.measured = "";
       if (name === "merge" && this.mergeable().length >= 2) return void this.merge();
@@ -18,6 +20,17 @@
       this.editor?.setTool(name === "merge" ? "select" : this.pen);
       if (name === "merge") this.several(true);
       this.changed();
+    }
+
+    // a drawing that is enough to be kept is not thrown away by going on to something else
+    leaving(go) {
+      if (!this.editor?.canFinish || this.tool === "measure") return void go();
+      const finish = (close) => {
+        close();
+        this.editor?.finish();
+        go();
+      };
+      HL.sheet({ title: "The drawing is not done", hook: "unfinished", body: [HL.el("p", { class: "h-t16" }, "Keep it as it is, or throw it away?")], buttons: [["Throw it away", (close) => (close(), go())], ["Done", finish, true]] });
     }
 
     // another of the things a tool can draw
@@ -80,7 +93,7 @@
       if (tool !== "hole" && tool !== "split") return; // a new feature: it came as a change
       const [op, args] = tool === "hole" ? ["add_hole", { ring: coordinates }] : ["split", { line: coordinates }];
       const answer = await this.operate(op, [target].flat(), args, tool === "hole" ? "Hole" : "Split");
-      if (answer.ok) this.select((answer.changes ?? []).filter((one) => one.after).map((one) => one.id).slice(0, 1));
+      if (answer.ok && this.tool === "select") this.select((answer.changes ?? []).filter((one) => one.after).map((one) => one.id).slice(0, 1)); // or the next is begun already
     }
 
     // places: a closed ring of an area, or the points of a road or guide line; false when there is no draft to take it
@@ -108,7 +121,7 @@
       const before = this.client.features.get(this.chosen[0]);
       if (!before) return;
       const id = M.newId(M.kindOf(before));
-      const after = M.moved({ ...before, id, properties: { ...before.properties, id, name: `${M.nameOf(before)} copy` } }, COPY_M, -COPY_M);
+      const after = M.moved({ ...before, id, properties: { ...before.properties, id, name: `${M.nameOf(before).slice(0, M.NAME_CHARS - COPY.length)}${COPY}` } }, COPY_M, -COPY_M);
       this.commit(`${M.nameOf(before)} copied`, [{ id, before: null, after }]);
       this.select([id]);
     }
@@ -124,6 +137,22 @@
       HL.toast(`${name} deleted. Undo brings it back.`, "delete");
     }
 
+    // of a comparison; what was removed is shown where it was
+    showDifference({ id }) {
+      const gone = this.client.features.has(id) ? null : this.client.base.get(id);
+      if (!gone) return this.show([id]);
+      this.select([]);
+      this.isGoneShown = true;
+      this.editor?.setTrial([gone]);
+      this.editor?.fit([gone]);
+      return HL.toast(`${M.nameOf(gone)} was here. It is not in this draft.`, "delete");
+    }
+
+    hideGone() {
+      if (this.isGoneShown) this.editor?.setTrial([]);
+      this.isGoneShown = false;
+    }
+
     select(ids) {
       this.chosen = ids;
       this.point = null;
@@ -135,6 +164,7 @@
     // a shape taken off its lock is locked again when another is chosen
     lockAgain() {
       this.reshape.close();
+      this.hideGone();
       if (!this.isUnlocked) return;
       this.isUnlocked = false;
       this.editor?.unlockBody(false);

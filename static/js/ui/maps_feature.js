@@ -13,6 +13,9 @@
     return { node, set: (value, words, note = "") => { attr(node, "hidden", value === null); attr(node, "data-value", value); text(figure, words?.text ?? ""); text(unit, words?.unit || note); } };
   };
 
+  // as the planner takes them: what says it is, or lines that say nothing
+  const isRecorded = ({ properties, geometry }) => (properties.type ? properties.type === "recorded" : geometry.type === "MultiLineString" && geometry.coordinates.length > 1);
+
   // act: {commit(label, changes), select(ids), fit(ids), copy, remove, nudge, removeVertex, setVertex, unlockBody, several, merge, start(tool), pick, reshape(id), history(id)}
   class FeaturePanel {
     constructor(act) {
@@ -47,10 +50,10 @@
 
     build(feature, canEdit) {
       const id = feature.id ?? feature.properties.id;
-      this.name = el("input", { class: "m-name h-ell", "data-testid": "feature-name", "aria-label": "Name", maxlength: "80", autocomplete: "off", readonly: !canEdit, onchange: () => this.rename(), onkeydown: (event) => event.key === "Enter" && this.name.blur() });
+      this.name = el("input", { class: "m-name h-ell", "data-testid": "feature-name", "aria-label": "Name", maxlength: M.NAME_CHARS, autocomplete: "off", readonly: !canEdit, onchange: () => this.rename(), onkeydown: (event) => event.key === "Enter" && this.name.blur() });
       this.line = el("div", { class: "h-t13 h-2" });
       this.stats = { area: stat("Area", "editor-area"), edge: stat(feature.geometry.type === "Polygon" ? "Edge" : "Length", "editor-edge"), rows: stat("Rows", "editor-rows") };
-      const field = (one) => M.input(one, (value) => this.set(one, value));
+      const field = (one) => M.input(one, (value) => this.set(one, value), this.features);
       const kindField = { key: "kind", label: "Kind", type: "choice", options: M.kindsFor(feature).map((kind) => [kind, M.label(kind)]) };
       this.inputs = new Map();
       const make = (one) => {
@@ -87,7 +90,9 @@
     }
 
     setCorner() {
-      const [lat, lon] = [this.lat, this.lon].map((one) => Number(one.control.value.replace(",", ".")));
+      const typed = [this.lat, this.lon].map((one) => one.control.value.trim());
+      if (typed.includes("")) return void [this.lat, this.lon].forEach((one) => one.back());
+      const [lat, lon] = typed.map((one) => Number(one.replace(",", ".")));
       if (Number.isFinite(lat) && Number.isFinite(lon)) this.act.setVertex([lon, lat]);
     }
 
@@ -110,7 +115,8 @@
     }
 
     rows(feature) {
-      const drawn = [...this.features.values()].filter((one) => M.kindOf(one) === "rows" && one.properties.parcel_id === this.one);
+      // rows as they stand; an A-B or guide line is the direction of many
+      const drawn = [...this.features.values()].filter((one) => M.kindOf(one) === "rows" && one.properties.parcel_id === this.one && isRecorded(one));
       if (drawn.length) return { n: drawn.reduce((sum, one) => sum + (one.geometry.type === "MultiLineString" ? one.geometry.coordinates.length : 1), 0) };
       const fit = M.rowsThatFit(feature);
       return fit === null ? null : { n: fit, isGuess: true };
@@ -127,8 +133,14 @@
       const before = this.features.get(this.one);
       if (!before) return;
       const kept = field.key === "row_bearing_deg" && value !== null ? ((value % 360) + 360) % 360 : value;
-      const label = field.key === "kind" ? `Kind ${M.label(M.kindOf(before)).toLowerCase()} to ${M.label(kept).toLowerCase()}` : M.changeLabel(field, before.properties[field.key], kept);
-      this.act.commit(label, [{ id: this.one, before, after: M.withValue(before, field.key, kept) }]);
+      const isKind = field.key === "kind";
+      const label = isKind ? `Kind ${M.label(M.kindOf(before)).toLowerCase()} to ${M.label(kept).toLowerCase()}` : field.key === "parcel_id" ? this.fieldLabel(kept) : M.changeLabel(field, before.properties[field.key], kept);
+      this.act.commit(label, [{ id: this.one, before, after: isKind ? M.withKind(before, kept) : M.withValue(before, field.key, kept) }]);
+    }
+
+    fieldLabel(id) {
+      const parcel = this.features.get(id);
+      return parcel ? `Field set to ${M.nameOf(parcel)}` : "Field removed";
     }
 
     buildSeveral(found, canEdit) {
@@ -157,7 +169,7 @@
     fillFarm(revision) {
       if (this.drawn === revision) return;
       this.drawn = revision;
-      const parcels = [...this.features.values()].filter((one) => M.kindOf(one) === "parcel").sort((a, b) => M.nameOf(a).localeCompare(M.nameOf(b)));
+      const parcels = [...this.features.values()].filter((one) => M.kindOf(one) === "parcel").sort((a, b) => M.byName(M.nameOf(a), M.nameOf(b)));
       text(this.farmLine, parcels.length ? `${M.count(parcels.length, "parcel")}, ${M.words(M.area(parcels.reduce((sum, one) => sum + (M.areaM2(one) ?? 0), 0)))}` : "No parcels yet");
       this.farmList.replaceChildren(...parcels.map((one) => this.row(one)));
     }

@@ -7,15 +7,15 @@
     parcel: [["parcel", "Parcel", "Tap the corners of the field."]],
     hole: [["hole", "Hole", "Tap the corners of what is left out, inside a parcel."]],
     obstacle: [["obstacle", "Outline", "Tap the corners of the obstacle."], ["circle", "Round", "Tap its middle, then drag or type how far it reaches."], ["no-go", "Keep-out zone", "Tap the corners. No robot drives in there."], ["slow", "Slow zone", "Tap the corners. Set the speed in the panel."], ["building", "Building", "Tap its corners."], ["water", "Pond", "Tap along its edge."]],
-    road: [["road", "Road", "Tap along the middle of the road."], ["yard", "Yard", "Tap the corners of the yard."], ["hedge", "Hedge", "Tap along the middle of the hedge."]],
+    road: [["road", "Road", "Tap along the middle of the road, then Done."], ["yard", "Yard", "Tap the corners of the yard."], ["hedge", "Hedge", "Tap along the middle of the hedge, then Done."]],
     home: [["home", "Home", "Tap where a robot stands at home."], ["garage", "Garage", "Tap where it stands inside."], ["charging", "Charging", "Tap where it charges."], ["gate", "Gate", "Tap the middle of the gate."]],
-    rows: [["rows", "A to B", "Tap where the first row begins and ends."], ["curve", "Curve", "Tap along the guide line. Tap the last point twice."], ["recorded", "Recorded row", "Tap along a crop row. Tap the last point twice."]],
-    split: [["split", "Split", "Tap a line across the parcel."]],
+    rows: [["rows", "A to B", "Tap where the first row begins and ends."], ["curve", "Curve", "Tap along the guide line, then Done."], ["recorded", "Recorded row", "Tap along a crop row, then Done."]],
+    split: [["split", "Split", "Tap a line across the parcel, then Done."]],
     measure: [["measure", "Measure", "Tap points to measure between them."]],
   };
   const MERGE = "Tap the parcels to merge, then Merge.";
 
-  // act: {undoPoint, merge, tool, pen(name), radius(metres) -> was it taken}
+  // act: {undoPoint, finish, merge, tool, pen(name), radius(metres) -> was it taken}
   class Hint {
     constructor(act) {
       this.act = act;
@@ -25,11 +25,13 @@
       this.round = el("span", { class: "h-row m-radius" }, this.radius, "m", el("button", { type: "button", class: "h-btn", "data-testid": "editor-radius-set", onclick: () => this.setRadius() }, "Set radius"));
       this.point = el("button", { type: "button", class: "h-btn", "data-testid": "editor-undo-point", onclick: () => act.undoPoint() }, icon("backspace", "m"), "Last point");
       this.merge = el("button", { type: "button", class: "h-btn pri", "data-testid": "editor-merge", onclick: () => act.merge() }, icon("merge", "m"), "Merge");
-      this.done = el("button", { type: "button", class: "h-btn", onclick: () => act.tool("select") }, "Leave");
-      this.node = el("div", { class: "h-card m-hint", hidden: true, "data-testid": "editor-hint" }, this.kinds, this.words, this.round, this.point, this.merge, this.done);
+      this.done = el("button", { type: "button", class: "h-btn pri", "data-testid": "editor-finish", onclick: () => act.finish() }, icon("check", "m"), "Done");
+      this.leave = el("button", { type: "button", class: "h-btn", "data-testid": "editor-leave", onclick: () => act.tool("select") }, "Leave");
+      this.node = el("div", { class: "h-card m-hint", hidden: true, "data-testid": "editor-hint" }, this.kinds, this.words, this.round, this.point, this.merge, this.done, this.leave);
     }
 
-    paint(tool, pen, measured, chosen) {
+    // canFinish: what is drawn is enough to be done
+    paint(tool, pen, measured, chosen, canFinish) {
       attr(this.node, "hidden", tool === "select");
       const variants = VARIANTS[tool] ?? [];
       if (this.tool !== tool) this.build(tool, variants);
@@ -41,6 +43,7 @@
       attr(this.point, "hidden", tool === "merge" || tool === "home" || pen === "circle");
       attr(this.merge, "hidden", tool !== "merge");
       attr(this.merge, "disabled", chosen < 2);
+      attr(this.done, "hidden", !canFinish);
     }
 
     build(tool, variants) {

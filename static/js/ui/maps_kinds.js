@@ -23,6 +23,12 @@
   const CROPS = ["Sugar beet", "Maize", "Winter wheat", "Potatoes", "Onions", "Carrots", "Spinach", "Rapeseed", "Soy", "Grass"];
   const WIDTH = number("width_m", "Width", "m", 0.1, 200, 1);
   const RADIUS = number("radius_m", "Radius", "m", 0.05, 1000, 2);
+  const NAME_CHARS = 80;
+  const ASSUMED_RADIUS_M = 1; // as of an imported point
+  const byName = (a, b) => a.localeCompare(b, undefined, { numeric: true });
+  const named = (pairs) => pairs.toSorted(([, a], [, b]) => byName(a, b));
+  const robots = () => named(Object.entries(HL.port.fleet()).map(([id, robot]) => [id, robot.name]));
+  const fieldsBy = (features) => named([...features].filter(([, one]) => kindOf(one) === "parcel").map(([id, one]) => [id, nameOf(one)]));
   const FIELDS = {
     parcel: [
       text("crop", "Crop", CROPS), text("status", "Status", ["BBCH 10", "BBCH 12", "BBCH 14", "BBCH 16"]), { key: "seeded", label: "Seeding date", type: "date" },
@@ -32,13 +38,13 @@
     road: { LineString: [WIDTH] },
     building: [text("category", "Use", ["Barn", "House", "Hall", "Silo"])],
     home: [
-      choice("type", "Type", [["home", "Home"], ["garage", "Garage"], ["charging", "Charging"]]), choice("robot", "Robot", () => [["", "Any robot"], ...Object.entries(HL.port.fleet()).map(([id, robot]) => [id, robot.name])]),
+      choice("type", "Type", [["home", "Home"], ["garage", "Garage"], ["charging", "Charging"]]), choice("robot", "Robot", () => [["", "Any robot"], ...robots()]),
       { ...number("heading_deg", "Heading", "° from north", -360, 360, 1), isCompass: true },
     ],
     gate: [WIDTH],
     treatment: [number("dose", "Dose, 0 is off", "× usual", 0, 2, 2)],
     slow: [number("speed_mps", "Speed limit", "m/s", 0.01, 10, 2)],
-    rows: [choice("type", "Type", [["a-b", "Straight, A to B"], ["curve", "Curve"], ["recorded", "Recorded"]])],
+    rows: [choice("type", "Type", [["a-b", "Straight, A to B"], ["curve", "Curve"], ["recorded", "Recorded"]]), { ...choice("parcel_id", "Field", (features) => [["", "No field"], ...fieldsBy(features)]), gone: "A field not on this map" }],
     tree: { LineString: [WIDTH], Point: [RADIUS] },
     hedge: { LineString: [WIDTH] },
     water: { LineString: [WIDTH] },
@@ -96,7 +102,17 @@
     return { ...feature, properties };
   }
 
+  // a feature of another kind, with what that needs and without a type that it does not have
+  function withKind(feature, kind) {
+    const after = withProperty(feature, "kind", kind);
+    const typeOf = (one) => fieldsOf(one).find((field) => field.key === "type" && field.type === "choice");
+    const { type, radius_m: radius } = feature.properties;
+    const isOff = type !== undefined && (typeOf(feature) || typeOf(after)) && !typeOf(after)?.options.some(([value]) => value === type);
+    const fit = isOff ? withProperty(after, "type", null) : after;
+    return kind === "obstacle" && feature.geometry.type === "Point" && !(radius > 0) ? withProperty(fit, "radius_m", ASSUMED_RADIUS_M) : fit;
+  }
+
   const newId = (kind) => `${kind}-${window.headland.uuid().slice(0, 12)}`;
 
-  HL.maps = { KINDS, LAYERS, kindOf, label, nameOf, fieldsOf, moreOf, kindsFor, shown, told, stored, bounds, changeLabel, withProperty, newId };
+  HL.maps = { KINDS, LAYERS, kindOf, label, nameOf, fieldsOf, moreOf, kindsFor, shown, told, stored, bounds, changeLabel, withProperty, withKind, newId, robots, byName, NAME_CHARS };
 })();

@@ -74,7 +74,7 @@
     actions() {
       const { client } = this;
       return {
-        tool: (name) => this.take(name),
+        tool: (name) => this.leaving(() => this.take(name)),
         undo: () => this.step("undo"),
         redo: () => this.step("redo"),
         snap: (isOn) => this.editor?.setSnap(isOn),
@@ -84,6 +84,7 @@
         baseMaps: () => this.baseMaps(),
         versions: () => M.showVersions(client.published.version, { mayEdit: this.may.edit && !this.lockReason(), reason: this.lockReason() || this.dataset.noEdit, restore: (version) => this.restore(version) }),
         undoPoint: () => this.editor?.undoPoint(),
+        finish: () => this.editor?.finish(),
         merge: () => this.merge(),
         commit: (label, changes) => this.commit(label, changes),
         select: (ids) => this.select(ids),
@@ -96,11 +97,11 @@
         unlockBody: (isOn) => this.unlock(isOn),
         reshape: (id) => this.reshape.open(id, client.features.get(id)),
         history: (id) => this.history(id),
-        pen: (name) => this.draw(name),
+        pen: (name) => this.leaving(() => this.draw(name)),
         radius: (metres) => this.editor?.setRadius(metres) ?? false,
         several: (isOn) => this.several(isOn),
         publish: () => M.askPublish(client, { done: (version) => (HL.toast(`v${version} is published`, "check"), this.check()), checked: (found) => this.found(found) }),
-        compare: () => M.showDifferences(client.baseVersion, { show: (one) => this.show([one.id]) }),
+        compare: () => M.showDifferences(client.baseVersion, { show: (one) => this.showDifference(one) }),
         discard: () => M.askDiscard(client, () => HL.toast("Draft discarded", "check")),
         edit: () => this.open(false),
         take: () => this.open(true),
@@ -339,7 +340,7 @@
     }
 
     paintHint() {
-      this.hint.paint(this.tool, this.pen, this.measured, this.tool === "merge" ? this.mergeable().length : 0);
+      this.hint.paint(this.tool, this.pen, this.measured, this.tool === "merge" ? this.mergeable().length : 0, Boolean(this.editor?.canFinish));
     }
 
     key(event) {

@@ -72,7 +72,7 @@
     }
 
     open() {
-      const robots = Object.entries(HL.port.fleet()).filter(([, one]) => one.is_online && one.has_place).sort(([, a], [, b]) => (a.family === "uav") - (b.family === "uav")); // an edge is walked, seldom flown
+      const robots = Object.entries(HL.port.fleet()).filter(([, one]) => one.is_online && one.has_place).sort(([, a], [, b]) => (a.family === "uav") - (b.family === "uav") || M.byName(a.name, b.name)); // an edge is walked, seldom flown
       this.names = new Map([...robots.map(([id, one]) => [id, one.name]), [M.TABLET, TABLET_NAME]]);
       if (this.isGoing) this.names.set(R.robot, R.name);
       this.robot.replaceChildren(...[...this.names].map(([id, name]) => el("option", { value: id }, name)));

@@ -237,6 +237,57 @@ def test_external_files_of_task_data_are_read_and_missing_ones_named() -> None:
     assert "PFD00002.XML" in {skipped.which for skipped in imported.skipped}
 
 
+PLN = (
+    '<PLN A="1"><LSG A="1"><PNT A="2" C="51.98" D="5.66"/><PNT A="2" C="51.98" D="5.67"/>'
+    '<PNT A="2" C="51.99" D="5.67"/></LSG></PLN>'
+)
+
+
+def task(inside: str) -> bytes:
+    return f'<ISO11783_TaskData VersionMajor="4">{inside}</ISO11783_TaskData>'.encode()
+
+
+def test_of_several_task_data_the_others_are_named() -> None:
+    fields = {year: task(f'<PFD A="PFD1" C="Field {year}">{PLN}</PFD>') for year in (2025, 2026)}
+    imported = read("t.zip", samples.packed({f"{year}/TASKDATA.XML": data for year, data in fields.items()}))
+    assert [item.name for item in imported.items] == ["Field 2025"]
+    assert [(skipped.which, skipped.mend) for skipped in imported.skipped] == [
+        ("2026/TASKDATA.XML", "Pack its folder into a zip of its own.")
+    ]
+
+
+@pytest.mark.parametrize("broken", [b"<XFC><PFD", b"<html/>"])
+def test_a_broken_external_file_is_named_and_the_good_ones_are_taken(broken: bytes) -> None:
+    external = f'<XFC><PFD A="PFD2" C="Far">{PLN}</PFD></XFC>'.encode()
+    near = f'<XFR A="PFD00000" B="1"/><XFR A="PFD00001" B="1"/><PFD A="PFD1" C="Near">{PLN}</PFD>'
+    files = {"TASKDATA.XML": task(near), "PFD00000.XML": broken, "PFD00001.XML": external}
+    imported = read("t.zip", samples.packed(files))
+    assert [item.name for item in imported.items] == ["Near", "Far"]
+    assert [skipped.which for skipped in imported.skipped] == ["PFD00000.XML"]
+
+
+def test_patterns_without_names_are_one_shape_only_where_they_are_of_one_type() -> None:
+    straight = '<PNT A="6" C="51.98" D="5.66"/><PNT A="7" C="51.99" D="5.66"/>'
+    bent = '<PNT A="6" C="51.98" D="5.66"/><PNT A="9" C="51.98" D="5.67"/><PNT A="7" C="51.99" D="5.66"/>'
+    lines = [("1", straight), ("3", bent), ("1", straight)]
+    patterns = "".join(f'<GPN A="GPN{n}" C="{c}"><LSG A="5">{line}</LSG></GPN>' for n, (c, line) in enumerate(lines))
+    imported = read("TASKDATA.XML", task(f'<PFD A="PFD1" C="F"><GGP A="GGP1" B="Lines">{patterns}</GGP></PFD>'))
+    assert [(item.properties["type"], item.geometry["type"]) for item in imported.items] == [
+        ("a-b", "MultiLineString"), ("curve", "LineString"),
+    ]  # fmt: skip
+
+
+def test_corners_in_a_binary_file_are_said_to_be_there() -> None:
+    binary = '<PLN A="1"><LSG A="1"><PNT A="2" I="PNT00001" J="40"/></LSG></PLN>'
+    xml = task(f'<PFD A="PFD1" C="F">{PLN}{binary}</PFD>')
+    imported = read("t.zip", samples.packed({"TASKDATA.XML": xml, "PNT00001.bin": bytes(40)}))
+    assert len(imported.items) == 1
+    (skipped,) = imported.skipped
+    assert skipped.which == "field 1 (F): area 2"
+    assert skipped.why == "Its corners are in a binary file (PNT00001.bin), which is not read."
+    assert skipped.mend == "Export the task data with the corners as XML."
+
+
 def test_one_map_in_an_ordinary_zip_is_read() -> None:
     assert read("a.zip", samples.packed({"x/walk.gpx": samples.file("walk.gpx")})).format == "gpx"
 

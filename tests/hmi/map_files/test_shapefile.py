@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from pyproj import Transformer
 
 from hmi.map_files.errors import BadMapFile
 from hmi.map_files.reader import read_map
@@ -17,6 +18,35 @@ def test_a_layer_is_moved_from_the_system_of_its_prj_file() -> None:
     assert (item.name, item.kind, item.properties) == ("A", "parcel", {"crop": "ui"})
     assert item.geometry["coordinates"][0][0] == pytest.approx([9.0, 52.35], abs=1e-3)
     assert imported.crs == "ETRS89 / UTM zone 32N (EPSG:25832)"
+
+
+BESSEL = (
+    'PROJCS["Gauss_3",GEOGCS["GCS_Bessel_1841",DATUM["D_Bessel_1841",SPHEROID["Bessel_1841",6377397.155,299.1528128]],'
+    'PRIMEM["Greenwich",0.0],UNIT["Degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],'
+    'PARAMETER["False_Easting",500000.0],PARAMETER["False_Northing",0.0],PARAMETER["Central_Meridian",9.0],'
+    'PARAMETER["Scale_Factor",1.0],PARAMETER["Latitude_Of_Origin",0.0],UNIT["Meter",1.0]]'
+)
+
+
+def test_a_system_of_which_nobody_knows_how_it_lies_on_the_earth_is_said() -> None:
+    files = layer("felder", [UTM_SQUARE], [{"name": "A"}]) | {"felder.prj": BESSEL.encode()}
+    (item,) = read_map(packed(files), "felder.zip").items
+    assert item.problems == (
+        "How Gauss_3 lies on the earth is not known: positions may be off by 200 m. Check them on the field.",
+    )
+
+
+def test_a_system_that_is_used_where_it_does_not_hold_is_said() -> None:
+    east, north = Transformer.from_crs(4326, 27700, always_xy=True).transform(5.66, 51.97)
+    ring = [[east, north], [east, north + 200], [east + 300, north + 200], [east + 300, north], [east, north]]
+    (item,) = read_map(packed(layer("fields", [[ring]], [{"name": "A"}], 27700)), "fields.zip").items
+    assert "may be off by 200 m" in item.problems[0]
+
+
+def test_parameters_that_the_file_brings_along_are_believed() -> None:
+    wkt = BESSEL.replace(",299.1528128]]", ",299.1528128],TOWGS84[598.1,73.7,418.2,0.202,0.045,-2.455,6.7]]")
+    files = layer("felder", [UTM_SQUARE], [{"name": "A"}]) | {"felder.prj": wkt.encode()}
+    assert read_map(packed(files), "felder.zip").items[0].problems == ()
 
 
 def test_several_layers_each_have_their_own_system_and_kind() -> None:

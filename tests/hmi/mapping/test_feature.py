@@ -232,8 +232,8 @@ def test_a_bad_name_is_refused(name: Any) -> None:
     assert refusal(raw("one", "parcel", POLYGON, name=name)).code == "bad_name"
 
 
-def test_a_feature_without_a_name_is_called_by_kind_and_id() -> None:
-    assert parse_feature(raw("one", "no-go", POLYGON, name="")).title == "keep-out zone one"
+def test_a_feature_without_a_name_is_called_unnamed() -> None:
+    assert parse_feature(raw("one", "no-go", POLYGON, name="")).title == "Unnamed keep-out zone"
 
 
 @pytest.mark.parametrize("kind", ["field", "", None, 7, ["parcel"]])

@@ -38,6 +38,13 @@ def test_the_longest_id_still_makes_room_for_a_letter() -> None:
     assert set(after) == {"x" * 64, "x" * 62 + "-b"}
 
 
+@pytest.mark.parametrize("letters", [78, 79, 80])
+def test_the_longest_name_still_makes_room_for_a_letter(letters: int) -> None:
+    long = area("long", box(0, 0, 100, 60), name="n" * letters)
+    after = do("split", draft(long), ["long"], line=degrees([(70, -5), (70, 65)]))
+    assert (after["long"].name, after["long-b"].name) == ("n" * letters, "n" * 78 + " b")
+
+
 def test_a_split_line_that_ends_on_the_edge_cuts_through() -> None:
     assert len(do("split", FARM, ["nordfeld-12"], line=degrees([(70, 0), (70, 60)]))) == len(FARM) + 1
 

@@ -30,7 +30,7 @@ export class MapEditor {
   choose(position) { this.vertex = { position }; this.options.onPoint(position); }
   setTool(name) { this.host.dataset.tool = name; }
   select(ids) { this.selected = ids; this.host.dataset.selected = ids.join(' '); }
-  fit(ids) { this.host.dataset.fit = (ids ?? []).join(' '); }
+  fit(all) { this.host.dataset.fit = (all ?? []).map((one) => one.id ?? one).join(' '); }
   setFindings(all) { this.host.dataset.findings = all.length; }
   setSnap(isOn) { this.calls.push(['snap', isOn]); }
   setSeveral(isOn) { this.calls.push(['several', isOn]); }
@@ -41,6 +41,7 @@ export class MapEditor {
   setTrial(all) { this.host.dataset.trial = all.length; }
   setTurning(degrees) { this.calls.push(['turning', degrees]); }
   setRadius(metres) { this.calls.push(['radius', metres]); return true; }
+  finish() { this.calls.push(['finish']); this.canFinish = false; }
   undoPoint() { this.calls.push(['undoPoint']); }
   destroy() { this.host.replaceChildren(); }
 }

@@ -85,7 +85,7 @@ def test_what_is_drawn_is_saved_copied_and_deleted(show: Show, theatre: Theatre)
 def test_a_hole_and_a_cut_are_made_by_the_server(show: Show, theatre: Theatre) -> None:
     page = editing(show())
     page.get_by_test_id("editor-tool-split").click()
-    expect(page.get_by_test_id("editor-hint")).to_contain_text("Tap a line across the parcel.")
+    expect(page.get_by_test_id("editor-hint")).to_contain_text("Tap a line across the parcel, then Done.")
     line = [[11.57, 48.137], [11.58, 48.138]]
     page.evaluate("(coordinates) => surface.options.onDrawn({tool: 'split', coordinates, target: 'hangacker'})", line)
     saved(page, theatre, "Hangacker 5 split")
@@ -242,3 +242,122 @@ def test_history_tells_what_changed_and_takes_the_day_a_value_holds_from(show: S
     set_field(page, "feature-crop", "Leek")
     heard = saved(page, theatre, "Crop valid from 2026-04-01", "Crop Sugar beet to Leek")
     assert "valid_from" not in heard["draft"]["nordfeld"]["properties"], "a day of the old crop"
+
+
+def test_a_drawing_is_done_by_a_button_and_not_thrown_away_unasked(show: Show) -> None:
+    page = editing(show())
+    page.get_by_test_id("editor-tool-road").click()
+    done, leave = page.get_by_test_id("editor-finish"), page.get_by_test_id("editor-leave")
+    expect(page.get_by_test_id("editor-hint")).to_contain_text("then Done")
+    expect(done).to_be_hidden()
+    page.evaluate("surface.canFinish = true; surface.options.onMeasure('20 m')")
+    leave.click()
+    page.get_by_test_id("unfinished").get_by_role("button", name="Done").click()
+    assert page.evaluate("surface.calls.at(-1)") == ["finish"]
+    expect(page.get_by_test_id("editor-tool-select")).to_have_attribute("aria-pressed", "true")
+    page.get_by_test_id("editor-tool-road").click()
+    page.evaluate("surface.canFinish = true; surface.options.onMeasure('20 m'); surface.calls.length = 0")
+    page.get_by_test_id("editor-tool-parcel").click()
+    page.get_by_test_id("unfinished").get_by_role("button", name="Throw it away").click()
+    expect(page.get_by_test_id("map-editor")).to_have_attribute("data-tool", "parcel")
+    assert page.evaluate("surface.calls") == []
+    page.evaluate("surface.canFinish = true; surface.options.onMeasure('20 m')")
+    done.click()
+    assert page.evaluate("surface.calls") == [["finish"]]
+
+
+def test_a_drawing_begun_meanwhile_is_not_left_by_the_answer_to_a_cut(show: Show, theatre: Theatre) -> None:
+    page = editing(show())
+    page.get_by_test_id("editor-tool-split").click()
+    theatre.play_map(slow_s=1.5)
+    line = [[11.57, 48.137], [11.58, 48.138]]
+    page.evaluate(
+        "(coordinates) => { surface.options.onDrawn({tool: 'split', coordinates, target: 'hangacker'}); }", line
+    )
+    page.get_by_test_id("editor-tool-parcel").click()
+    page.evaluate("() => { surface.select = (ids) => surface.calls.push(['select', ids]); }")
+    expect(page.get_by_test_id("map-editor")).to_have_attribute("data-features", "9")
+    page.wait_for_timeout(200)
+    assert page.evaluate("surface.calls.filter(([name]) => name === 'select')") == []
+
+
+def test_an_emptied_coordinate_moves_nothing(show: Show) -> None:
+    page = editing(show())
+    choose(page, "nordfeld")
+    page.evaluate("surface.choose([11.5754, 48.1374])")
+    set_field(page, "corner-lat", "")
+    expect(page.get_by_test_id("corner-lat")).to_have_value("48.1374")
+    assert page.evaluate("surface.calls.filter(([name]) => name === 'vertex')") == []
+
+
+def test_a_field_with_the_longest_name_is_copied(show: Show, theatre: Theatre) -> None:
+    page = editing(show(rename={"hangacker": "H" * 80}))
+    choose(page, "hangacker")
+    page.get_by_test_id("feature-copy").click()
+    expect(page.get_by_test_id("feature-name")).to_have_value("H" * 75 + " copy")
+
+
+def test_rows_are_given_to_a_field_and_only_recorded_ones_are_counted(show: Show, theatre: Theatre) -> None:
+    page = editing(show())
+    page.evaluate(
+        """() => {
+          const geometry = {type: 'LineString', coordinates: [[11.5754, 48.1374], [11.5756, 48.1376]]};
+          const properties = {id: 'ab', kind: 'rows', name: 'A-B', type: 'a-b'};
+          const after = {type: 'Feature', id: 'ab', properties, geometry};
+          surface.draw('Row line drawn', [{id: 'ab', before: null, after}]);
+          surface.tap('ab');
+        }"""
+    )
+    field = page.get_by_test_id("feature-parcel-id")
+    assert field.locator("option").all_inner_texts() == ["No field", "Hangacker 5", "Nordfeld 12", "Westschlag 3"]
+    field.select_option("nordfeld")
+    heard = saved(page, theatre, "Row line drawn", "Field set to Nordfeld 12")
+    assert heard["draft"]["ab"]["properties"]["parcel_id"] == "nordfeld"
+    choose(page, "nordfeld")
+    expect(page.get_by_test_id("editor-rows")).to_contain_text("fit")
+    choose(page, "ab")
+    page.get_by_test_id("feature-type").select_option("recorded")
+    choose(page, "nordfeld")
+    expect(page.get_by_test_id("editor-rows")).to_have_attribute("data-value", "1")
+
+
+def test_what_a_draft_removed_is_shown_where_it_was(show: Show) -> None:
+    page = editing(show())
+    choose(page, "hangacker")
+    page.get_by_test_id("feature-delete").click()
+    page.get_by_test_id("editor-compare").click()
+    page.get_by_test_id("difference-hangacker").click()
+    expect(page.get_by_test_id("map-editor")).to_have_attribute("data-trial", "1")
+    expect(page.get_by_test_id("map-editor")).to_have_attribute("data-fit", "hangacker")
+    choose(page, "nordfeld")
+    expect(page.get_by_test_id("map-editor")).to_have_attribute("data-trial", "0")
+
+
+def test_another_kind_brings_what_it_needs(show: Show, theatre: Theatre) -> None:
+    page = editing(show())
+    choose(page, "home")
+    page.get_by_test_id("feature-kind").evaluate("(node) => node.closest('details')?.setAttribute('open', '')")
+    page.get_by_test_id("feature-kind").select_option("obstacle")
+    heard = saved(page, theatre, "Kind home to obstacle")
+    properties = heard["draft"]["home"]["properties"]
+    assert properties["radius_m"] == 1
+    assert "type" not in properties
+
+
+def test_the_words_of_a_check_have_room_beside_its_buttons(show: Show) -> None:
+    page = editing(show(rename={"hangacker": "Hangacker crossed"}))
+    expect(page.get_by_test_id("editor-checks")).to_contain_text("1 blocks publishing")
+    page.evaluate(
+        """() => {
+          const maps = document.querySelector('hl-maps');
+          const [one] = maps.checks.findings;
+          maps.found({ ...maps.checks, findings: [{ ...one, fix: { ...one.fix, label: 'Cut back Nordfeld 12' } }] });
+        }"""
+    )
+    card = page.get_by_test_id("finding-crosses")
+    card.scroll_into_view_if_needed()
+    words, whole = card.locator("> .h-sp").bounding_box(), card.bounding_box()
+    assert words is not None
+    assert whole is not None
+    assert words["width"] > 0.55 * whole["width"]
+    assert card.evaluate("(node) => node.scrollWidth <= node.clientWidth")
