@@ -16,7 +16,7 @@ from hmi.api.errors import ApiError
 from hmi.api.orders import RobotId
 from hmi.commands.audit_line import audit_line
 from hmi.commands.ports import AuditSink
-from hmi.domain.camera import CameraSetting, ControlFailed
+from hmi.domain.camera import FIELD_ROBOT, CameraSetting, ControlFailed
 from hmi.domain.ids import ID_PATTERN
 from hmi.domain.role import Permission
 from hmi.security.authorization import Authorize, is_allowed
@@ -164,7 +164,7 @@ def _add_watching(router: APIRouter, parts: CameraRoutes) -> None:
 def _add_acting(router: APIRouter, parts: CameraRoutes) -> None:
     @router.post("/{robot_id}/{camera}/restart", status_code=202, summary="Open the source of a camera anew")
     async def restart(robot_id: RobotId, camera: CameraId, session: SignedIn) -> Response:
-        parts.authorize(session, Permission.RESTART_CAMERA, robot_id)
+        parts.authorize(session, Permission.RESTART_CAMERA, None if robot_id == FIELD_ROBOT else robot_id)
         answer = await _passed_on(parts, session, "POST", f"/cameras/{robot_id}/{camera}/restart")
         if answer.status_code == 202:
             _note(parts, session, robot_id, "restarted", f"opened camera {camera} anew")
@@ -213,4 +213,5 @@ async def _away_is_503(asked: Any) -> Any:
 
 
 def _note(parts: CameraRoutes, session: SessionInfo, robot_id: str, outcome: str, text: str) -> None:
-    parts.audit.append(audit_line(session, "camera", outcome, text, ref=robot_id, robot_id=robot_id))
+    known_as = None if robot_id == FIELD_ROBOT else robot_id
+    parts.audit.append(audit_line(session, "camera", outcome, text, ref=robot_id, robot_id=known_as))

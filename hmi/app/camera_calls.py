@@ -42,13 +42,13 @@ class CameraCalls:
     def __init__(self, ask: Ask, is_open: Callable[[], bool] = lambda: True) -> None:
         self._ask, self._is_open = ask, is_open
 
-    async def still(self, robot_id: str, camera: str, fresh_s: float | None) -> Still:
+    async def still(self, robot_id: str, camera: str, fresh_s: float | None, *, is_full: bool = False) -> Still:
         """Return the newest picture."""
         path = f"/cameras/{robot_id}/{camera}/still"
         if fresh_s is None:
             reply = _good(await self._ask("GET", path, None, STILL_S))
         else:
-            reply = await self._opened(f"{path}?fresh_s={fresh_s:g}")
+            reply = await self._opened(f"{path}?fresh_s={fresh_s:g}{'&full=true' if is_full else ''}")
         try:
             captured_s = float(reply.headers[CAPTURED]) / 1000.0
             return Still(reply.content, captured_s, is_dated=reply.headers.get(DATED) != "0")

@@ -22,7 +22,10 @@ class CameraRule:
 
     def __call__(self, own: list[Source]) -> list[Source]:
         """See ``hmi.app.camera_sources.SourceRule``."""
-        return [self._set(one) for one in own] + [self._field(one) for one in self._book.field_cameras()]
+        named = {(one.robot, one.camera.id) for one in own}
+        added = [one for one in self._book.robot_cameras() if (one.robot_id, one.camera) not in named]
+        cameras = [*own, *(Source(one.robot_id, bare_camera(one)) for one in added)]
+        return [self._set(one) for one in cameras] + [self._field(one) for one in self._book.field_cameras()]
 
     def _set(self, own: Source) -> Source:
         wanted = self._book.source_of(own.robot, own.camera.id)
@@ -35,7 +38,7 @@ class CameraRule:
         )  # fmt: skip
 
     def _field(self, one: StoredSource) -> Source:
-        camera = field_camera(one)
+        camera = bare_camera(one)
         if one.kind is SourceKind.UPLOAD:
             return Source(FIELD, camera, one.kind, period_s=one.period_s)
         wanted = self._book.source_of(FIELD, one.camera)
@@ -45,8 +48,8 @@ class CameraRule:
                       period_s=_period_s(one))  # fmt: skip
 
 
-def field_camera(one: StoredSource) -> CameraInfo:
-    """Return what is known of a camera that belongs to no robot."""
+def bare_camera(one: StoredSource) -> CameraInfo:
+    """Return what is known of a camera that no robot tells of."""
     wide, high = (one.width_px, one.height_px) if one.width_px else UNKNOWN_PX
     return CameraInfo(one.camera, one.label or one.camera, wide, high)
 

@@ -11,7 +11,7 @@ from hmi.api.metrics import ConsoleMetrics
 from hmi.app.alarms import AlarmRoom
 from hmi.app.base_maps import BaseMapDesk
 from hmi.app.camera_calls import camera_calls
-from hmi.app.camera_rule import CameraRule, field_camera
+from hmi.app.camera_rule import CameraRule, bare_camera
 from hmi.app.cameras import CameraDesk
 from hmi.app.chores import Chores
 from hmi.app.cloud import CloudRoom
@@ -172,7 +172,7 @@ class Console:
         self.queue.treatment = self.sensors.gate
         self.sensors.on_loaded.append(lambda work: self.cloud.watch_stations(work.board))
         self.cloud.watch_cameras(
-            lambda: [FieldCamera(field_camera(one), self.sensors.place_of(one.camera))
+            lambda: [FieldCamera(bare_camera(one), self.sensors.place_of(one.camera))
                      for one in self.pictures.sources.field_cameras()]
         )  # fmt: skip
         self.queue.forecast = self.forecast.latest

@@ -43,6 +43,8 @@ log = logging.getLogger(__name__)
 class PictureDesk:
     """Everything about kept pictures; one for a console.
 
+    ``place_of`` may be replaced: it says where a field camera stands, if anybody knows.
+
     Args:
         title_of: name of a stored mission.
         process: the camera process.
@@ -53,6 +55,7 @@ class PictureDesk:
         on_event: LaneEvent, title_of: Callable[[str], MissionTitle | None], process: CameraProcess | None = None,
     ) -> None:  # fmt: skip
         self._clock, self._fleet, self._records, self._title_of = clock, fleet, records, title_of
+        self.place_of: Callable[[str], Moment] = lambda _camera: Moment()
         process, farm_id = process or NoCameras(), settings.farm_id
         rules = Retention(
             int(settings.pictures_gb * GB), timedelta(days=settings.pictures_days), int(settings.pictures_free_gb * GB)
@@ -62,15 +65,15 @@ class PictureDesk:
         self.sources = CameraSourceBook(
             SourceParts(
                 records.camera_sources, records.database, Seal(settings.secret, "camera sources"), process, authorize,
-                records.audit, clock, self._robot_url, self.shelf.forget_frames, tuple(settings.camera_networks),
-                settings.demo,
+                records.audit, clock, self._robot_url, lambda robot_id: records.robots.get(robot_id) is not None,
+                self.shelf.forget_frames, tuple(settings.camera_networks), settings.demo,
             )
         )  # fmt: skip
         self.frames = FieldFrames(self.sources, self.shelf, process, records.database, clock, farm_id)
         self.book = PictureBook(
             PictureParts(
                 process, self.shelf, records.database, authorize, records.audit, clock, on_event, self.moment_of,
-                self.name_of, self.frames.newest, settings.picture_watermark,
+                lambda camera: self.place_of(camera), self.name_of, self.frames.newest, settings.picture_watermark,
             )
         )  # fmt: skip
         self.recorder = self._recorder(settings, process, on_event)
@@ -120,10 +123,9 @@ class PictureDesk:
     def cameras_of(self, robot_id: str) -> Sequence[str]:
         """Return the ids of a robot's cameras; the one that looks ahead comes first."""
         robot = self._fleet.robot(robot_id)
-        if robot is None or robot.factsheet is None:
-            return ()
-        ids = [one.id for one in robot.factsheet.cameras]
-        return sorted(ids, key=lambda one: one != FRONT)
+        ids = [] if robot is None or robot.factsheet is None else [one.id for one in robot.factsheet.cameras]
+        added = [one.camera for one in self.sources.robot_cameras() if one.robot_id == robot_id]
+        return sorted(dict.fromkeys([*ids, *added]), key=lambda one: one != FRONT)
 
     def moment_of(self, robot_id: str, at_s: float) -> Moment:
         """Return where a robot is and what it does."""

@@ -34,6 +34,7 @@ class SensorPictures:
     ) -> None:
         self._board, self._stations, self._desk, self._database, self._clock = board, stations, desk, database, clock
         self._taking: dict[str, asyncio.Task[None]] = {}
+        desk.place_of = self.place_of
         self.counts = dict.fromkeys(("taken", "not_accepted", "too_many", "too_often", "bad", "not_kept", "busy"), 0)
 
     def take(self, station_id: str, jpeg: bytes) -> None:
@@ -53,7 +54,7 @@ class SensorPictures:
     async def welcome(self, station: FieldStation, by: str) -> None:
         """Let an accepted station send its pictures; too many cameras are told in the log."""
         try:
-            await self._desk.sources.welcome(station.id, station.name, by, LEAST_S)
+            await self._desk.sources.welcome(station.id, station.name, by, max(LEAST_S, station.period_s))
         except SourceRefused as error:
             log.warning("pictures of %s are not taken: %s", station.id, error.text)
 
@@ -66,16 +67,26 @@ class SensorPictures:
         """Forget the camera of a station that was taken out."""
         await self._desk.sources.dismiss(station.id)
 
+    async def start(self) -> None:
+        """Expect pictures as often as accepted stations say; raises ``StoreError``."""
+        for known in self._board.accepted():
+            if known.station.kind is SensorKind.CAMERA:
+                await self._expect(known.station)
+
+    def place_of(self, camera: str) -> Moment:
+        """Return where a field camera stands, if it is a station of the farm."""
+        known = self._board.get(camera)
+        is_ours = known is not None and known.station.is_accepted
+        return Moment(known.station.lat_deg, known.station.lon_deg) if known is not None and is_ours else Moment()
+
     async def stop(self) -> None:
         """Finish what is being taken."""
         await asyncio.gather(*self._taking.values(), return_exceptions=True)
 
     async def _take(self, station_id: str, jpeg: bytes) -> None:
         try:
-            one = self._desk.frames.admit_station(station_id)
-            known = self._board.get(station_id)
-            place = Moment() if known is None else Moment(known.station.lat_deg, known.station.lon_deg)
-            await self._desk.frames.take(one, jpeg, None, place)
+            one = self._desk.frames.admit_station(station_id, LEAST_S)
+            await self._desk.frames.take(one, jpeg, None, self.place_of(station_id))
         except FrameRefused as error:
             self.counts["too_often" if error.code == "too_often" else "not_accepted"] += 1
             return
@@ -96,10 +107,15 @@ class SensorPictures:
             return
         made = replace(known.station, pictures_day=day, pictures=known.station.pictures_on(day) + 1)
         self._board.put(made)
+        await self._expect(made)
         try:
             await self._database.run(self._stations.note, [made])
         except StoreError as error:
             log.warning("the pictures of %s today are counted in memory only: %s", station_id, error)
+
+    async def _expect(self, station: FieldStation) -> None:
+        """A camera that was welcomed before its period counted is expected as often as its station says."""
+        await self._desk.sources.expect(station.id, max(LEAST_S, station.period_s), instead_of_s=LEAST_S)
 
     def _today(self) -> str:
         return self._clock.utc().date().isoformat()

@@ -91,6 +91,7 @@ class SensorWork:
         since = await asyncio.to_thread(measured_since, path, kept, now)
         self.board.load(stations, calibrations, limits, newest, since)
         self.book.load(calibrations)
+        await self.pictures.start()
         self.history.start()
         await self.link.start()
         self._tasks = [

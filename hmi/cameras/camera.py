@@ -20,6 +20,9 @@ BACKOFF_S = (0.5, 1.0, 2.0, 5.0, 10.0)
 STEADY_S = 10.0  # pictures for so long: the next failure begins with the shortest wait
 LINGER_S = 5.0  # a page that is loaded again finds the camera running
 TICK_S = 0.2
+SILENT_S = 5.0  # without a new picture for so long its source is opened anew
+PERIODS = 4  # for slower ones
+MOST_SILENT_S = 60.0  # opening it anew did not help: twice as long each time, for its scene may really stand still
 MOST_IN_GROUP = 300
 NEWEST_S = 1.0  # an older still gives way to a smaller one
 WAYS = {Kind.H264: Way.H264, Kind.VP8: Way.VP8, Kind.JPEG: Way.JPEG}
@@ -75,9 +78,13 @@ class Camera:
         self._plan = Plan()
         self._arrived_s: float | None = None
         self._began_s = self._looked_s = 0.0
+        self._is_renewed = False  # the worker ends because it shall
+        self._silences = 0  # workers in a row that were ended because nothing new came
+        self._ending = ""
         self._news: tuple[float, News] | None = None
         self._told: tuple[Any, ...] = ()
-        self._seq_before = 0  # of earlier workers, each of which begins at 1
+        self._seq = self._seq_before = 0  # of earlier workers, each of which begins at 1
+        self._mark = ""
 
     @property
     def worker_pid(self) -> int | None:
@@ -115,9 +122,7 @@ class Camera:
         self.watches.add(watch)
         self._ways[watch] = watch.wish.way
         self.replan()
-        if self._task is None and self.source.kind is not SourceKind.UPLOAD:
-            self.reason, self._arrived_s = "", None
-            self._task = asyncio.get_running_loop().create_task(self._serve(), name=f"camera {self.source.name}")
+        self._begin()
         self._tell()
 
     def leave(self, watch: Watch) -> None:
@@ -143,18 +148,22 @@ class Camera:
 
     def change(self, source: Source) -> None:
         """Its source is another now; a robot that came or went opens nothing anew."""
-        is_same_way = replace(source, is_on=self.source.is_on) == self.source
-        self.source = source
-        if not is_same_way:
+        before, self.source = self.source, source
+        if replace(source, is_on=before.is_on) != before:
+            if replace(source, is_on=before.is_on, camera=before.camera, period_s=before.period_s) != before:
+                self._forget()
             if self.watches:
                 self.replan()
             else:
                 self._looked_s = float("-inf")  # nobody looks: it does not linger at another source
             self.restart()
+            if self.watches:
+                self._begin()
         self._tell()
 
     def restart(self) -> None:
         """Open the source anew, now."""
+        self._is_renewed, self._silences, self.reason = True, 0, ""
         if self._worker is not None:
             self._worker.kill()
         self._again.set()
@@ -172,8 +181,7 @@ class Camera:
         """Take a picture that its camera sent by itself; one taken before the newest is not shown any more."""
         if self.newest is not None and captured_ms < self.newest.captured_ms:
             return
-        seq = 1 if self.newest is None else self.newest.seq + 1
-        self._take(Piece(Kind.JPEG, data, captured_ms, seq, width, height))
+        self._take(Piece(Kind.JPEG, data, captured_ms, self._seq + 1, width, height))
         self._arrived_s = captured_ms / 1000  # one that waited at its camera is not fresh because it came now
         self._tell()
 
@@ -204,9 +212,21 @@ class Camera:
             "source": self.source.kind.value,
         }
 
+    def _begin(self) -> None:
+        """Pull it, if that is not done already and it is a camera that is pulled."""
+        if self._task is None and self.source.kind is not SourceKind.UPLOAD:
+            self.reason, self._arrived_s = "", None
+            self._task = asyncio.get_running_loop().create_task(self._serve(), name=f"camera {self.source.name}")
+
+    def _forget(self) -> None:
+        """Its pictures come from elsewhere now: what the old place sent says nothing of the new one."""
+        self.newest = self.newest_jpeg = self._arrived_s = self._news = None
+        self.restarts, self.reason, self._mark = 0, "", ""
+        self._group.clear()
+
     async def _serve(self) -> None:
         """Keep a worker for as long as somebody looks, and a little longer."""
-        failures = 0
+        failures, self._silences, self._mark = 0, 0, ""
         ticker = asyncio.create_task(self._tick(), name=f"tick {self.source.name}")
         try:
             while True:
@@ -214,8 +234,8 @@ class Camera:
                 reason = await self._one_worker()
                 if not self._is_wanted():
                     return
-                if self._is_let_go:
-                    continue  # somebody looked again while it ended; nothing failed
+                if self._is_let_go or self._is_renewed:
+                    continue  # somebody looked again while it ended, or wanted that it ends; nothing failed
                 failures = 0 if self._clock.mono_s() - began_s > STEADY_S and self._arrived_s else failures
                 self.restarts += 1
                 self.reason = reason or self.reason or "it ended"
@@ -234,31 +254,38 @@ class Camera:
     async def _one_worker(self) -> str:
         """Start a worker and take what it makes until it ends; return why it did."""
         self._again.clear()
-        self._is_let_go = False
-        self._arrived_s, self._news = None, None
+        self._is_let_go = self._is_renewed = False
+        self._arrived_s, self._news, self._ending = None, None, ""
         self._group.clear()
-        self._seq_before = 0 if self.newest is None else self.newest.seq
+        self._seq_before = self._seq
         if no := self._refusal():
             return no
         try:
-            worker = self._worker = await WorkerProcess.start(self.source, self._plan)
+            worker = self._worker = await WorkerProcess.start(self.source, self._plan, self._mark)
         except OSError as error:
             return f"no worker could be started ({error.strerror})"
+        self._began_s = self._clock.mono_s()
         self._order(self._plan)  # it may have changed while the worker started
         ended = crash = ""
         try:
             async for message in worker.messages():
-                if isinstance(message, News):
-                    ended = message.ended or ended
-                    self._count(message)
-                else:
-                    self._take(replace(message, seq=self._seq_before + message.seq))
+                if self._is_renewed:
+                    break  # what it still says is of a source that may be another one
+                ended = self._heard(message) or ended
         except Exception:
             log.exception("camera %s: a picture could not be handed on", self.source.name)
         finally:
             self._worker = None
             crash = await asyncio.shield(worker.end())
-        return ended or crash
+        return self._ending or ended or crash
+
+    def _heard(self, message: Piece | News) -> str:
+        """Take what a worker says; return why it ends, if it says that."""
+        if isinstance(message, News):
+            self._count(message)
+            return message.ended
+        self._take(replace(message, seq=self._seq_before + message.seq))
+        return ""
 
     async def _paused(self, wait_s: float) -> bool:
         """Wait before the next try; return whether somebody asked for it."""
@@ -275,14 +302,30 @@ class Camera:
             if not self._is_wanted() and self._worker is not None:
                 self._is_let_go = True
                 self._worker.let_go()  # its messages end, and with them the task
+            elif self._worker is not None and not self._ending:
+                self._end_silent(self._worker)
             self._tell()
 
+    def _end_silent(self, worker: WorkerProcess) -> None:
+        """End a worker that has had nothing new for long, whatever its camera goes on sending."""
+        least_s = max(SILENT_S, PERIODS * self._period_s)
+        patience_s = max(least_s, min(MOST_SILENT_S, least_s * 2**self._silences))
+        now_s = self._clock.mono_s()
+        if now_s - (self._arrived_s or self._began_s) <= patience_s:
+            return
+        self._silences = 1 if now_s - self._began_s > 2 * MOST_SILENT_S else self._silences + 1
+        why = "" if self._news is None or not self._news[1].bad else f": {self._news[1].why}"
+        self._ending = f"the camera sends nothing new{why}"
+        worker.let_go()
+
     def _is_wanted(self) -> bool:
+        if self.source.kind is SourceKind.UPLOAD:
+            return False
         return bool(self.watches) or self._clock.mono_s() - self._looked_s < LINGER_S
 
     def _take(self, piece: Piece) -> None:
         is_again = self.newest is not None and piece.captured_ms == self.newest.captured_ms
-        self.newest = piece
+        self.newest, self._seq = piece, piece.seq
         if not is_again:  # a picture in another form, or the last one of a silent camera for who comes late
             self._arrived_s, self.reason = self._clock.mono_s(), ""
         if piece.kind is Kind.JPEG:
@@ -314,16 +357,20 @@ class Camera:
             self.fps = (news.pictures - self._news[1].pictures) / span_s
             self.kbit_s = (news.size - self._news[1].size) * 8 / 1000 / span_s
         bad = news.bad - (0 if self._news is None else self._news[1].bad)
-        self._news = (now_s, news)
+        self._news, self._mark = (now_s, news), news.mark
         if bad and not self._is_fresh():
             self.reason = f"{news.bad} pictures could not be used: {news.why}"
         self._tell()
 
+    @property
+    def _period_s(self) -> float:
+        """Seconds between two pictures as they are asked for now."""
+        return max(self.source.expected_period_s, 1.0 / self._plan.fps)
+
     def _is_fresh(self) -> bool:
         if self._arrived_s is None:
             return False
-        period_s = max(self.source.expected_period_s, 1.0 / self._plan.fps)
-        return self._clock.mono_s() - self._arrived_s <= frozen_after_s(period_s)
+        return self._clock.mono_s() - self._arrived_s <= frozen_after_s(self._period_s)
 
     def _order(self, order: Order) -> None:
         if self._worker is not None:

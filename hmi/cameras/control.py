@@ -96,10 +96,14 @@ def encoded(value: Any, status: int = 200) -> Response:
     return Response(msgspec.json.encode(value), status, media_type="application/json")
 
 
-def picture(piece: Piece | None) -> Response:
-    """Return a JPEG with when it was taken, or when it came where its camera tells no time."""
+def picture(piece: Piece | None, reason: str = "") -> Response:
+    """Return a JPEG with when it was taken, or when it came where its camera tells no time.
+
+    ``reason`` says why there may be none.
+    """
     if piece is None:
-        return refused(404, "no_picture", "This camera has not sent a picture yet.")
+        text = f"No picture came: {reason.removesuffix('.')}." if reason else "This camera has not sent a picture yet."
+        return refused(404, "no_picture", text)
     headers = {
         CAPTURED_HEADER: f"{piece.captured_ms:.1f}",
         DATED_HEADER: "1" if piece.is_dated else "0",
@@ -163,7 +167,8 @@ def _still(parts: CameraParts) -> CameraHandler:
             fresh_s = None if said is None else float(said)
         except ValueError:
             return refused(422, "invalid", "fresh_s must be a number.")
-        return picture(await parts.hub.still(camera, fresh_s))
+        is_full = request.query_params.get("full") == "true"
+        return picture(await parts.hub.still(camera, fresh_s, is_full=is_full), camera.reason)
 
     return still
 
@@ -200,7 +205,7 @@ def _end_session(parts: CameraParts) -> Handler:
 
 async def _restart(_request: Request, camera: Camera) -> Response:
     camera.restart()
-    return Response(status_code=202)
+    return encoded({}, 202)
 
 
 def _frame(parts: CameraParts) -> CameraHandler:

@@ -14,6 +14,7 @@ from hmi.clock import Clock
 from hmi.domain.camera import Source, SourceKind
 
 STILL_S = 4.0  # so long a still is waited for
+FULL_S = 1.5  # and so long for one in full size, while a smaller one is there
 
 
 class Hub:
@@ -61,21 +62,29 @@ class Hub:
         width, height = checked_size(data)
         camera.upload(data, width, height, self._clock.mono_s() * 1000 - age_ms)
 
-    async def still(self, camera: Camera, fresh_s: float | None) -> Piece | None:
+    async def still(self, camera: Camera, fresh_s: float | None, *, is_full: bool = False) -> Piece | None:
         """Return the newest JPEG; with ``fresh_s`` one of at most this age, looked for if need be.
 
-        A camera that sends by itself cannot be looked at: its newest is what there is, as old as it says.
+        ``None`` as soon as the camera cannot be opened; its ``reason`` says why. With ``is_full`` as large as the
+        camera makes it, not as those who watch want it, if that comes soon. A camera that sends by itself cannot be
+        looked at: its newest is what there is, as old as it says.
         """
-        if fresh_s is None or camera.source.kind is SourceKind.UPLOAD or self._is_young(camera.newest_jpeg, fresh_s):
-            return camera.newest_jpeg
-        glance = _Glance(camera.pulled_width or 0)
+        newest = camera.newest_jpeg
+        if fresh_s is None or camera.source.kind is SourceKind.UPLOAD:
+            return newest
+        young = newest if self._is_young(newest, fresh_s) else None
+        if young is not None and not (is_full and _is_small(young, camera)):
+            return young
+        glance = _Glance(camera, 0 if is_full else camera.pulled_width or 0, young)
         camera.join(glance)
+        camera.hearers.add(glance)
         try:
-            async with asyncio.timeout(STILL_S):
+            async with asyncio.timeout(STILL_S if young is None else FULL_S):
                 return await glance.picture
         except TimeoutError:
-            return None
+            return glance.small
         finally:
+            camera.hearers.discard(glance)
             camera.leave(glance)
 
     def _refusal(self) -> str:
@@ -87,14 +96,38 @@ class Hub:
         return piece is not None and self._clock.mono_s() - piece.captured_ms / 1000 <= fresh_s
 
 
-class _Glance:
-    """Looks until the first picture."""
+def _is_small(piece: Piece, camera: Camera) -> bool:
+    """Whether the camera makes larger ones; a robot sends smaller ones while nobody asks for more."""
+    is_robot = camera.source.kind is SourceKind.ROBOT
+    return piece.wanted_width != 0 or (is_robot and piece.width < camera.source.camera.width_px)
 
-    def __init__(self, width: int) -> None:
+
+class _Glance:
+    """Looks until the first picture, or the first failure.
+
+    Args:
+        width: at most so wide, 0 for as large as the camera makes it.
+        small: what there is if nothing larger comes.
+    """
+
+    def __init__(self, camera: Camera, width: int, small: Piece | None) -> None:
         self.wish, self.is_person = Wish(Way.JPEG, width, 2.0), False
-        self.picture: asyncio.Future[Piece] = asyncio.get_running_loop().create_future()
+        self.small, self._restarts = small, camera.restarts
+        is_robot = camera.source.kind is SourceKind.ROBOT
+        self._enough_px = camera.source.camera.width_px if is_robot and not width and camera.pulled_width else 0
+        self.picture: asyncio.Future[Piece | None] = asyncio.get_running_loop().create_future()
 
     def take(self, piece: Piece) -> None:
-        """See ``Watch``."""
+        """See ``Watch``; the first ones may still be as small as they were asked for before."""
+        if piece.width >= self._enough_px or (self.small is not None and piece.width > self.small.width):
+            self._end(piece)
+        self.small = self.small or piece
+
+    def tell(self, camera: Camera) -> None:
+        """See ``Hearer``."""
+        if camera.restarts > self._restarts:
+            self._end(self.small)
+
+    def _end(self, piece: Piece | None) -> None:
         if not self.picture.done():
             self.picture.set_result(piece)

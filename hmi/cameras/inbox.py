@@ -28,9 +28,13 @@ class Unit:
 
 
 class Inbox:
-    """One JPEG or a short row of H.264, and the reason why there will be no more. Thread-safe."""
+    """One JPEG or a short row of H.264, and the reason why there will be no more. Thread-safe.
 
-    def __init__(self) -> None:
+    Args:
+        mark: of the last picture that came without a time, before this.
+    """
+
+    def __init__(self, mark: str = "") -> None:
         self._changed = threading.Condition()
         self._shot: Shot | None = None
         self._units: deque[Unit] = deque()
@@ -38,7 +42,7 @@ class Inbox:
         self._is_nudged = False
         self._end: str | None = None
         self.pictures = self.size = self.bad = self.skipped = 0
-        self.why = ""
+        self.why, self.mark = "", mark
 
     def put(self, shot: Shot) -> None:
         """A newer JPEG replaces one that nobody took yet."""

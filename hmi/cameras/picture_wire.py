@@ -66,7 +66,8 @@ class News(Struct, frozen=True, kw_only=True):
     """What a worker tells of its source, once a second and when it ends.
 
     ``pictures`` and ``size`` (bytes) since it began; ``bad``: what came and could not be used, ``why`` the last reason;
-    ``skipped``: pictures a newer one overtook. ``ended``: why the worker gives up, empty while it works.
+    ``skipped``: pictures a newer one overtook. ``ended``: why the worker gives up, empty while it works. ``mark``: of
+    the last picture that came without a time, by which the next worker knows it again.
     """
 
     pictures: int = 0
@@ -75,6 +76,7 @@ class News(Struct, frozen=True, kw_only=True):
     why: str = ""
     skipped: int = 0
     ended: str = ""
+    mark: str = ""
 
     def packed(self) -> bytes:
         """Return the bytes on the socket."""

@@ -53,14 +53,14 @@ class Pull(Protocol):
         ...
 
 
-def run_worker(source_json: bytes, plan_json: bytes, link: socket.socket) -> None:
+def run_worker(source_json: bytes, plan_json: bytes, link: socket.socket, mark: str = "") -> None:
     """Serve one source over ``link``; returns when the source fails, ends the process when ``link`` does."""
     _settle()
     source = msgspec.json.decode(source_json, type=Source)
     plan = order_decoder.decode(plan_json)
     assert isinstance(plan, Plan)
     with contextlib.suppress(ConnectionError):  # the camera process let go
-        Worker(source, plan, link).run()
+        Worker(source, plan, link, mark).run()
 
 
 def _settle() -> None:
@@ -75,10 +75,10 @@ def _settle() -> None:
 class Worker:
     """Threads: one pulls, one hears orders, the caller's decodes and encodes; frames never leave it."""
 
-    def __init__(self, source: Source, plan: Plan, link: socket.socket) -> None:
+    def __init__(self, source: Source, plan: Plan, link: socket.socket, mark: str = "") -> None:
         self._source, self._link = source, link
         self._plan = plan
-        self._inbox = Inbox()
+        self._inbox = Inbox(mark)
         self._wants_key = True
         self._seq = 0
         self._last: tuple[VideoFrame, float, bool] | None = None
@@ -123,7 +123,10 @@ class Worker:
 
     def _news(self, ended: str) -> News:
         box = self._inbox
-        return News(pictures=box.pictures, size=box.size, bad=box.bad, why=box.why, skipped=box.skipped, ended=ended)
+        return News(
+            pictures=box.pictures, size=box.size, bad=box.bad, why=box.why, skipped=box.skipped, ended=ended,
+            mark=box.mark,
+        )  # fmt: skip
 
     def _make_pull(self) -> Pull:
         if self._source.kind is SourceKind.RTSP:

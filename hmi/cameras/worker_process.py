@@ -58,11 +58,11 @@ class WorkerProcess:
         self._process, self._reader, self._writer = process, reader, writer
 
     @classmethod
-    async def start(cls, source: Source, plan: Plan) -> WorkerProcess:
-        """Fork a worker for ``source``; raises ``OSError``."""
+    async def start(cls, source: Source, plan: Plan, mark: str = "") -> WorkerProcess:
+        """Fork a worker for ``source``; raises ``OSError``. ``mark`` is what the last one told in its news."""
         ours, theirs = socket.socketpair()
         try:
-            process = await asyncio.to_thread(_fork, source, plan, theirs)
+            process = await asyncio.to_thread(_fork, source, plan, theirs, mark)
         except BaseException:
             ours.close()  # a worker that was forked all the same ends with it
             raise
@@ -111,15 +111,15 @@ def _nothing() -> None:
     """Run in the first fork."""
 
 
-def _work(source_json: bytes, plan_json: bytes, link: socket.socket) -> None:
+def _work(source_json: bytes, plan_json: bytes, link: socket.socket, mark: str) -> None:
     """Run in the fork. The camera process has no decoder, and loads none: half a second that a first viewer waits."""
     from hmi.cameras.worker import run_worker
 
-    run_worker(source_json, plan_json, link)
+    run_worker(source_json, plan_json, link, mark)
 
 
-def _fork(source: Source, plan: Plan, theirs: socket.socket) -> ForkServerProcess:
-    arguments = (msgspec.json.encode(source), msgspec.json.encode(plan), theirs)
+def _fork(source: Source, plan: Plan, theirs: socket.socket, mark: str) -> ForkServerProcess:
+    arguments = (msgspec.json.encode(source), msgspec.json.encode(plan), theirs, mark)
     process = context.Process(target=_work, args=arguments, name=source.name, daemon=True)
     with theirs:  # closed here and not by who waits: the zygote would be handed a file that is no more
         process.start()

@@ -47,8 +47,11 @@ class Clip:
 class CameraProcess(Protocol):
     """The camera process; every method raises ``CamerasAway``."""
 
-    async def still(self, robot_id: str, camera: str, fresh_s: float | None) -> Still:
+    async def still(self, robot_id: str, camera: str, fresh_s: float | None, *, is_full: bool = False) -> Still:
         """Return the newest picture; with ``fresh_s`` the camera is opened until one of that age is there.
+
+        Args:
+            is_full: that one is as large as the camera makes it if it comes soon, else as large as it is watched.
 
         Raises:
             NoPicture: there is none.
@@ -79,9 +82,9 @@ class CameraProcess(Protocol):
 class NoCameras:
     """A console without a camera process."""
 
-    async def still(self, robot_id: str, camera: str, fresh_s: float | None) -> Still:
+    async def still(self, robot_id: str, camera: str, fresh_s: float | None, *, is_full: bool = False) -> Still:
         """Raise ``CamerasAway``."""
-        raise CamerasAway(f"no picture of {robot_id}/{camera}, {fresh_s}")
+        raise CamerasAway(f"no picture of {robot_id}/{camera}, {fresh_s}, {is_full}")
 
     async def record(self, cameras: Sequence[tuple[str, str]]) -> None:
         """Do nothing."""

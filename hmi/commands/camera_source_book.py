@@ -71,6 +71,7 @@ class SourceParts:
 
     Attributes:
         robot_url: HTTP address a robot is registered with, ``None`` if it has none.
+        is_known: whether a robot is registered.
         forget_frames: drops the newest frame of a field camera.
         networks: where cameras may be besides.
         resolve: host and port to addresses; blocking.
@@ -84,6 +85,7 @@ class SourceParts:
     audit: AuditSink
     clock: Clock
     robot_url: Callable[[str], str | None]
+    is_known: Callable[[str], bool]
     forget_frames: Callable[[str], Awaitable[None]]
     networks: tuple[str, ...] = ()
     is_demo: bool = False
@@ -120,6 +122,12 @@ class CameraSourceBook:
         """Return the cameras that belong to no robot, by name."""
         return sorted((one for (robot, _), one in self._known.items() if robot == FIELD), key=lambda one: one.camera)
 
+    def robot_cameras(self) -> list[StoredSource]:
+        """Return what is set for cameras of robots that are registered, by name."""
+        known = self._parts.is_known
+        return sorted((one for (robot, _), one in self._known.items() if robot != FIELD and known(robot)),
+                      key=lambda one: (one.robot_id, one.camera))  # fmt: skip
+
     def stored(self, robot_id: str, camera: str) -> StoredSource | None:
         """Return what is kept of a camera."""
         return self._known.get((robot_id, camera))
@@ -152,6 +160,19 @@ class CameraSourceBook:
                 raise SourceRefused("too_many", f"A farm has {MOST_FIELD_CAMERAS} field cameras at most.")
             at = self._parts.clock.utc()
             made = StoredSource(FIELD, camera, SourceKind.UPLOAD, by, at, label=label, period_s=period_s)
+            await self._parts.database.run(self._parts.records.put, made)
+            self._known[FIELD, camera] = made
+        self._tell()
+
+    async def expect(self, camera: str, period_s: float, *, instead_of_s: float) -> None:
+        """Expect pictures of a field camera that came in by the broker so far apart, where nobody set another time."""
+        async with self._changing:
+            one = self._known.get((FIELD, camera))
+            if one is None or one.kind is not SourceKind.UPLOAD or one.token_sha256:
+                return
+            if one.period_s != instead_of_s or period_s == instead_of_s:
+                return
+            made = replace(one, period_s=period_s)
             await self._parts.database.run(self._parts.records.put, made)
             self._known[FIELD, camera] = made
         self._tell()

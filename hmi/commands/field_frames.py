@@ -77,11 +77,14 @@ class FieldFrames:
         known = one.token_sha256 if one is not None and one.kind is SourceKind.UPLOAD else ""
         if not hmac.compare_digest(digest_of(token), known or digest_of("")) or not token or one is None:
             raise FrameRefused("bad_token", "This is no camera of this farm, or its token is another one.")
-        self._spend(one)
+        self._spend(camera, one.period_s)
         return one
 
-    def admit_station(self, camera: str) -> StoredSource:
+    def admit_station(self, camera: str, least_s: float) -> StoredSource:
         """Return the camera of an accepted station, which needs no token: the broker has let it in.
+
+        Args:
+            least_s: between two of its pictures: those it is triggered for come between the expected ones.
 
         Raises:
             FrameRefused: there is no such camera, or it sends too often.
@@ -89,18 +92,18 @@ class FieldFrames:
         one = self._sources.stored(FIELD, camera)
         if one is None or one.kind is not SourceKind.UPLOAD:
             raise FrameRefused("unknown_camera", "This is no camera that sends its pictures by itself.")
-        self._spend(one)
+        self._spend(camera, least_s)
         return one
 
-    def _spend(self, one: StoredSource) -> None:
+    def _spend(self, camera: str, period_s: float) -> None:
         """Take a frame off what the camera may send now; raises ``FrameRefused``."""
         now_s = self._clock.mono_s()
-        state = self._cameras.setdefault(one.camera, _Camera(at_s=now_s))
-        every_s = max(LEAST_S, one.period_s * SLACK)
+        state = self._cameras.setdefault(camera, _Camera(at_s=now_s))
+        every_s = max(LEAST_S, period_s * SLACK)
         tokens = min(BURST, state.tokens + (now_s - state.at_s) / every_s)
         state.at_s, state.tokens = now_s, tokens
         if tokens < 1.0:
-            raise FrameRefused("too_often", f"One frame each {one.period_s:g} s.", (1.0 - tokens) * every_s)
+            raise FrameRefused("too_often", f"One frame each {period_s:g} s.", (1.0 - tokens) * every_s)
         state.tokens -= 1.0
 
     async def take(self, one: StoredSource, data: bytes, age_s: float | None, place: Moment = NOWHERE) -> Header:

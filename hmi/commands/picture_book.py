@@ -34,6 +34,7 @@ class PictureParts:
 
     Attributes:
         moment_of: where a robot is and what it does, at a time of the console's monotonic clock.
+        place_of: where a field camera stands.
         name_of: what people call a robot.
         newest_frame: what a field camera sent last; raises ``NoPicture``.
         has_watermark: whether person and time are burnt into the pictures that are sent out.
@@ -47,6 +48,7 @@ class PictureParts:
     clock: Clock
     on_event: LaneEvent
     moment_of: Callable[[str, float], Moment]
+    place_of: Callable[[str], Moment]
     name_of: Callable[[str], str]
     newest_frame: Callable[[str], Awaitable[Still]]
     has_watermark: bool = False
@@ -80,7 +82,7 @@ class PictureBook:
         parts = self._parts
         parts.authorize(session, Permission.KEEP_PICTURES, None if robot_id == FIELD else robot_id)
         still = await self._still(robot_id, camera)
-        moment = parts.moment_of(robot_id, still.captured_s)
+        moment = parts.place_of(camera) if robot_id == FIELD else parts.moment_of(robot_id, still.captured_s)
         try:
             one = draft(still, PictureKind.SNAPSHOT, session.farm_id, robot_id, camera, parts.clock, moment,
                         note=note, by=session.user_name, device=session.device_name)  # fmt: skip
@@ -97,7 +99,7 @@ class PictureBook:
             with contextlib.suppress(NoPicture):
                 return await self._parts.newest_frame(camera)
         async with self._few:
-            return await self._parts.process.still(robot_id, camera, FRESH_S)
+            return await self._parts.process.still(robot_id, camera, FRESH_S, is_full=True)
 
     async def listed(self, session: SessionInfo, wanted: PictureFilter, limit: int) -> Listed:
         """Return the newest pictures that fit."""

@@ -145,6 +145,18 @@ test("a picture that counted before its time was told counts no more when it is 
   assert.equal(sight.judge(last + 1010, last + 1010, INFO).state, "frozen");
 });
 
+test("a camera without pictures has one age, that of its last picture", () => {
+  const sight = new Sight(0);
+  sight.picture(100, 100 - 85000, 100, true);
+  const judged = sight.judge(34100, 34100, INFO);
+  assert.equal(judged.state, "off");
+  assert.equal(says.goneMs(judged), 119000);
+  assert.equal(says.corner(judged, { way: "jpeg" }), "no picture 1:59");
+  assert.equal(says.sentence("Pole", judged, { way: "jpeg" }), "Pole: no picture for 1:59");
+  const none = new Sight(0).judge(34000, 34000, INFO);
+  assert.equal(says.corner(none, { way: "jpeg" }), "no picture 34 s");
+});
+
 test("a picture of a slow camera that was old when it came is late, and says its age", () => {
   const slow = { ...INFO, fps: 0.2, period_s: 5 };
   const sight = new Sight(0);

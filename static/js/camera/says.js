@@ -18,10 +18,13 @@
 
   const still = (judged) => (judged.isSlow && judged.ageMs !== null ? old(judged) : judged.delayMs === null ? "delay unknown" : words.age(judged.delayMs));
 
+  // for how long there has been none: since the last one was taken, before the first one since it was asked for
+  const goneMs = ({ ageMs, silentMs }) => ageMs ?? silentMs;
+
   // the corner of a tile: short, always with its unit
   function corner(judged, { way }) {
     if (judged.state === "connecting") return "starting";
-    if (judged.state === "off") return `no picture ${words.since(judged.silentMs)}`;
+    if (judged.state === "off") return `no picture ${words.since(goneMs(judged))}`;
     if (judged.state === "frozen") return `frozen ${words.since(judged.ageMs)}`;
     if (judged.state === "late") return `late, ${judged.isSlow ? old(judged) : `${words.age(judged.delayMs)} old`}`;
     if (way === "still") return `still pictures, ${still(judged)}`;
@@ -35,7 +38,7 @@
   function sentence(label, judged, how) {
     if (judged.state === "frozen") return `${label}, frozen, ${words.since(judged.ageMs)} old`;
     if (judged.state === "late") return `${label}, late: ${judged.isSlow ? old(judged) : `${words.age(judged.delayMs)} old`}`;
-    if (judged.state === "off") return `${label}: no picture for ${words.since(judged.silentMs)}`;
+    if (judged.state === "off") return `${label}: no picture for ${words.since(goneMs(judged))}`;
     if (judged.state === "connecting") return `${label}, starting`;
     const undated = judged.isDated ? "" : ". Delay without the camera's own";
     if (how.way === "still") return `${label}. Still pictures, ${still(judged)}${undated}`;
@@ -54,5 +57,5 @@
   // what the state is called outside: the names of the stable hooks
   const hook = (judged, { way, hasGivenUp }) => ({ late: "frozen" })[judged.state] ?? (judged.state === "live" && (hasGivenUp || way === "still") ? "stills" : judged.state);
 
-  Object.assign(HL.camera, { says: { delay, corner, note, sentence, reason, hook, rate } });
+  Object.assign(HL.camera, { says: { delay, goneMs, corner, note, sentence, reason, hook, rate } });
 })();

@@ -24,7 +24,7 @@
     HL.toast(answer.ok ? "The camera is being started again." : `Not restarted: ${answer.text}`, answer.ok ? "refresh" : "block");
     if (answer.ok) viewer.again();
   }
-  const mayRestart = () => HL.config.rights.includes("restart_camera");
+  const mayRestart = (info) => HL.config.rights.includes("restart_camera") && info?.state !== "off" && info?.source !== "upload"; // one that sends by itself cannot be opened anew
 
   // what lies over a picture that is none: since when, why, and the way to start it again
   class NoPicture {
@@ -37,15 +37,14 @@
       this.node = el("div", { class: "c-none", hidden: true }, el("div", {}, this.sign, this.head, this.line, this.button));
     }
     paint() {
-      const { judged, info, problem, sight } = this.viewer;
+      const { judged, info, problem } = this.viewer;
       const isLoading = judged?.state === "connecting";
       attr(this.node, "hidden", !(judged?.state === "off" || isLoading));
       if (this.node.hidden) return;
       text(this.sign, isLoading ? "hourglass_top" : "videocam_off");
-      const ageMs = sight.captured === null ? judged.silentMs : judged.ageMs;
-      text(this.head, isLoading ? "Starting" : `No picture for ${HL.words.since(ageMs)}`);
+      text(this.head, isLoading ? "Starting" : `No picture for ${HL.words.since(HL.camera.says.goneMs(judged))}`);
       text(this.line, isLoading ? "" : HL.camera.says.reason(info, problem));
-      attr(this.button, "hidden", isLoading || !mayRestart() || info?.state === "off");
+      attr(this.button, "hidden", isLoading || !mayRestart(info));
     }
   }
 

@@ -8,7 +8,7 @@
   const FIELD = "field";
   const WIDE = new Set(["kind", "url"]); // an address is read whole
   const ID = "[a-z0-9][a-z0-9_\\-]{0,63}";
-  const TEST_MS = 8000;
+  const TEST_MS = 12000; // the camera process is asked twice, for 4 s each
   const of = (one) => `/cameras/${encodeURIComponent(one.robot)}/${encodeURIComponent(one.camera)}`;
   const button = (label, run, hook) => el("button", { type: "button", class: "h-btn", "data-testid": hook, onclick: run }, label);
 
@@ -178,7 +178,7 @@
     }
 
     remove(one) {
-      const words = one.robot === FIELD ? "Its pictures that were kept stay. Its token ends at once." : "Its pictures come from the robot again.";
+      const words = one.robot === FIELD ? "Its pictures that were kept stay. Its token ends at once." : "Its pictures come from the robot again, if the robot has such a camera.";
       HL.sheet({ title: `${this.names(one)}: forget this source?`, body: [el("p", { class: "h-2 h-t16" }, words)], buttons: [["Keep it", (close) => close()], ["Forget it", async (close) => {
         close();
         const answer = await HL.port.api("DELETE", `${of(one)}/source`);

@@ -145,9 +145,12 @@ async def test_rest_says_who_may_what(data: Path, robot: FakeCamera) -> None:
         assert (await console.client.post(f"{FRONT}/control", json={"lamp": True})).status_code == 403
         assert (await console.client.post(f"{FRONT}/whep", content="v=0", headers=SDP)).json()["code"] == "not_allowed"
     async with camera_console(data, robot, Role.OPERATOR) as console:
-        assert (await console.client.post(f"{FRONT}/restart")).status_code == 202
+        begun = await console.client.post(f"{FRONT}/restart")
+        assert (begun.status_code, begun.json()) == (202, {}), "a screen takes an empty answer for a cut line"
         assert [line.kind for line in console.lines] == ["camera"]
         assert (await console.client.post("/cameras/weeder-01/none/restart")).json()["code"] == "unknown_camera"
+        assert (await console.client.post("/cameras/field/pole/restart")).status_code == 202
+        assert console.lines[-1].robot_id is None, "the field is no robot"
 
 
 async def test_lamp_and_zoom_need_control_of_the_robot_and_one_order_at_a_time(data: Path, robot: FakeCamera) -> None:
@@ -182,6 +185,15 @@ async def test_a_still_is_fetched_for_who_asks_and_carries_when_it_was_taken(dat
         assert (answer.status_code, answer.headers["content-type"]) == (200, "image/jpeg")
         assert answer.content in robot.pictures
         assert float(answer.headers["x-headland-captured"]) > 0
+
+
+async def test_a_camera_that_gives_no_picture_says_at_once_what_is_in_the_way(data: Path, robot: FakeCamera) -> None:
+    robot.refusal = (401, b"")
+    async with camera_console(data, robot) as console:
+        answer = await console.client.get(f"{FRONT}/still?fresh_s=1")
+        assert (answer.status_code, answer.json()["code"]) == (404, "no_picture")
+        words = "No picture came: the camera does not accept the password or token it was given."
+        assert answer.json()["text"] == words
 
 
 async def test_what_a_field_camera_sent_is_judged_and_shown(data: Path, robot: FakeCamera) -> None:

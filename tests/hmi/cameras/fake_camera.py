@@ -39,10 +39,12 @@ class FakeCamera:
         self.waited_ms = 0.0  # in the send buffer, after the age was written
         self.waits_longer = 0.0  # by this share of the time between two pictures, with each of them
         self.pictures = [jpeg(width, height, number) for number in range(10)]
+        self.narrow: list[bytes] | None = None  # for who asks for a width
         self.instead: bytes | None = None
         self.refusal: tuple[int, bytes] | None = None
         self.is_frozen = False
         self.is_hung = False
+        self.is_dripping = False  # line ends while it is frozen
         self.shots = 0
         self.asked: list[dict[str, str]] = []
         self.orders: list[dict[str, Any]] = []
@@ -82,7 +84,7 @@ def _handler(camera: FakeCamera) -> type[BaseHTTPRequestHandler]:
             elif camera.refusal is not None:
                 self._answer(*camera.refusal)
             elif path.endswith("/stream"):
-                self._stream()
+                self._stream("width=" in query)
             elif path.endswith("/control"):
                 code = 404 if camera.setting is None else 200
                 self._answer(code, json.dumps(camera.setting or {"code": "unknown", "text": "Not told."}).encode())
@@ -104,7 +106,7 @@ def _handler(camera: FakeCamera) -> type[BaseHTTPRequestHandler]:
             self.end_headers()
             self.wfile.write(body)
 
-        def _stream(self) -> None:
+        def _stream(self, is_narrow: bool) -> None:
             self.send_response(200)
             self.send_header("Content-Type", "multipart/x-mixed-replace; boundary=frame")
             self.end_headers()
@@ -114,16 +116,19 @@ def _handler(camera: FakeCamera) -> type[BaseHTTPRequestHandler]:
             try:
                 while camera.refusal is None:
                     if not camera.is_frozen:
-                        self._part(number)
+                        self._part(number, is_narrow)
                         number += 1
+                    elif camera.is_dripping:
+                        self.wfile.write(b"\r\n")
                     time.sleep(1.0 / camera.fps)
             except OSError:
                 return
             finally:
                 camera.open -= 1
 
-        def _part(self, number: int) -> None:
-            body = camera.instead if camera.instead is not None else camera.pictures[number % len(camera.pictures)]
+        def _part(self, number: int, is_narrow: bool) -> None:
+            pictures = camera.narrow if is_narrow and camera.narrow else camera.pictures
+            body = camera.instead if camera.instead is not None else pictures[number % len(pictures)]
             camera.waited_ms += camera.waits_longer * 1000 / camera.fps
             taken_ms = time.time() * 1000 - camera.age_ms - camera.waited_ms
             head = (

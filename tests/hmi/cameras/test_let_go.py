@@ -30,7 +30,7 @@ class Worker:
         self.made.append(self)
 
     @classmethod
-    async def start(cls, _source: Source, _plan: Plan) -> Worker:
+    async def start(cls, _source: Source, _plan: Plan, _mark: str) -> Worker:
         """See ``WorkerProcess``."""
         return cls()
 

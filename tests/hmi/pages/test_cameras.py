@@ -152,6 +152,29 @@ def test_a_camera_that_is_down_says_why_and_can_be_started_again_by_those_who_ma
 
 
 @pytest.mark.long
+def test_the_way_to_start_it_again_is_whole_in_small_tiles_and_not_there_for_one_that_sends_by_itself(
+    look: Look, cameras: Callable[..., None]
+) -> None:
+    down = {"state": "failed", "reason": "The camera sends elsewhere, which is not followed", "restarts": 7}
+    cameras(cameras={"planter-02/head": down, "weeder-01/front": {**down, "source": "upload"}})
+    page = look("/cameras")
+    button, foot = (
+        page.get_by_test_id("camera-restart-planter-02-head"),
+        page.locator("[data-testid=camera-planter-02-head] .c-foot"),
+    )
+    for size in (3, 4):
+        page.get_by_test_id(f"cameras-size-{size}").click()
+        expect(page.get_by_test_id("camera-planter-02-head")).to_have_attribute("data-state", "off")
+        box, below = button.bounding_box(), foot.bounding_box()
+        assert box is not None
+        assert below is not None
+        assert box["height"] >= 44
+        assert box["y"] + box["height"] <= below["y"]
+    expect(page.get_by_test_id("camera-weeder-01-front")).to_have_attribute("data-state", "off")
+    expect(page.get_by_test_id("camera-restart-weeder-01-front")).to_be_hidden()
+
+
+@pytest.mark.long
 def test_the_screen_says_what_is_wrong_when_there_is_no_wall(look: Look, cameras: Callable[..., None]) -> None:
     cameras(none=True)
     page = look("/cameras")

@@ -57,15 +57,17 @@ class FakeCameras:
     held: tuple[tuple[str, str], ...] = ()
     told: list[tuple[tuple[str, str], ...]] = field(default_factory=list)
     asked: list[tuple[str, str, float | None]] = field(default_factory=list)
+    full: int = 0
     cut: list[tuple[str, str, float, float]] = field(default_factory=list)
     frames: list[tuple[str, bytes]] = field(default_factory=list)
     ages_s: list[float] = field(default_factory=list)
     watching: list[tuple[str, str]] = field(default_factory=list)
 
-    async def still(self, robot_id: str, camera: str, fresh_s: float | None) -> Still:
+    async def still(self, robot_id: str, camera: str, fresh_s: float | None, *, is_full: bool = False) -> Still:
         """Return what a camera shows."""
         self._answer()
         self.asked.append((robot_id, camera, fresh_s))
+        self.full += is_full
         if (robot_id, camera) not in self.shows:
             raise NoPicture("no_picture", "The camera shows no picture now.")
         return Still(self.shows[(robot_id, camera)], self.clock.mono_s() - self.age_s, self.is_dated)

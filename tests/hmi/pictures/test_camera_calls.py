@@ -36,6 +36,8 @@ async def test_a_still_comes_with_its_capture_time() -> None:
     process = Process(200, b"jpeg", **{"X-Headland-Captured": "1000250.5"})
     assert await CameraCalls(process).still("weeder-01", "front", 1.0) == Still(b"jpeg", 1000.2505)
     assert process.asked == [("GET", "/cameras/weeder-01/front/still?fresh_s=1", None)]
+    await CameraCalls(process).still("weeder-01", "front", 1.0, is_full=True)
+    assert process.asked[-1][1] == "/cameras/weeder-01/front/still?fresh_s=1&full=true"
     await CameraCalls(process).still("weeder-01", "front", None)
     assert process.asked[-1][1] == "/cameras/weeder-01/front/still"
 

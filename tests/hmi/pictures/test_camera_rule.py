@@ -43,6 +43,20 @@ async def test_field_cameras_are_opened_too(make_rig: MakeRig) -> None:
     assert (gate.name, gate.kind, gate.nets) == ("field/gate", SourceKind.MJPEG, ("192.168.7.0/24",))
 
 
+async def test_a_camera_that_its_robot_does_not_tell_of_is_one_too_while_the_robot_is_registered(
+    make_rig: MakeRig,
+) -> None:
+    rig = await make_rig(camera_networks=["192.168.7.0/24"])
+    wish = {"kind": "rtsp", "url": "rtsp://192.168.7.20/x", "user": "viewer", "password": "hunter2"}
+    await rig.browser(Role.ADMIN).put(f"/cameras/{WEEDER}/tank/source", json=wish)
+    own, tank = await opened(rig)
+    assert (own, tank.name, tank.kind, tank.password) == (OWN, f"{WEEDER}/tank", SourceKind.RTSP, "hunter2")
+    assert (tank.nets, tank.is_on) == (("192.168.7.0/24",), True)
+    assert rig.desk.cameras_of(WEEDER) == ["front", "rear", "tank"], "recorded as its others are"
+    await rig.records.database.run(rig.records.robots.remove, WEEDER)
+    assert await opened(rig) == [OWN]
+
+
 async def test_a_snapshot_is_asked_for_as_often_as_an_admin_said_and_else_twice_a_second(make_rig: MakeRig) -> None:
     rig = await make_rig(camera_networks=["192.168.7.0/24"])
     admin = rig.browser(Role.ADMIN)

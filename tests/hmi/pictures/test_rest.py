@@ -37,7 +37,7 @@ async def test_a_snapshot_holds_where_and_when_during_what_and_by_whom(rig: Pict
     assert told["position_age_s"] == pytest.approx(0.3)
     assert told["mission"] == {"id": "m-1", "name": "Home field, all rows", "row": 4}
     assert told["size_bytes"] == len(data)
-    assert rig.cameras.asked == [(WEEDER, "front", 1.0)]
+    assert (rig.cameras.asked, rig.cameras.full) == ([(WEEDER, "front", 1.0)], 1)
     (line,) = await rig.audited("picture")
     assert (line.outcome, line.actor, line.robot_id, line.ref) == ("kept", "Operator Person", WEEDER, told["id"])
     assert rig.events == [{"kind": "picture", "what": "kept", "id": told["id"], "robot": WEEDER}]

@@ -282,6 +282,35 @@ async def test_pictures_of_others_too_many_or_too_fast_are_counted_and_dropped(r
     assert rig.shown("multispec-01")["pictures_today"] == 1
 
 
+async def test_a_camera_is_expected_as_often_as_it_says_and_may_send_what_it_is_triggered_for(rig: SensorRig) -> None:
+    await camera(rig)
+    (source,) = rig.desk.sources.field_cameras()
+    assert source.period_s == 3600.0
+    for _ in range(6):
+        rig.clock.advance(6.0)
+        await taken(rig)
+    assert rig.work.pictures.counts["taken"] == 6
+
+
+async def test_a_camera_from_before_its_period_counted_follows_it_from_the_next_start_on(rig: SensorRig) -> None:
+    await camera(rig)
+    await rig.records.database.run(
+        rig.records.camera_sources.put, replace(rig.desk.sources.field_cameras()[0], period_s=5.0)
+    )
+    await rig.desk.sources.load()
+    await rig.restart()
+    await rig.desk.sources.load()
+    assert rig.desk.sources.field_cameras()[0].period_s == 3600.0, "and it is kept"
+
+
+async def test_a_snapshot_of_a_stations_camera_says_where_it_stands(rig: SensorRig) -> None:
+    await camera(rig)
+    await taken(rig)
+    kept = await rig.desk.book.snapshot(rig.person(Role.OPERATOR), "field", "multispec-01", "")
+    station = rig.work.board.get("multispec-01").station
+    assert (kept.moment.lat_deg, kept.moment.lon_deg) == (station.lat_deg, station.lon_deg)
+
+
 async def test_a_camera_that_is_taken_out_leaves_no_source_behind(rig: SensorRig) -> None:
     await camera(rig)
     await rig.work.book.remove(rig.person(Role.PLANNER), "multispec-01")
