@@ -16,6 +16,7 @@ from hmi.side_door import shared_secret
 
 TIMEOUT_S = 3.0
 OPEN_S = 3.0
+IDLE_S = 2.0  # the other side closes after 5 s: a request sent in that moment would be lost
 MAX_FRAME_BYTES = 64 * 1024 * 1024  # a first picture of the twin with an uploaded model
 
 
@@ -34,7 +35,8 @@ class SideLink:
     def __init__(self, data: Path, name: str, header: str) -> None:
         self._data, self._name, self._header = data, name, header
         self._secret = ""
-        self._http = httpx.AsyncClient(timeout=TIMEOUT_S, trust_env=False, verify=authorities())
+        limits = httpx.Limits(keepalive_expiry=IDLE_S)
+        self._http = httpx.AsyncClient(timeout=TIMEOUT_S, trust_env=False, verify=authorities(), limits=limits)
 
     async def close(self) -> None:
         """Close what is open."""
