@@ -58,6 +58,11 @@ class WeatherBoard:
             return
         self._latest, self.is_measured_here = measured, True
 
+    def take_back(self) -> None:
+        """Forget what the farm's own field stations measured; what was reported by REST stays."""
+        if self.is_measured_here:
+            self._latest, self.is_measured_here = None, False
+
     def _check(self, measured: Weather) -> None:
         now = self._clock.utc()
         if measured.at > now + AHEAD:

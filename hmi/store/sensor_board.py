@@ -41,6 +41,7 @@ class ValueNow:
         measured_s: when, on the console's monotonic clock; see ``freshness``.
         is_plausible: whether nature can do this.
         is_kept: out of the history, from before this machine was switched on: nobody knows for how long it was off.
+        is_dated: its age is known, and nothing newer came whose age is not.
         trail: a value each ten minutes of the last hours, oldest first.
     """
 
@@ -50,6 +51,7 @@ class ValueNow:
     measured_at: datetime
     is_plausible: bool = True
     is_kept: bool = False
+    is_dated: bool = True
     trail: deque[tuple[float, float]] = field(default_factory=deque)
 
     def trend(self) -> str | None:
@@ -71,7 +73,7 @@ class ValueNow:
     def put(self, value: float, arrival: Arrival) -> None:
         """Take a newer value that is no part of the trail."""
         self.value, self.measured_s, self.measured_at = value, arrival.measured_s, arrival.measured_at
-        self.is_kept = False
+        self.is_kept, self.is_dated = False, arrival.is_dated
 
 
 @dataclass(slots=True)
@@ -103,7 +105,7 @@ def _is_behind(now: datetime, kept: Iterable[datetime]) -> bool:
 
 def usable(known: StationNow, value: ValueNow, now_s: float) -> bool:
     """Say whether a decision may still go by a value of a station."""
-    if value.is_kept:
+    if value.is_kept or not value.is_dated:
         return False
     age_s, is_slow = now_s - value.measured_s, value.channel.about().is_slow
     return is_usable(age_s, known.station.period_s, is_slow=is_slow)
@@ -252,7 +254,11 @@ class SensorBoard:
         before = known.state(self._clock.mono_s())
         waited_s = max(0.0, self._clock.mono_s() - received_s)
         now = self._clock.utc() - timedelta(seconds=waited_s)
-        arrival = known.receipt.judge(report.boot, report.seq, report.utc, now=now, now_s=received_s)
+        arrival = known.receipt.judge(
+            report.boot, report.seq, report.utc, now=now, now_s=received_s, period_s=known.station.period_s
+        )
+        if arrival.is_ahead and arrival.fate is not Fate.NEWEST:
+            self._doubt(known, report)
         if arrival.fate in (Fate.REPEATED, Fate.TOO_OLD):
             self.counts[arrival.fate.value] += 1
             return
@@ -288,8 +294,16 @@ class SensorBoard:
         self._tell(station_id)
 
     def calibrate(self, one: Calibration) -> None:
-        """Use a calibration from the next value on."""
+        """Use a calibration from the next value on; what was measured before is no trend to that."""
         self._calibrations[one.station_id, one.channel] = one
+
+    def _doubt(self, known: StationNow, report: Report) -> None:
+        """Let no decision go by what came before: newer is known to be there, though not since when."""
+        for channel, _ in report.values:
+            if channel in known.values:
+                known.values[channel].is_dated = False
+        for listener in self.on_report:
+            listener(known)
 
     def _value(self, known: StationNow, channel: Channel, raw: float, arrival: Arrival) -> None:
         station = known.station

@@ -2,8 +2,10 @@
 
 A station's clock may be wrong in either direction, and what it sends may have waited in its memory.
 So a value's age when it arrives is taken as large as either can make it:
-the delay the two wall clocks show, and what it lies behind the quickest message of the last few.
+the delay the two wall clocks show, and that plus the lead of a clock that was seen to run ahead.
 A clock that runs behind therefore makes values look old, and one that runs ahead makes none look fresh.
+Where a delay leaps, the clock was set or values waited, and nobody can tell which: no decision goes by them before the
+next message comes as late as the one before.
 """
 
 from __future__ import annotations
@@ -17,7 +19,9 @@ LATE_PERIODS, SILENT_PERIODS = 1.5, 3.0
 USABLE_MOST_S = 900.0  # as long as the queue goes by a report of the weather, whatever period a station declares
 CLOCK_WRONG_S = 60.0
 STEP_S = 2.0  # the console's wall clock was set, and did not just drift
-RECENT = 8  # messages whose delays are compared: a clock that was set right is believed again after so many
+RECENT = 8  # messages whose delays are compared: what comes late by now is believed to be late after so many
+FADE = 0.01  # of the time it is heard, a lead is forgotten: clocks drift, and small steps back leave no other trace
+STEADY_PERIODS = 0.5  # messages whose delays differ by more do not come alike: one waited, or the clock was set
 KEPT_S = 14 * 86_400.0  # what waited longer is not kept: its time is rather wrong
 BOOTS, SEEN = 4, 256  # remembered of one station
 
@@ -72,12 +76,16 @@ class Arrival:
         measured_s: when it was measured at the latest, on the console's monotonic clock.
         measured_at: the same as wall time, for the history.
         skew_s: how far the station's clock seems to be ahead; below zero it is behind, or its messages come late.
+        is_ahead: by boot and number nothing newer has come, whatever the clocks say.
+        is_dated: its age is known well enough for a decision.
     """
 
     fate: Fate
     measured_s: float
     measured_at: datetime
     skew_s: float
+    is_ahead: bool = False
+    is_dated: bool = False
 
 
 @dataclass(slots=True)
@@ -88,33 +96,38 @@ class Receipt:
     skew_s: float = 0.0
     _wall_s: float | None = None
     _delays: deque[float] = field(default_factory=lambda: deque(maxlen=RECENT))
+    _lead_s: float = float("-inf")  # of the station's clock, as far as it was seen
+    _delay_s: float = 0.0  # of the message before; of the first one, what a clock that is right shows
+    _heard_s: float | None = None
+    _utc: datetime | None = None
     _boots: OrderedDict[str, deque[int]] = field(default_factory=OrderedDict)
     _top: dict[str, int] = field(default_factory=dict)
 
-    def judge(self, boot: str, seq: int, utc: datetime, *, now: datetime, now_s: float) -> Arrival:
+    def judge(self, boot: str, seq: int, utc: datetime, *, now: datetime, now_s: float, period_s: float) -> Arrival:
         """Judge one message.
 
         Args:
             utc: when the station says it measured.
             now, now_s: the console's clocks when it arrived.
+            period_s: between two messages, as the station declares it.
         """
         self._step(now.timestamp() - now_s)
         if self._is_repeated(boot, seq):
             return Arrival(Fate.REPEATED, now_s, now, self.skew_s)
-        delay_s = (now - utc).total_seconds()
-        self._delays.append(delay_s)
-        quickest_s = min(self._delays)
-        age_s = delay_s - min(0.0, quickest_s)
-        self.skew_s = -quickest_s
-        measured_s = now_s - age_s
-        is_newest = self._is_ahead(boot, seq) and measured_s >= self.newest_s
+        delay_s, is_ahead = (now - utc).total_seconds(), self._is_ahead(boot, seq)
         self._note(boot, seq)
+        is_dated = is_ahead and self._follow(utc, delay_s, now_s, period_s)
+        age_s = max(0.0, delay_s + max(0.0, self._lead_s))
+        if not is_ahead:  # it was measured before what is known
+            age_s = max(age_s, now_s - self.newest_s)
+        measured_s = now_s - age_s
         if age_s > KEPT_S:
-            return Arrival(Fate.TOO_OLD, measured_s, now, self.skew_s)
+            return Arrival(Fate.TOO_OLD, measured_s, now, self.skew_s, is_ahead)
+        is_newest = is_ahead and measured_s >= self.newest_s
         if is_newest:
             self.newest_s = measured_s
         fate = Fate.NEWEST if is_newest else Fate.HISTORY
-        return Arrival(fate, measured_s, now - timedelta(seconds=age_s), self.skew_s)
+        return Arrival(fate, measured_s, now - timedelta(seconds=age_s), self.skew_s, is_ahead, is_dated)
 
     @property
     def is_clock_wrong(self) -> bool:
@@ -131,6 +144,22 @@ class Receipt:
         self._wall_s = wall_s
         if abs(step_s) > STEP_S:
             self._delays = deque((one + step_s for one in self._delays), maxlen=RECENT)
+            self._lead_s -= step_s
+            self._delay_s += 0.0 if self._heard_s is None else step_s
+
+    def _follow(self, utc: datetime, delay_s: float, now_s: float, period_s: float) -> bool:
+        """Take what a message that is ahead tells of the station's clock; return whether its age is known."""
+        if self._utc is not None and utc < self._utc:  # measured later and called earlier: the clock was set back
+            self._delays.clear()
+            self._lead_s = float("-inf")
+        is_dated = abs(delay_s - self._delay_s) <= max(STEP_S, STEADY_PERIODS * period_s)
+        if is_dated and self._heard_s is not None:
+            self._lead_s -= FADE * min(now_s - self._heard_s, period_s)
+        self._lead_s = max(self._lead_s, -delay_s)
+        self._delays.append(delay_s)
+        self.skew_s = self._lead_s if self._lead_s > 0.0 else -min(self._delays)
+        self._utc, self._delay_s, self._heard_s = utc, delay_s, now_s
+        return is_dated
 
     def _is_repeated(self, boot: str, seq: int) -> bool:
         return seq in self._boots.get(boot, ())

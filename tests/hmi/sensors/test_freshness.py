@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
 from hmi.clock import FakeClock
-from hmi.domain.sensors.freshness import RECENT, Fate, Receipt, State, is_usable, silent_after_s, state_of
+from hmi.domain.sensors.freshness import FADE, RECENT, Fate, Receipt, State, is_usable, silent_after_s, state_of
 
 START = datetime(2026, 5, 4, 12, tzinfo=UTC)
 PERIOD_S = 60.0
@@ -49,16 +49,16 @@ def test_what_gets_older_never_looks_fresher(age_s: float, more_s: float, period
 
 def test_a_repeat_is_known_by_boot_and_number() -> None:
     receipt = Receipt()
-    first = receipt.judge("boot-one", 7, START, now=START, now_s=0.0)
-    again = receipt.judge("boot-one", 7, START, now=START, now_s=1.0)
-    other = receipt.judge("boot-two", 7, START, now=START, now_s=1.0)
+    first = receipt.judge("boot-one", 7, START, now=START, now_s=0.0, period_s=PERIOD_S)
+    again = receipt.judge("boot-one", 7, START, now=START, now_s=1.0, period_s=PERIOD_S)
+    other = receipt.judge("boot-two", 7, START, now=START, now_s=1.0, period_s=PERIOD_S)
     assert [first.fate, again.fate, other.fate] == [Fate.NEWEST, Fate.REPEATED, Fate.NEWEST]
 
 
 def test_what_waited_in_a_stations_memory_is_as_old_as_it_is_even_if_its_clock_runs_ahead() -> None:
     receipt, ahead = Receipt(), timedelta(minutes=20)
-    receipt.judge("boot-one", 1, START + ahead, now=START, now_s=0.0)
-    late = receipt.judge("boot-one", 2, START + ahead, now=START + timedelta(hours=1), now_s=3600.0)
+    receipt.judge("boot-one", 1, START + ahead, now=START, now_s=0.0, period_s=PERIOD_S)
+    late = receipt.judge("boot-one", 2, START + ahead, now=START + timedelta(hours=1), now_s=3600.0, period_s=PERIOD_S)
     assert late.measured_s == pytest.approx(0.0)
     assert receipt.skew_s == pytest.approx(1200)
 
@@ -67,11 +67,11 @@ def test_a_clock_that_was_set_right_is_believed_again() -> None:
     receipt = Receipt()
     for number in range(3):
         at = START + timedelta(minutes=number)
-        receipt.judge("boot-one", number, at + timedelta(hours=1), now=at, now_s=60.0 * number)
+        receipt.judge("boot-one", number, at + timedelta(hours=1), now=at, now_s=60.0 * number, period_s=PERIOD_S)
     assert receipt.is_clock_wrong
     for number in range(3, 4 + RECENT):
         at = START + timedelta(minutes=number)
-        found = receipt.judge("boot-one", number, at, now=at, now_s=60.0 * number)
+        found = receipt.judge("boot-one", number, at, now=at, now_s=60.0 * number, period_s=PERIOD_S)
     assert not receipt.is_clock_wrong
     assert found.fate is Fate.NEWEST
     assert found.measured_s == pytest.approx(60.0 * number)
@@ -83,18 +83,20 @@ def test_a_console_whose_clock_is_set_takes_what_is_new_for_new(step_s: float) -
     for number in range(2 * RECENT):
         if number == RECENT:
             clock.jump_wall(step_s)
-        found = receipt.judge("boot-one", number, true, now=clock.utc(), now_s=clock.mono_s())
+        found = receipt.judge("boot-one", number, true, now=clock.utc(), now_s=clock.mono_s(), period_s=PERIOD_S)
         assert (number, found.fate) == (number, Fate.NEWEST)
         if number >= RECENT:
             assert found.measured_s == pytest.approx(clock.mono_s())
         clock.advance(60)
         true += timedelta(seconds=60)
-    late = receipt.judge("boot-one", 99, true - timedelta(hours=1), now=clock.utc(), now_s=clock.mono_s())
+    late = receipt.judge(
+        "boot-one", 99, true - timedelta(hours=1), now=clock.utc(), now_s=clock.mono_s(), period_s=PERIOD_S
+    )
     assert late.measured_s == pytest.approx(clock.mono_s() - 3600), "what waited is as old as it is"
 
 
 def test_what_waited_two_weeks_is_rather_a_wrong_clock_and_is_not_kept() -> None:
-    found = Receipt().judge("boot-one", 1, START - timedelta(days=15), now=START, now_s=0.0)
+    found = Receipt().judge("boot-one", 1, START - timedelta(days=15), now=START, now_s=0.0, period_s=PERIOD_S)
     assert found.fate is Fate.TOO_OLD
 
 
@@ -145,7 +147,9 @@ class StationWithBadClock(RuleBasedStateMachine):
             return
         one = data.draw(st.sampled_from(self.sent))
         before = self.receipt.newest_s
-        found = self.receipt.judge(one.boot, one.seq, one.claimed, now=self.clock.utc(), now_s=self.clock.mono_s())
+        found = self.receipt.judge(
+            one.boot, one.seq, one.claimed, now=self.clock.utc(), now_s=self.clock.mono_s(), period_s=PERIOD_S
+        )
         key = one.boot, one.seq
         assert (found.fate is Fate.REPEATED) == (key in self.heard)
         self.heard.add(key)
@@ -175,10 +179,12 @@ def test_once_a_message_came_at_once_no_later_one_looks_younger_than_it_is(
     skew_s: float, delays_s: list[float]
 ) -> None:
     receipt, now_s = Receipt(), 0.0
-    receipt.judge("boot-one", 0, START + timedelta(seconds=skew_s), now=START, now_s=0.0)
+    receipt.judge("boot-one", 0, START + timedelta(seconds=skew_s), now=START, now_s=0.0, period_s=PERIOD_S)
     for number, delay_s in enumerate(delays_s, 1):
         now_s += 7200.0
         true_s = now_s - delay_s
         claimed = START + timedelta(seconds=true_s + skew_s)
-        found = receipt.judge("boot-one", number, claimed, now=START + timedelta(seconds=now_s), now_s=now_s)
-        assert found.measured_s <= true_s + 1e-3
+        found = receipt.judge(
+            "boot-one", number, claimed, now=START + timedelta(seconds=now_s), now_s=now_s, period_s=PERIOD_S
+        )
+        assert found.measured_s <= true_s + FADE * PERIOD_S * number + 1e-3
