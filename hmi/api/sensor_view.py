@@ -22,7 +22,7 @@ from hmi.presenters.units import percent
 from hmi.security.authorization import Authorize, is_allowed
 from hmi.security.session_info import SessionInfo
 from hmi.store.database import Database
-from hmi.store.sensor_board import SensorBoard, StationNow, ValueNow
+from hmi.store.sensor_board import SensorBoard, StationNow, ValueNow, is_recent
 from hmi.store.sensor_history import SensorHistory
 
 Row = dict[str, Any]
@@ -198,7 +198,10 @@ def sentence(known: StationNow, now_s: float) -> str:
         parts.append(f"Battery {percent(station.battery)} %.")
     if known.receipt.is_clock_wrong:
         parts.append(clock_words(known.receipt.skew_s))
-    wrong = [one for one in known.ordered() if not one.is_plausible and is_heard]
+    is_behind = known.receipt.is_clock_wrong and known.receipt.skew_s < 0
+    if is_heard and not is_behind and any(not one.is_dated for one in known.values.values()):
+        parts.append("Its clock was set, or its values waited: they count from the next ones on.")
+    wrong = [one for one in known.ordered() if not one.is_plausible and is_heard and is_recent(known, one, now_s)]
     if wrong:
         about = wrong[0].channel.about(station.units.get(wrong[0].channel, ""))
         parts.append(f"{wrong[0].channel.label} {about.text(wrong[0].value)} cannot be true.")

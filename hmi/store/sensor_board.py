@@ -93,6 +93,10 @@ class StationNow:
         """Return how far it can be relied on."""
         return state_of(self.age_s(now_s), self.station.period_s)
 
+    def measures(self, channel: Channel) -> bool:
+        """Say whether it announces a channel; what it announces may not be known yet, and then it may."""
+        return not self.station.units or channel in self.station.units
+
     def ordered(self) -> list[ValueNow]:
         """Return its values as people look at them."""
         return sorted(self.values.values(), key=lambda one: one.channel.order)
@@ -109,6 +113,11 @@ def usable(known: StationNow, value: ValueNow, now_s: float) -> bool:
         return False
     age_s, is_slow = now_s - value.measured_s, value.channel.about().is_slow
     return is_usable(age_s, known.station.period_s, is_slow=is_slow)
+
+
+def is_recent(known: StationNow, value: ValueNow, now_s: float) -> bool:
+    """Say whether a value is one of those that its station measures now, and not left over from before."""
+    return state_of(now_s - value.measured_s, known.station.period_s) is not State.SILENT
 
 
 class SensorBoard:
@@ -176,7 +185,7 @@ class SensorBoard:
             return
         for station_id, channel, at, value in kept:
             known = self._stations[station_id]
-            if channel in known.values:
+            if channel in known.values or not known.measures(channel):
                 continue
             measured_s = now_s - max(0.0, (now - at).total_seconds())
             is_plausible, is_kept = channel.about().is_plausible(value), since is None or at <= since
@@ -236,6 +245,7 @@ class SensorBoard:
         changed = known.station.announced(said)
         if changed != known.station:
             known.station = changed
+            known.values = {key: one for key, one in known.values.items() if key in said.units}
             self._tell(said.station_id)
 
     def gone(self, station_id: str) -> None:

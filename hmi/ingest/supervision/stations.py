@@ -10,7 +10,7 @@ from hmi.domain.sensors.condition import StationCondition
 from hmi.domain.sensors.freshness import State
 from hmi.domain.sensors.gate import Gate
 from hmi.domain.sensors.station import LOW_BATTERY
-from hmi.store.sensor_board import SensorBoard, StationNow
+from hmi.store.sensor_board import SensorBoard, StationNow, is_recent
 
 PREFIX = "station-"
 SOIL = "soil_moisture"
@@ -54,7 +54,7 @@ def condition_of(board: SensorBoard, source: str, now_s: float) -> StationCondit
     others = [one for one in board.accepted() if one is not known]
     heard = [one for one in others if one.state(now_s) in (State.FRESH, State.LATE)]
     wrong = [f"{one.channel.label} {one.channel.about().text(one.value)}" for one in known.ordered()
-             if not one.is_plausible]  # fmt: skip
+             if not one.is_plausible and is_recent(known, one, now_s)]  # fmt: skip
     return StationCondition(
         known.station.name, known.state(now_s), known.age_s(now_s), known.station.battery, known.receipt.skew_s,
         known.receipt.is_clock_wrong, tuple(wrong), len(others), len(heard),
@@ -74,7 +74,7 @@ def work_findings(board: SensorBoard, gate: Gate, at_work: Sequence[AtWork], now
         here = [one for one in at_work if one.parcel == known.station.parcel]
         if here and known.state(now_s) is not State.SILENT:
             source = source_of(known.station.id)
-            found[source] = (*found.get(source, ()), *_soil(board, known, _who(here)))
+            found[source] = (*found.get(source, ()), *_soil(board, known, _who(here), now_s))
     return {source: findings for source, findings in found.items() if findings}
 
 
@@ -92,20 +92,20 @@ def _station(known: StationNow, now_s: float) -> list[Finding]:
         which = f"{_minutes(skew_s)} ahead" if skew_s > 0 else f"{_minutes(-skew_s)} behind, or its values come late"
         found.append(Finding("station-clock", f"{which.capitalize()}."))
     for one in known.ordered():
-        if not one.is_plausible:
+        if not one.is_plausible and is_recent(known, one, now_s):
             text = f"{one.channel.label}: {one.channel.about().text(one.value)}."
             found.append(Finding("value-implausible", text, detail_of(one.channel.label)))
     return found
 
 
-def _soil(board: SensorBoard, known: StationNow, who: str) -> list[Finding]:
-    """Only where a limit is set, at its depth."""
+def _soil(board: SensorBoard, known: StationNow, who: str, now_s: float) -> list[Finding]:
+    """Only where a limit is set, at its depth, and while the value is recent."""
     found = []
     for one in known.ordered():
         limit = board.limit(one.channel)
         if one.channel.quantity != SOIL or limit is None or limit.high is None or not one.is_plausible:
             continue
-        if one.value > limit.high:
+        if one.value > limit.high and is_recent(known, one, now_s):
             text = f"{limit.sentence(one.value, one.channel.label)}. At work: {who}."
             found.append(Finding("soil-too-wet", text, detail_of(one.channel.key)))
     return found

@@ -186,6 +186,23 @@ async def test_weather_beyond_the_limit_is_an_alarm_only_while_somebody_treats(r
     assert texts == ["Wind 6.1 m/s, limit 5.0. At work: weeder-01.", "Soil 10 cm 35 %, limit 30. At work: weeder-01."]
 
 
+async def test_a_value_that_got_silent_raises_nothing_though_its_station_is_heard(rig: SensorRig) -> None:
+    await rig.accepted()
+    await rig.work.book.set_limits(rig.person(Role.PLANNER), [SensorLimit(Channel("soil_moisture"), high=0.3)])
+    rig.weeder(OrderStatus.RUNNING)
+    rig.measures(soil_moisture_10=0.9, soil_moisture_30=0.35)
+    await rig.passes(5)
+    rig.answers(rig.told(Down.NOTICE)[-1].id)
+    assert alarms(rig) == {"station-soil-03": ["value-implausible", "soil-too-wet"]}
+    for _ in range(4):
+        rig.clock.advance(60)
+        rig.measures(soil_temperature_10=11.0)
+    assert alarms(rig) == {}
+    seen = rig.work.condition_of("station-soil-03")
+    assert seen is not None
+    assert (seen.implausible, rig.shown()["sentence"]) == ((), "")
+
+
 async def test_a_notice_that_is_not_acknowledged_is_an_alarm(rig: SensorRig) -> None:
     await rig.accepted()
     rig.measures(soil_moisture_10=0.2)

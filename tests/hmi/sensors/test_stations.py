@@ -6,6 +6,7 @@ from datetime import timedelta
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace as replace_struct
 
 from backend_clients.field.codec import encode
 from backend_clients.field.topics import Down, Up, topic
@@ -187,6 +188,18 @@ async def test_a_clock_that_is_behind_makes_values_look_old_and_says_so(rig: Sen
     assert "Its clock is 40 min behind, or its values come so late: they count as old." in shown["sentence"]
 
 
+async def test_a_clock_that_leaps_is_told_as_the_reason_why_values_do_not_count(rig: SensorRig) -> None:
+    await rig.accepted()
+    for ahead_s in (0, 0, 7200):
+        rig.measures(at=rig.clock.utc() + timedelta(seconds=ahead_s), soil_moisture_10=0.2)
+        await rig.passes(60)
+    leapt = "Its clock was set, or its values waited: they count from the next ones on."
+    assert leapt in rig.shown()["sentence"]
+    for _ in range(2):
+        rig.measures(soil_moisture_10=0.2)
+    assert rig.shown()["sentence"] == ""
+
+
 async def test_a_clock_that_is_ahead_is_noticed_and_its_values_keep_their_age(rig: SensorRig) -> None:
     await rig.accepted()
     for _ in range(3):
@@ -216,6 +229,19 @@ async def test_values_in_another_unit_than_the_wire_has_are_not_taken(rig: Senso
     assert values(rig, "weather-02") == {"rain_rate": 0.0}
     assert rig.work.diagnostics()["refused"]["wrong_unit"] == 1
     assert rig.work.diagnostics()["dropped"]["unannounced"] == 1
+
+
+async def test_what_a_station_announces_no_longer_is_gone(rig: SensorRig) -> None:
+    await rig.accepted("weather-01", "weather")
+    rig.measures("weather-01", wind_speed=93.0, rain_rate=0.0)
+    assert rig.shown("weather-01")["sentence"] == "Wind 93.0 m/s cannot be true."
+    about = rig.about("weather-01", "weather")
+    rig.says(replace_struct(about, quantities=[one for one in about.quantities if one.quantity != "wind_speed"]))
+    rig.measures("weather-01", rain_rate=0.0)
+    assert (values(rig, "weather-01"), rig.shown("weather-01")["sentence"]) == ({"rain_rate": 0.0}, "")
+    assert rig.work.findings() == {}
+    rig.work.board.fill([("weather-01", Channel("wind_speed"), rig.clock.utc(), 3.0)])
+    assert values(rig, "weather-01") == {"rain_rate": 0.0}
 
 
 async def test_a_calibration_holds_from_the_next_value_on(rig: SensorRig) -> None:
