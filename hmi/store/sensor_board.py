@@ -306,6 +306,9 @@ class SensorBoard:
     def calibrate(self, one: Calibration) -> None:
         """Use a calibration from the next value on; what was measured before is no trend to that."""
         self._calibrations[one.station_id, one.channel] = one
+        known = self._stations.get(one.station_id)
+        if known is not None and one.channel in known.values:
+            known.values[one.channel].trail.clear()
 
     def _doubt(self, known: StationNow, report: Report) -> None:
         """Let no decision go by what came before: newer is known to be there, though not since when."""

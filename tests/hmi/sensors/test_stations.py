@@ -267,6 +267,20 @@ async def test_a_trend_is_told_once_an_hour_is_known(rig: SensorRig) -> None:
     assert trends == [None, None, None, None, None, "up", "up", "up"]
 
 
+async def test_a_calibration_is_no_trend(rig: SensorRig) -> None:
+    await rig.accepted("weather-01", "weather")
+    for _ in range(7):
+        rig.measures("weather-01", air_temperature=10.0)
+        await rig.passes(600, 60)
+    planner = rig.person(Role.PLANNER)
+    await rig.work.book.calibrate(planner, Calibration("weather-01", Channel("air_temperature"), 3.0, 1.0, ""))
+    rig.measures("weather-01", air_temperature=10.0)
+    assert (values(rig, "weather-01"), rig.shown("weather-01")["values"][0]["trend"]) == (
+        {"air_temperature": 13.0},
+        None,
+    )
+
+
 async def test_a_limit_without_a_depth_holds_for_every_depth_that_has_none_of_its_own(rig: SensorRig) -> None:
     await rig.accepted()
     limits = [SensorLimit(Channel("soil_moisture"), high=0.4), SensorLimit(MOISTURE, high=0.3)]
