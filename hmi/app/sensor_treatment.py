@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from datetime import datetime
 
 from hmi.commands.treatment_notice import Treatment
 from hmi.domain.family import Family
 from hmi.domain.mission import UNDER_WAY as NOT_OVER
 from hmi.domain.mission import MissionStatus
+from hmi.domain.planned_machine import MACHINE
 from hmi.domain.robot import Order, OrderStatus, Robot
 from hmi.domain.sensors.place import Parcel
 from hmi.ingest.supervision.stations import AtWork
@@ -73,9 +74,11 @@ class TreatmentWatch:
 
     async def treated(self, parcel: str, since: datetime) -> list[Treated]:
         """Return when a parcel was treated since then, oldest first; ``None`` as the end: it still is."""
+        uavs = {robot.id for robot in self._fleet.robots() if _only_looks(robot)}
         runs = [
-            one for one in self._missions.all_known(self._farm_id) if one.field_id == parcel and one.updated_at >= since
-        ]
+            one for one in self._missions.all_known(self._farm_id)
+            if one.field_id == parcel and one.updated_at >= since and not _is_flight(one, uavs)
+        ]  # fmt: skip
         newest = sorted(runs, key=lambda one: one.updated_at, reverse=True)[:MOST_RUNS]
         return sorted(await self._database.run(self._spans, newest, since), key=lambda one: one[0])
 
@@ -101,6 +104,12 @@ class TreatmentWatch:
 
 def _only_looks(robot: Robot) -> bool:
     return robot.factsheet is not None and robot.factsheet.family is Family.UAV
+
+
+def _is_flight(mission: Mission, uavs: Set[str]) -> bool:
+    """Say whether a UAV has it; one that was not heard since the start is known by what was planned for it."""
+    machine = mission.statistics.get(MACHINE) or {}
+    return mission.robot_id in uavs or machine.get("family") == Family.UAV.value
 
 
 def _is_on(robot: Robot, parcel: Parcel) -> bool:

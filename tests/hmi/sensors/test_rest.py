@@ -228,6 +228,35 @@ async def test_a_chart_shows_when_the_parcel_was_treated(rig: SensorRig) -> None
     assert (treated["to_utc"], treated["text"]) == (None, "Wheat 1, weeder-01")
 
 
+@pytest.mark.parametrize("is_heard", [True, False])
+async def test_a_chart_shows_no_flight_of_a_uav_as_treatment(
+    rig: SensorRig, is_heard: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from hmi.domain.family import Family
+    from hmi.domain.mission import MissionStatus, Mover
+    from hmi.domain.planned_machine import MACHINE
+
+    await rig.accepted()
+    missions, run = rig.records.missions, rig.records.database.run
+    steps = ((MissionStatus.SENT, Mover.PERSON), (MissionStatus.ACCEPTED, Mover.ROBOT),
+             (MissionStatus.RUNNING, Mover.ROBOT))  # fmt: skip
+    for status, mover in steps:
+        await run(missions.move, "farm", "wheat-1", status, mover, "x", "", at=rig.clock.utc())
+    rig.weeder(OrderStatus.RUNNING)
+    weeder = rig.fleet.robots["weeder-01"]
+    if is_heard:
+        assert weeder.factsheet is not None
+        rig.fleet.robots["weeder-01"] = replace(weeder, factsheet=replace(weeder.factsheet, family=Family.UAV))
+    else:
+        rig.fleet.robots.clear()
+        [flown] = missions.all_known("farm")
+        flown = replace(flown, statistics={MACHINE: {"robot_id": "weeder-01", "family": "uav"}})
+        monkeypatch.setattr(missions, "all_known", lambda _farm: [flown])
+    async with rig.browser(Role.VIEWER) as client:
+        found = (await client.get("/sensors/soil-03/series?quantity=soil_moisture&depth_m=0.1")).json()
+    assert found["treatments"] == []
+
+
 @pytest.mark.parametrize("depth", ["deep", "-1", "nan", "30"])
 async def test_a_depth_that_is_none_is_refused(rig: SensorRig, depth: str) -> None:
     await rig.accepted()
