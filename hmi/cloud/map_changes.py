@@ -87,8 +87,20 @@ class MapChanges:
         if self._told is not None:
             await asyncio.to_thread(self._told.add, [ref for ref in refs if ref.type in KIND_OF])
 
-    async def forget(self) -> None:
-        """Expect nothing there: the broker knows nothing of us."""
+    async def placed(self) -> None:
+        """Expect nothing there if the tenant has nothing that we told; else what is missing was deleted by somebody.
+
+        Raises:
+            NgsiError: it could not be asked.
+        """
+        told = frozenset[EntityRef]() if self._told is None else self._told.all()
+        if told:
+            async for one in self._client.entities(Query(types=tuple(KIND_OF))):
+                if one.ref in told:
+                    return
+        await self._forget()
+
+    async def _forget(self) -> None:
         if self._told is not None:
             await asyncio.to_thread(self._told.forget)
         if self.book.clear():

@@ -99,15 +99,8 @@ class Mirror:
             await self._backlog.settle()
         if not await self.link.is_ready():
             return
-        if self.link.placed != self._placed:
-            self._placed = self.link.placed
-            self.tell_whole()
-            self._had.clear()
-            self._states.forget()
-            if self.changes is not None:
-                await self.changes.forget()
-            for other in self._others():
-                other.forget()
+        if self.link.placed != self._placed and not await self._begin_again():
+            return
         run = self.guard.run
         # the map last: it is the largest, and over a slow way nothing waits until it got through
         if (
@@ -116,6 +109,23 @@ class Mirror:
             and await run("What waits", self._send_backlog)
         ):
             await run("Map", self._send_map)
+
+    async def _begin_again(self) -> bool:
+        """Tell everything to a tenant that may know nothing of us; return whether the link is still up."""
+        placed = self.link.placed
+        try:
+            if self.changes is not None:
+                await self.changes.placed()
+        except NgsiError as error:
+            self.link.failed(error)
+            return False
+        self._placed = placed
+        self.tell_whole()
+        self._had.clear()
+        self._states.forget()
+        for other in self._others():
+            other.forget()
+        return True
 
     async def _send_robots(self) -> bool:
         is_up = await self._send_reports()

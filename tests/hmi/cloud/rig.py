@@ -39,7 +39,7 @@ class Road(httpx.AsyncBaseTransport):
 
     def __init__(self, inner: httpx.AsyncBaseTransport, clock: FakeClock) -> None:
         self._inner, self._clock = inner, clock
-        self.broken: Callable[[httpx.Request], Exception | httpx.Response] | None = None
+        self.broken: Callable[[httpx.Request], Exception | httpx.Response | None] | None = None
         self.delay_s = 0.0
         self.requests: list[httpx.Request] = []
 
@@ -51,7 +51,8 @@ class Road(httpx.AsyncBaseTransport):
             found = self.broken(request)
             if isinstance(found, Exception):
                 raise found
-            return found
+            if found is not None:
+                return found
         return await self._inner.handle_async_request(request)
 
 

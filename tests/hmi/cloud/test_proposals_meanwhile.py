@@ -108,8 +108,33 @@ async def test_proposals_of_a_cloud_that_knows_nothing_of_us_any_more_are_gone(t
     await farm.others.patch(REF, {"name": make.text("Theirs")})
     await farm.rig.run(301, step_s=50)
     assert len(farm.book.all()) == 1
-    await farm.rig.mirror.changes.forget()  # type: ignore[union-attr]
+    await farm.others.delete(REF)  # with everything else
+    await farm.rig.link.take_tenant()
+    await farm.rig.run(2)
     assert farm.book.all() == []
+    assert (await farm.in_cloud())[REF.id]["name"] == "North"
+    await farm.rig.close()
+
+
+@pytest.mark.parametrize("is_noticed", [True, False])
+async def test_a_deletion_stays_proposed_when_the_tenant_is_taken(tmp_path: Path, is_noticed: bool) -> None:
+    farm = Farm(tmp_path, NORTH, BARN)
+    await farm.rig.run(2)
+    await farm.others.delete(REF)
+    if is_noticed:
+        await farm.rig.run(301, step_s=50)
+        assert [(one.id, one.what) for one in farm.book.all()] == [("north", "removed")]
+    await farm.rig.link.take_tenant()
+    farm.rig.road.broken = lambda request: httpx.ConnectError("away") if "AgriParcel" in str(request.url) else None
+    await farm.rig.run(2)
+    farm.rig.road.broken = None
+    await farm.rig.run(60)
+    assert [(one.id, one.what) for one in farm.book.all()] == [("north", "removed")]
+    assert await farm.in_cloud() == {}
+    farm.book.drop("north")
+    farm.tell()
+    await farm.rig.run(2)
+    assert list(await farm.in_cloud()) == [REF.id], "refused, it is written again"
     await farm.rig.close()
 
 
