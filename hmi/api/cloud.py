@@ -47,8 +47,11 @@ def proposal_routes(desk: CloudDesk, proposals: MapProposals) -> APIRouter:
     router = APIRouter(tags=["map"])
 
     @router.get("/map/proposals", summary="What the cloud wants changed on the map")
-    async def listed(session: Watcher) -> dict[str, Any]:
-        return {"proposals": desk.proposals()}
+    async def listed(session: Watcher) -> Any:
+        def rows(editors: dict[str, str]) -> dict[str, Any]:
+            return {"proposals": [{**one, "in_draft_by": editors.get(one["id"], "")} for one in desk.proposals()]}
+
+        return await tried(lambda: proposals.in_draft(session), rows)
 
     @router.post("/map/proposals/{proposal_id}/take", summary="Put a change from the cloud into your draft")
     async def take(proposal_id: ProposalId, body: TakeBody, session: SignedIn) -> Any:

@@ -173,7 +173,7 @@ class CloudRoom:
         return [
             {
                 "id": one.id, "kind": one.kind, "name": one.name, "what": one.what, "text": one.text,
-                "problem": one.problem, "in_draft_by": one.by, "utc": one.at.isoformat(timespec="milliseconds"),
+                "problem": one.problem, "utc": one.at.isoformat(timespec="milliseconds"),
                 "before": None if one.before is None else as_geojson(one.before),
                 "after": None if one.after is None else as_geojson(one.after),
             }

@@ -11,7 +11,7 @@ from hmi.fiware.urn import KeyValues, Urns
 from hmi.mapping.errors import BadFeature
 from hmi.mapping.feature import MapFeature
 from hmi.mapping.jobs import compare
-from hmi.mapping.merging import merged
+from hmi.mapping.merging import is_within
 
 MOST = 200  # proposals listed; a cloud that changes a thousand fields at once is looked at by somebody
 Wish = tuple[MapFeature | None, str]
@@ -28,7 +28,6 @@ class Proposal:
         text: what is different, in a sentence.
         before, after: our feature and theirs; ``None`` is absent.
         problem: why it cannot be taken as it is, empty if it can.
-        by: who put it into the draft, empty if nobody did.
         mark: of what the entity said.
     """
 
@@ -42,7 +41,6 @@ class Proposal:
     after: MapFeature | None
     at: datetime
     problem: str = ""
-    by: str = ""
     mark: str = ""
 
 
@@ -142,19 +140,16 @@ class ProposalBook:
         if one is not None:
             self._refused[proposal_id] = one.after, one.problem
 
-    def taken(self, proposal_id: str, by: str) -> None:
-        """Note that one is in the draft now; it stays listed until a map with it is published."""
-        if proposal_id in self._open:
-            self._open[proposal_id] = replace(self._open[proposal_id], by=by)
-
     def published(self, features: Mapping[str, MapFeature]) -> bool:
         """Take a map that was published: what it fulfils is done; return whether any was."""
-        done = [one for one in self._open.values() if _is_fulfilled(one, features.get(one.id))]
+        done = [
+            one
+            for one in self._open.values()
+            if not one.problem and is_within(features.get(one.id), one.before, one.after)
+        ]
         for one in done:
             del self._open[one.id]
             self._fulfilled[one.id] = one.mark
-        for key, one in self._open.items():
-            self._open[key] = replace(one, by="")  # it was in a draft that became another map
         return bool(done)
 
     def held_back(self, entities: Collection[KeyValues]) -> list[KeyValues]:
@@ -176,7 +171,7 @@ class ProposalBook:
             self._open[feature_id] = found
         else:
             # as our map is now: what was published since is no difference to it
-            self._open[feature_id] = replace(found, at=known.at, by=known.by)
+            self._open[feature_id] = replace(found, at=known.at)
 
     def _proposal(
         self, entity: KeyValues, feature_id: str, features: Mapping[str, MapFeature], now: datetime,
@@ -194,11 +189,3 @@ class ProposalBook:
         found = compare([ours] if ours is not None else [], [theirs])
         text = "; ".join(one.text for one in found)[:300] or "Changed"
         return Proposal(feature_id, entity["id"], kind, name, what, text, ours, theirs, now)
-
-
-def _is_fulfilled(one: Proposal, ours: MapFeature | None) -> bool:
-    """Say whether our map has what a proposal asks for, whatever else was changed there."""
-    try:
-        return not one.problem and merged(ours, one.before, one.after) == ours
-    except BadFeature:
-        return False

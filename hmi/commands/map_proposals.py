@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import asyncio
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Protocol
 
 from hmi.commands.audit_line import audit_line
@@ -12,7 +13,7 @@ from hmi.domain.map_log import FeatureChange
 from hmi.domain.role import Permission
 from hmi.mapping.errors import BadFeature
 from hmi.mapping.feature import MapFeature, as_geojson, parse_feature
-from hmi.mapping.merging import merged
+from hmi.mapping.merging import is_within, merged
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
 from hmi.store.errors import NotFound
@@ -21,6 +22,11 @@ from hmi.store.maps import MapDraft
 
 class Proposed(Protocol):
     """What the service needs of a proposal."""
+
+    @property
+    def id(self) -> str:
+        """Of the feature."""
+        ...
 
     @property
     def name(self) -> str:
@@ -50,8 +56,8 @@ class ProposalSource(Protocol):
         """Return one, ``None`` if there is none any more."""
         ...
 
-    def taken(self, proposal_id: str, by: str) -> None:
-        """Note that one is in the draft."""
+    def all(self) -> Sequence[Proposed]:
+        """Return those that are open."""
         ...
 
     def drop(self, proposal_id: str) -> None:
@@ -77,6 +83,15 @@ class MapProposals:
         self._source, self._book, self._authorize = source, book, authorize
         self._audit, self._on_refused = audit, on_refused
 
+    async def in_draft(self, session: SessionInfo) -> dict[str, str]:
+        """Return who has which proposals in the draft now, by proposal: taken, and not taken back since."""
+        opened = [one for one in self._source.all() if not one.problem]
+        draft = await self._book.draft(session) if opened else None
+        if draft is None:
+            return {}
+        found = await asyncio.to_thread(_fulfilled, opened, draft.features)
+        return dict.fromkeys(found, draft.editor_name)
+
     async def take(
         self, session: SessionInfo, proposal_id: str, ref: str
     ) -> tuple[MapDraft, tuple[FeatureChange, ...]]:
@@ -100,7 +115,6 @@ class MapProposals:
         after = one.after if draft is None else merged(_parsed(before), one.before, one.after)
         change = FeatureChange(proposal_id, before, None if after is None else as_geojson(after))
         done = await self._book.change(session, ref, f"From the cloud: {one.name}"[:200], [change])
-        self._source.taken(proposal_id, session.user_name)
         self._note(session, "taken", proposal_id, one.name)
         return done
 
@@ -121,6 +135,10 @@ class MapProposals:
     def _note(self, session: SessionInfo, outcome: str, proposal_id: str, name: str) -> None:
         text = f"{name}: change from the cloud {outcome}."
         self._audit.append(audit_line(session, "map", outcome, text, ref=proposal_id))
+
+
+def _fulfilled(opened: Sequence[Proposed], features: Mapping[str, dict[str, Any]]) -> list[str]:
+    return [one.id for one in opened if is_within(_parsed(features.get(one.id)), one.before, one.after)]
 
 
 def _parsed(raw: Mapping[str, Any] | None) -> MapFeature | None:

@@ -38,6 +38,14 @@ def merged(mine: MapFeature | None, before: MapFeature | None, after: MapFeature
     )
 
 
+def is_within(mine: MapFeature | None, before: MapFeature | None, after: MapFeature | None) -> bool:
+    """Say whether ``mine`` has what differs from ``before`` to ``after`` already, whatever else was changed there."""
+    try:
+        return merged(mine, before, after) == mine
+    except BadFeature:
+        return False
+
+
 def _parts(feature: MapFeature) -> dict[str, Any]:
     return {**feature.properties, "name": feature.name, "geometry": feature.geometry}
 

@@ -24,6 +24,14 @@
       this.paint();
     }
 
+    // what stands in the draft may be taken back or thrown away
+    follow() {
+      const step = this.act.client.draft?.undo_id ?? null;
+      if (step === this.step) return;
+      this.step = step;
+      if (this.rows.length) this.load();
+    }
+
     paint() {
       attr(this.node, "hidden", !this.rows.length);
       this.head.textContent = `From the cloud: ${count(this.rows.length, "change")}`;

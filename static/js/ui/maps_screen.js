@@ -337,6 +337,7 @@
         canTake: this.may.edit && this.may.take && Boolean(lock),
       });
       this.chips.paint(client);
+      this.cloud.follow();
     }
 
     paintHint() {

@@ -198,12 +198,17 @@ class StageMap:
     def propose(self, session: SessionInfo, more: list[str], body: dict[str, Any]) -> Any:
         """Answer a request about changes from the cloud."""
         if not more:
-            return {"proposals": self.proposals}
+            taken = {one.label for one in self.draft.log if not one.is_undone} if self.draft else set[str]()
+            by = {True: session.user_name, False: ""}
+            return {
+                "proposals": [
+                    {**one, "in_draft_by": by[f"From the cloud: {one['name']}" in taken]} for one in self.proposals
+                ]
+            }
         one = next(one for one in self.proposals if one["id"] == more[0])
         if more[1] == "refuse":
             self.proposals.remove(one)
             return {}
-        one["in_draft_by"] = session.user_name
         change = {"id": one["id"], "before": self.mine(session).features.get(one["id"]), "after": one["after"]}
         return self.change(session, body["id"], f"From the cloud: {one['name']}", [change])
 

@@ -43,6 +43,8 @@ def test_a_change_from_the_cloud_is_taken_into_a_draft_by_a_person_and_by_nobody
     expect(page.get_by_test_id("maps")).to_have_attribute("data-state", "draft")
     expect(page.get_by_test_id("proposal-nordfeld")).to_contain_text("it stays here until it is published")
     expect(page.get_by_test_id("editor-changes")).to_contain_text("From the cloud: Nordfeld")
+    page.get_by_test_id("editor-undo").click()
+    expect(page.get_by_test_id("proposal-nordfeld")).not_to_contain_text("In the draft")
     page.get_by_test_id("proposal-refuse-new-1").click()
     page.get_by_test_id("proposal-refuse").get_by_role("button", name="Refuse").click()
     expect(place).to_contain_text("From the cloud: 1 change")
