@@ -84,12 +84,12 @@
       }
     }
 
-    // whose word it is where there are several, what belongs to it, and its limit
+    // its limit first, for what is too long is cut off at its end; whose word it is where there are several, what belongs to it
     under(one, isAll, isGone) {
       const { value, station } = one;
       if (isGone) return value.state === "never" ? "never measured" : `${station.name}: not measured`;
       if (value.is_plausible === false) return `${station.name}: this cannot be true`;
-      const parts = [isAll && one.all.length > 1 ? station.name : "", this.limit(value)];
+      const parts = [this.limit(value), isAll && one.all.length > 1 ? station.name : ""];
       const beside = (quantity, say) => {
         const other = R.beside(one, quantity);
         if (U().isNumber(other?.value)) parts.push(say(other.value, other.unit, U().digits(quantity)));
