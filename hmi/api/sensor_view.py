@@ -173,7 +173,7 @@ class SensorView:
             "age_s": round(age_s, 1),
             "state": state_of(age_s, known.station.period_s).value,
             "is_plausible": one.is_plausible,
-            "limit": _bounds(limit),
+            "limit": None if limit is None else {**(_bounds(limit) or {}), "is_treatment": limit.is_treatment},
             "is_over": limit is not None and one.is_plausible and limit.is_over(one.value),
             "trend": one.trend(),
         }

@@ -32,6 +32,17 @@ test('a state is the older of what the server said and what the age says now', (
   assert.equal(R.stateNow('late', 5000, undefined), 'late'); // without a period only the server can tell
 });
 
+test('now is by the server, whatever the clock of the tablet', () => {
+  assert.equal(R.nowMs('2026-05-20T12:00:00Z', 30), Date.parse('2026-05-20T12:00:30Z'));
+  assert.equal(R.nowMs('2026-05-20T12:00:00Z', -30), Date.parse('2026-05-20T12:00:00Z'));
+  assert.ok(Math.abs(R.nowMs(undefined, 3) - Date.now()) < 1000 && Math.abs(R.nowMs('2026-05-20T12:00:00Z', Infinity) - Date.now()) < 1000);
+});
+
+test('a forecast is measured against what treatment waits for, not against limits that only warn', () => {
+  const wind = (high, is_treatment, more = {}) => station(`w${high}`, [value('wind_speed', { limit: { low: null, high, is_treatment } })], more);
+  assert.deepEqual(plain(R.treatmentLimits([wind(5, true), wind(4, true), wind(2, false), wind(1, true, { is_accepted: false })], ['wind_speed', 'rain_rate'])), { wind_speed: 4 });
+});
+
 test('stations and their values age without an answer', () => {
   const [one] = R.aged([station('soil-01', [value('soil_moisture@0.10')])], 200);
   assert.equal(one.age, 205);

@@ -47,7 +47,7 @@
       const points = found.read.map((one) => (one.mean === null ? one : { ...one, mean: own.from(one.mean), low: own.from(one.low), high: own.from(one.high) }));
       const bound = (value) => (HL.sensorUnits.isNumber(value) ? own.from(value) : null);
       const limits = { low: bound(found.limits?.low), high: bound(found.limits?.high) };
-      const [from, to] = C.reach(points, span, Date.now());
+      const [from, to] = C.reach(points, span, HL.sensors.now());
       const scale = C.scale(points, limits, { isFloored: Boolean(R.QUANTITIES[quantity]?.isFloored) && this.about.unit !== "°C", count: Math.max(2, Math.floor((h - TOP - FOOT) / 36)) });
       const x = (t) => LEFT + ((t - from) / (to - from)) * (w - LEFT - RIGHT);
       const y = (value) => h - FOOT - ((value - scale.low) / (scale.high - scale.low)) * (h - TOP - FOOT);

@@ -26,6 +26,7 @@
 
   // s since the answer was asked for; a tablet that slept counts its sleep
   const passedS = () => (data.found ? Math.max(performance.now() - asked.mono, Date.now() - asked.wall) / 1000 : Infinity);
+  const now = () => R.nowMs(data.found?.now_utc, passedS());
   const stations = () => (data.found ? R.aged(data.found.stations ?? [], passedS()) : []);
   const station = (id) => stations().find((one) => one.id === id) ?? null;
   const may = (what) => Boolean(data.found?.can?.[what]);
@@ -143,5 +144,5 @@
     return answer;
   }
 
-  HL.sensors = Object.assign(data, { begin, end, load, loadSeries, choose, show, setSpan, subject, stations, station, passedS, askedAt, may, send, count: () => kept().count ?? 0 });
+  HL.sensors = Object.assign(data, { begin, end, load, loadSeries, choose, show, setSpan, subject, stations, station, passedS, now, askedAt, may, send, count: () => kept().count ?? 0 });
 })();

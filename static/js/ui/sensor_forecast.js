@@ -16,7 +16,7 @@
 
     paint(forecast, limits) {
       const state = forecast?.state ?? "off";
-      const hours = state === "off" ? [] : (forecast.hours ?? []).filter((one) => Date.parse(one.utc) > Date.now() - 3600000).slice(0, MOST);
+      const hours = state === "off" ? [] : (forecast.hours ?? []).filter((one) => Date.parse(one.utc) > HL.sensors.now() - 3600000).slice(0, MOST);
       attr(this.node, "data-state", state);
       toggle(this.node, "stale", state === "old" || state === "failed");
       text(this.said, state === "off" ? forecast?.sentence || OFF : U.sentence(forecast.sentence) || (state === "fresh" ? "" : "This forecast is old."));

@@ -30,6 +30,12 @@
     return said === null || said === undefined || !Number.isFinite(said) ? null : said + Math.max(0, passedS);
   }
 
+  // ms of the server's clock, by which everything it tells was measured: a tablet's own may be wrong
+  function nowMs(nowUtc, passedS) {
+    const at = Date.parse(nowUtc ?? "");
+    return Number.isFinite(at + passedS) ? at + Math.max(0, passedS) * 1000 : Date.now();
+  }
+
   // the older of what the server said and what its age says now: between two answers values go on ageing
   function stateNow(said, age, periodS) {
     if (age === null) return "never";
@@ -98,6 +104,17 @@
     return { ptr: along(value.value, range), ok: [low === null ? 0 : along(low, range), high === null ? 100 : along(high, range)], limits: limits.map((one) => along(one, range)) };
   }
 
+  // what a forecast is measured against: the strictest of the limits that treatment waits for; others only warn
+  function treatmentLimits(stations, quantities) {
+    const found = {};
+    for (const quantity of quantities) {
+      const limits = stations.filter((one) => one.is_accepted).flatMap((one) => one.values).filter((value) => value.quantity === quantity && value.limit?.is_treatment).map((value) => value.limit.high);
+      const highs = limits.filter(Number.isFinite);
+      if (highs.length) found[quantity] = Math.min(...highs);
+    }
+    return found;
+  }
+
   // the newest word of any accepted weather station; null while one of them reports, or where there is none
   function weatherProblem(stations, atTime) {
     const weather = stations.filter((one) => one.is_accepted && one.kind === "weather");
@@ -145,5 +162,5 @@
     return [`${known.length} ${known.length === 1 ? "station" : "stations"}`, ...parts, fresh ? `${fresh} new` : ""].filter(Boolean).join(", ");
   }
 
-  HL.sensorRules = { STATES, KINDS, QUANTITIES, ORDER, ANSWER_OLD_S, rank, ageS, stateNow, aged, tiles, beside, compass, bar, weatherProblem, gateNow, sentence, noticeWords, number, summary };
+  HL.sensorRules = { STATES, KINDS, QUANTITIES, ORDER, ANSWER_OLD_S, rank, ageS, nowMs, stateNow, aged, tiles, beside, compass, bar, treatmentLimits, weatherProblem, gateNow, sentence, noticeWords, number, summary };
 })();

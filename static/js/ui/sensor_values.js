@@ -34,7 +34,7 @@
       attr(this.none, "hidden", count > 0 || one?.kind === "camera");
       text(this.noneWords, one ? `${one.name} has measured nothing yet. It reports ${every(one.period_s)}.` : "Nothing was measured yet. Each station brings its values with its next report.");
       this.curve.paint(stations);
-      this.forecast.paint(found.forecast, this.limits(stations));
+      this.forecast.paint(found.forecast, R.treatmentLimits(stations, ["wind_speed", "rain_rate", "air_temperature"]));
     }
 
     paintOne(one) {
@@ -46,16 +46,6 @@
       if (one.kind !== "camera") return;
       text(this.pictures, `${one.pictures_today ?? 0} of ${one.pictures_limit ?? "–"} pictures today`);
       text(this.picturesLine, HL.sensorDock.said(one.id) || (one.camera ? "Its pictures are on Cameras." : "Its pictures reach Cameras after the first one."));
-    }
-
-    // what the forecast is measured against: the limits of the values treatment waits for
-    limits(stations) {
-      const found = {};
-      for (const quantity of ["wind_speed", "rain_rate", "air_temperature"]) {
-        const highs = stations.filter((one) => one.is_accepted).flatMap((one) => one.values).filter((value) => value.quantity === quantity).map((value) => value.limit?.high).filter(HL.sensorUnits.isNumber);
-        if (highs.length) found[quantity] = Math.min(...highs);
-      }
-      return found;
     }
   }
 

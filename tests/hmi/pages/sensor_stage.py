@@ -151,7 +151,7 @@ class SensorStage:
         _, _, label, unit = CHANNELS[key]
         limit = next((o for o in self.limits if o["quantity"] == quantity and o["depth_m"] in (None, depth_m)), None)
         value = round(self._at(key, name, datetime.now(UTC)) + (2.7 if self._is_windy(key) else 0), 1)
-        bounds = limit and {"low": limit["low"], "high": limit["high"]}
+        bounds = limit and {key: limit[key] for key in ("low", "high", "is_treatment")}
         is_over = bool(bounds and bounds["high"] is not None and value > bounds["high"])
         head = {"key": key, "quantity": quantity, "label": label, "unit": unit, "depth_m": depth_m, "value": value}
         return {**head, "age_s": age, "state": state, "limit": bounds, "is_over": is_over, "trend": "up"}

@@ -169,6 +169,39 @@ def test_what_is_wrong_is_said_where_it_is(look: Look, stations: Callable[..., N
 
 
 @pytest.mark.long
+def test_a_chart_is_drawn_by_the_clock_of_the_server(look: Look, stations: Callable[..., None]) -> None:
+    page = opened(look("/sensors"))
+    page.evaluate("() => { const now = Date.now; Date.now = () => now() + 26 * 3600000; return HL.sensors.load(); }")
+    page.get_by_test_id("sensor-span-7d").click()
+    page.get_by_test_id("sensor-span-24h").click()
+    expect(page.get_by_test_id("sensor-chart")).to_have_attribute("aria-label", re.compile("^Wind, .* to .*last"))
+    expect(page.locator(".sn-plot .mean").first).to_be_visible()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("size", TABLETS)
+def test_a_reading_is_never_cut_off_nor_the_limit_of_a_tile(
+    look: Look, stations: Callable[..., None], size: str
+) -> None:
+    page = opened(look("/sensors", size=size))
+    page.get_by_test_id("sensor-value-soil-moisture-0-10").click()
+    expect(page.locator(".sn-pick")).to_be_visible()
+    expect(page.get_by_test_id("sensor-value-soil-moisture-0-10")).to_contain_text(re.compile(r"limits 14.0 to 38.0 ·"))
+    said, tall = page.get_by_test_id("sensor-readout"), "() => document.querySelector('.sn-charthead').clientHeight"
+    expect(said).to_contain_text("Soil 1, one value each 10 min. Touch to read.")
+    page.evaluate("document.fonts.ready")
+    before = page.evaluate(tall)
+    page.get_by_test_id("sensor-chart").focus()
+    page.keyboard.press("End")
+    expect(said).to_contain_text("highest")
+    assert said.evaluate("(one) => [one.scrollWidth <= one.clientWidth, getComputedStyle(one).whiteSpace]") == [
+        True,
+        "normal",
+    ]
+    assert page.evaluate(tall) == before, "nothing jumps"
+
+
+@pytest.mark.long
 def test_a_planner_accepts_a_new_station_and_a_refusal_loses_nothing(
     look: Look, theatre: Theatre, stations: Callable[..., None]
 ) -> None:

@@ -288,6 +288,7 @@ async def test_a_limit_without_a_depth_holds_for_every_depth_that_has_none_of_it
     rig.measures(soil_moisture_10=0.35, soil_moisture_30=0.35)
     shown = {one["key"]: (one["limit"]["high"], one["is_over"]) for one in rig.shown()["values"]}
     assert shown == {"soil_moisture@0.10": (30, True), "soil_moisture@0.30": (40, False)}
+    assert {one["limit"]["is_treatment"] for one in rig.shown()["values"]} == {False}
 
 
 async def test_a_station_that_is_taken_out_and_still_heard_is_a_new_one(rig: SensorRig) -> None:
