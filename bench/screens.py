@@ -6,12 +6,14 @@
 from __future__ import annotations
 
 import io
+import re
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from PIL import Image
 from playwright.sync_api import Browser, expect, sync_playwright
 
@@ -26,8 +28,8 @@ SIZES = {"landscape": (1280, 800), "portrait": (800, 1280), "desk": (1920, 1080)
 THEMES = ("day", "night", "sunlight")
 ROBOT, MISSION = "weeder-01", "trial-strip"
 ROWS_DONE = 5  # of the working robot that Operate shows
-COLOURS = 96  # flat surfaces and text lose nothing visible, files shrink to a third
-COLOURS_OF_PICTURES = 256  # with fewer, STOP on a wall of cameras is not red any more
+COLOURS = 96  # beside those of signs: flat surfaces and text lose nothing visible, files shrink to a third
+COLOURS_OF_PICTURES = 220  # with fewer, a wall of cameras has steps in it
 SETTLE_MS, SETTLE_TWIN_MS = 1500, 8000  # the ground of another theme is drawn in software first
 Prepare = Callable[[Person], None]
 
@@ -193,11 +195,34 @@ def _come(browser: Browser, running: Installation, name: str, size: str) -> Pers
 
 def _shoot(someone: Person, name: str) -> str:
     someone.page.wait_for_timeout(SETTLE_TWIN_MS if name.startswith("twin") else SETTLE_MS)
-    picture = Image.open(io.BytesIO(someone.page.screenshot()))
-    colours = COLOURS_OF_PICTURES if name.startswith("cameras") else COLOURS
-    flat = picture.convert("RGB").quantize(colours, dither=Image.Dither.NONE)
+    picture = Image.open(io.BytesIO(someone.page.screenshot())).convert("RGB")
+    flat = with_palette(picture, COLOURS_OF_PICTURES if name.startswith("cameras") else COLOURS)
     flat.save(OUT / f"{name}.png", optimize=True)
     return f"{name}.png"
+
+
+def with_palette(picture: Image.Image, colours: int) -> Image.Image:
+    """Return a picture of ``colours`` colours and those of signs beside them: alarms and STOP, each as it is.
+
+    A palette made from areas alone gives the few pixels of an orange triangle the yellow of a diamond.
+    """
+    pixels = np.asarray(picture)
+    found = [sign for sign in signs() if (pixels == sign).all(axis=2).any()]
+    flat = picture.quantize(colours, dither=Image.Dither.NONE)
+    palette = (flat.getpalette() or [])[: 3 * colours]
+    places = np.array(flat)
+    for number, sign in enumerate(found, len(palette) // 3):
+        places[(pixels == sign).all(axis=2)] = number
+    kept = Image.fromarray(places, "P")
+    kept.putpalette([*palette, *(part for sign in found for part in sign)])
+    return kept
+
+
+def signs() -> list[tuple[int, int, int]]:
+    """Return the colours of priorities and of STOP in all themes, as red, green, blue."""
+    text = (ROOT / "static" / "css" / "tokens.css").read_text("utf-8")
+    named = set(re.findall(r"--hl-(?:p[1-4]|stop-[\w-]+): #([0-9a-f]{6});", text))
+    return [(int(one[:2], 16), int(one[2:4], 16), int(one[4:], 16)) for one in sorted(named)]
 
 
 def _twin(someone: Person) -> None:

@@ -18,7 +18,7 @@ SECTIONS = (
     ("tablets", "Tablets", "tablet"),
     ("notifications", "Notifications", "notifications"),
     ("limits", "Alarm limits", "tune"),
-    ("cloud", "Cloud", "network_cell"),
+    ("cloud", "Cloud", "cloud"),
     ("audit", "Audit log", "history"),
     ("diagnostics", "Diagnostics", "monitoring"),
 )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from hmi.domain.robot import Mode, Robot, Telemetry
+from hmi.domain.robot import Family, Mode, Robot, Telemetry
 from hmi.presenters import machine_tiles
 from hmi.presenters.tile import NOT_HEARD, RTT_MS, Tile, bar, tile
 from hmi.presenters.units import number, on_scale, percent, short_length, span_text
@@ -158,8 +158,9 @@ def _tool(robot: Robot, fast: Telemetry | None) -> Tile:
     tool = fast.tool
     is_on = tool.state == "on"
     rate = tool.rate_per_min if is_on else None
-    interlock = "interlock ok" if tool.is_interlock_ok else "interlock open"
-    warmth = f", {number(tool.temperature_c)} °C" if tool.temperature_c is not None else ""
+    has_interlock = robot.factsheet is None or robot.factsheet.family is not Family.UAV  # a camera has none
+    interlock = "interlock open" if not tool.is_interlock_ok else "interlock ok" if has_interlock else ""
+    warmth = f"{number(tool.temperature_c)} °C" if tool.temperature_c is not None else ""
     is_open_at_work = not tool.is_interlock_ok and mode_of(robot) is Mode.AUTO
     return tile(
         "tool",
@@ -169,7 +170,7 @@ def _tool(robot: Robot, fast: Telemetry | None) -> Tile:
         value=tool.state,
         text=TOOL_STATES[tool.state],
         unit=f"{number(rate)} /min" if rate is not None else "",
-        sub=interlock + warmth,
+        sub=", ".join(filter(None, (interlock, warmth))),
         bar=None
         if rate is None
         else bar(20, 80, on_scale(rate, 0, TOOL_RATE_SCALE), [on_scale(TOOL_RATE_LIMIT, 0, TOOL_RATE_SCALE)]),

@@ -20,10 +20,13 @@
   }
 
   function paths(step) {
-    const names = [step.paths?.mqtt && "by broker", step.paths?.http && "direct"].filter(Boolean);
+    const names = [step.paths?.mqtt && "by radio network", step.paths?.http && "directly"].filter(Boolean);
     const times = step.count > 1 ? `${step.count} times` : "";
     return [times, names.join(" and ")].filter(Boolean).join(", ") || "on every path";
   }
+
+  // under a title that says what is missing only the time is told; what a robot answered stands as it is
+  const due = (text) => text?.replace(/^No (acknowledgement|standstill) (within .*)\.$/, "expected $2");
 
   // -> [sign, title, line, time]
   function rows(step, name, now) {
@@ -33,9 +36,9 @@
     const list = [["done", "Pressed", who, pressedAt(step)]];
     list.push(isSet(step.sent_ms) ? ["done", "SENT", paths(step), plus(step.sent_ms)] : [isFailed ? "failed" : "wait", isFailed ? "Not sent" : "SENT", isFailed ? "no path to the robot" : "on its way", waited]);
     if (isSet(step.ack_ms)) list.push(["done", "ACKNOWLEDGED BY ROBOT", `${name} safety controller`, plus(step.ack_ms)]);
-    else list.push(isFailed ? ["failed", "No acknowledgement", step.text || "expected within 1.0 s", waited] : ["wait", "ACKNOWLEDGED BY ROBOT", "waiting for robot", waited]);
+    else list.push(isFailed ? ["failed", "No acknowledgement", due(step.text) || "expected within 1.0 s", waited] : ["wait", "ACKNOWLEDGED BY ROBOT", "waiting for robot", waited]);
     if (step.state === "standstill" && isSet(step.standstill_ms)) list.push(["done", "STANDSTILL CONFIRMED", `${(step.speed_mps || 0).toFixed(2)} m/s, tool off`, plus(step.standstill_ms)]);
-    else list.push(isFailed ? ["unknown", "Standstill unknown", isSet(step.ack_ms) && step.text ? step.text : "expected within 3.0 s", waited] : ["wait", "STANDSTILL", isSet(step.speed_mps) && isSet(step.ack_ms) ? `braking, ${step.speed_mps.toFixed(2)} m/s` : "waiting", waited]);
+    else list.push(isFailed ? ["unknown", "Standstill unknown", (isSet(step.ack_ms) && due(step.text)) || "expected within 3.0 s", waited] : ["wait", "STANDSTILL", isSet(step.speed_mps) && isSet(step.ack_ms) ? `braking, ${step.speed_mps.toFixed(2)} m/s` : "waiting", waited]);
     return list;
   }
 

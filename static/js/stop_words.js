@@ -62,7 +62,7 @@
   // -> two short lines of the segment
   function segment(view) {
     const { state, total, failing } = view;
-    if (state === "not-confirmed") return [`${failing.length} NOT`, "CONFIRMED"];
+    if (state === "not-confirmed") return [`All ${total}`, `${failing.length} not conf.`];
     if (state === "sent" || state === "acknowledged") return ["SENT", `${view.standing} of ${total}`];
     if (state === "standstill") return [`${view.standing} of ${total}`, "standing"];
     return total === 1 ? ["1", "robot"] : [`All ${total || ""}`.trim(), "robots"];

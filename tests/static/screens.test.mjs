@@ -104,14 +104,17 @@ test('robots with nothing to show come after the others and in their own list', 
   assert.deepEqual(Array.from(split(queue), (list) => Array.from(list, (one) => one.robot_id)), [['b', 'd', 'f', 'c'], ['a', 'e']]);
 });
 
-test('a name stands beside its bar only where the bar is narrow and the row free behind it', () => {
+test('a name that does not fit stands beside its bar only where the row is free behind it', () => {
   const { isSlim } = load(['queue_timeline'], { ...bare(), queue: {} }).queue;
-  const scale = { from: 0, to: 100 };
-  const short = { from: 10, to: 14 };
-  assert.equal(isSlim(short, [short], scale), true);
-  assert.equal(isSlim(short, [short, { from: 20, to: 40 }], scale), false);
-  assert.equal(isSlim({ from: 95, to: 99 }, [], scale), false);
-  assert.equal(isSlim({ from: 10, to: 60 }, [], scale), false);
+  const bar = { from: 100, to: 220 };
+  assert.equal(isSlim(bar, 160, 500), true);
+  assert.equal(isSlim(bar, 160, 390), false); // another bar is too near
+  assert.equal(isSlim(bar, 100, 500), false); // it fits
+});
+
+test('the clock of the farm is named as people write it', () => {
+  const { zoneName } = load(['queue_data'], { port: {} }).queue;
+  assert.deepEqual(['Etc/UTC', 'UTC', 'Europe/Amsterdam'].map(zoneName), ['UTC', 'UTC', 'Europe/Amsterdam']);
 });
 
 test('one finger moves the chart only when there is more of it than is in sight, and never out of sight', () => {

@@ -30,6 +30,10 @@
   const may = (right) => HL.config.rights.includes(right);
   const button = (sign, word, hook, act) => el("button", { type: "button", class: "h-btn", "data-testid": hook, onclick: act }, icon(sign, "m"), word);
 
+  // who took it: a robot and which of its cameras; a station of the field by its name
+  const station = ({ camera }) => HL.camera.wall.cameras?.find((one) => one.robot === "field" && one.camera === camera)?.label || camera;
+  const taker = (one) => (one.robot === "field" ? station(one) : `${one.robot_name || one.robot}, ${one.camera}`);
+
   // one kept picture: what is known of it, and what may be done with it
   class Row {
     constructor(one) {
@@ -48,7 +52,7 @@
       if (may("manage_cameras")) acts.push((this.gone = button("delete", "Delete", `picture-delete-${one.id}`, () => this.remove())));
       this.acts = el("div", { class: "c-acts" }, ...acts);
       this.node.replaceChildren(preview(one),
-        el("div", { class: "h-col" }, el("b", { class: "h-t16" }, `${one.robot_name || one.robot}, ${one.camera}`), el("span", { class: "h-t14" }, length, HL.records.when(one.captured_utc), (one.age_s ?? one.duration_s) == null ? ", when it came" : ""), line([place(one), work(one)].filter(Boolean).join(" · ")), line(one.text), one.note ? el("span", { class: "h-t14 h-b" }, one.note) : "", line(one.by ? `Kept by ${one.by}` : ""), this.acts),
+        el("div", { class: "h-col" }, el("b", { class: "h-t16" }, taker(one)), el("span", { class: "h-t14" }, length, HL.records.when(one.captured_utc), (one.age_s ?? one.duration_s) == null ? ", when it came" : ""), line([place(one), work(one)].filter(Boolean).join(" · ")), line(one.text), one.note ? el("span", { class: "h-t14 h-b" }, one.note) : "", line(one.by ? `Kept by ${one.by}` : ""), this.acts),
         el("a", { class: "h-btn ico", href: `${one.file}?download=true`, download: one.file_name ?? "", "aria-label": "Download", "data-testid": `picture-download-${one.id}` }, icon("download")));
     }
     // the note is written where it stands

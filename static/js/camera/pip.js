@@ -148,7 +148,7 @@
       this.none.paint();
       text(this.corner, HL.camera.says.corner({ ...judged, fps: null }, how)); // the rate has no room here
       text(this.note, HL.camera.says.note(judged, how));
-      text(this.line, HL.camera.says.sentence(this.one.label || this.one.camera, judged, how));
+      text(this.line, [HL.camera.says.sentence(this.one.label || this.one.camera, judged, how), isBig && this.gimbal.acts.length && this.gimbal.off()].filter(Boolean).join(". "));
       attr(this, "data-state", HL.camera.says.hook(judged, how));
       attr(this, "data-way", how.way);
       attr(this, "data-delay-ms", judged.delayMs === null ? null : Math.round(judged.delayMs));

@@ -117,7 +117,7 @@
       const rows = el("div");
       const again = () => load(rows, "Audit log", "/audit?limit=200", (answer) => {
         const entries = list(answer, "entries");
-        return entries.length ? table(["No.", "Time", "Who", "Where", "What", "Robot", "Outcome", "Text"], entries.map((one) => ({ hook: `audit-row-${one.seq}`, cells: [one.seq, when(one.utc ?? one.at), one.actor, one.device || "–", one.kind, one.robot_id || "–", one.outcome, one.text || ""] }))) : empty("Nothing yet", "Commands, stops, sign-ins and changes are written here.");
+        return entries.length ? table(["Time", "Who", "Where", "What", "Robot", "Outcome", "Text", "No."], entries.map((one) => ({ hook: `audit-row-${one.seq}`, cells: [when(one.utc ?? one.at), one.actor, one.device || "–", titled(one.kind), HL.port.fleet()[one.robot_id]?.name ?? one.robot_id ?? "–", titled(one.outcome), one.text || "", one.seq] }))) : empty("Nothing yet", "Commands, stops, sign-ins and changes are written here.");
       });
       place.append(el("div", { class: "h-row" }, el("h2", {}, "Newest 200"), act([icon("refresh", "m"), "Refresh"], again, "audit-refresh")), rows);
       again();
@@ -147,16 +147,19 @@
     },
   };
 
-  // nested counters as one table a part, deeper ones by their path
+  // "down_since_utc" -> "down since (UTC)"
+  const spaced = (name) => name.replace(/_utc$/, " (UTC)").replaceAll("_", " ");
+  const titled = (name) => (name ? name[0].toUpperCase() + spaced(name.slice(1)) : "");
+
+  // nested counters as one table a part, deeper ones by their path; one of a robot bears its name
   function flat(data) {
     const isDeep = (value) => value && typeof value === "object" && !Array.isArray(value) && Object.keys(value).length;
     const word = (value) => (value === null || (typeof value === "object" && !Object.keys(value).length) ? "–" : typeof value === "object" ? JSON.stringify(value) : String(value));
-    const leaves = (value, path) => Object.entries(value).flatMap(([key, one]) => (isDeep(one) ? leaves(one, [...path, key]) : [[[...path, key].join(", "), word(one)]]));
-    const titled = (name) => name[0].toUpperCase() + name.slice(1).replaceAll("_", " ");
+    const leaves = (value, path) => Object.entries(value).flatMap(([key, one]) => (isDeep(one) ? leaves(one, [...path, key]) : [[[...path, key].map((part, i) => HL.port.fleet()[part]?.name ?? (i ? spaced(part) : titled(part))).join(", "), word(one)]]));
     const parts = Object.entries(data).filter(([, value]) => value && typeof value === "object" && !Array.isArray(value));
     const loose = Object.entries(data).filter(([key]) => !parts.some(([name]) => name === key));
     const all = parts.map(([name, value]) => [titled(name), leaves(value, [])]);
-    return loose.length ? [["General", loose.map(([key, one]) => [key, word(one)])], ...all] : all;
+    return loose.length ? [["General", loose.map(([key, one]) => [titled(key), word(one)])], ...all] : all;
   }
 
   class Admin extends LiveElement {

@@ -38,14 +38,15 @@
       this.node = el("div", { class: "h-card al-kpi" }, el("div", { class: "h-h" }, label), el("div", { class: "h-row h-base" }, this.value, this.unit), this.line);
     }
     paint(value, unit, line, level) {
-      text(this.value, value ?? "–");
+      text(this.value, value ?? "––");
       text(this.unit, value === null ? "" : unit);
       text(this.line, line);
       attr(this.node, "data-level", level);
     }
   }
 
-  const share = (part) => (part === undefined || part === null ? null : Math.round(part * 100));
+  // shares of priority 1 and 2, 3, 4 in percent, as the target is told; null: a mix of nothing is no mix
+  const mixed = (shares) => (shares && Object.keys(shares).length ? [[1, 2], [3], [4]].map((levels) => Math.round(100 * levels.reduce((sum, level) => sum + (shares[level] ?? 0), 0))).join("/") : null);
 
   class Kpis {
     constructor() {
@@ -64,12 +65,11 @@
       const next = Math.min(...shelved.map((one) => one.shelf?.until ?? Infinity));
       const { ten, mix, answer } = this.cards;
       this.cards.unseen.paint(unseen.length, "", unseen.length ? `oldest ${W.clock(oldest / 1000)}` : "none waits");
-      this.cards.shelved.paint(shelved.length, "", Number.isFinite(next) ? `next returns ${W.when(next)}` : "none returns");
+      this.cards.shelved.paint(shelved.length, "", Number.isFinite(next) ? `next returns ${W.when(next)}` : "nothing put aside");
       const standing = all.filter((one) => HL.alarmOrder.isActive(one) && HL.port.age(one.t) >= 86400000).length;
       this.cards.old.paint(standing, "", "target under 5", standing >= 5 ? 3 : null);
       ten.paint(found?.last_10min ?? null, found?.last_10min === 1 ? "alarm" : "alarms", "target 1, limit 2", found?.last_10min >= FLOOD ? 2 : null);
-      const parts = [share(found?.mix_7d?.[1] === undefined ? null : (found.mix_7d[1] ?? 0) + (found.mix_7d[2] ?? 0)), share(found?.mix_7d?.[3]), share(found?.mix_7d?.[4])];
-      mix.paint(parts.every((part) => part === null) ? null : parts.map((part) => part ?? 0).join("/"), "%", "target 5/15/80");
+      mix.paint(mixed(found?.mix_7d), "%", "target 5/15/80");
       answer.paint(found?.answer_median_s === null || found?.answer_median_s === undefined ? null : W.clock(found.answer_median_s), "median", "target under 2:00", found?.answer_median_s >= 120 ? 3 : null);
       const key = JSON.stringify(found?.per_10min ?? []);
       if (key !== this.drawn) this.chart.replaceChildren(bars(found?.per_10min ?? []));
@@ -77,5 +77,5 @@
     }
   }
 
-  Object.assign(HL, { AlarmKpis: Kpis, alarmBars: bars });
+  Object.assign(HL, { AlarmKpis: Kpis, alarmBars: bars, alarmMix: mixed });
 })();

@@ -40,7 +40,7 @@
     paintBlank(shown, total, isFiltered, isLoading) {
       attr(this.blank, "hidden", shown > 0);
       const isLate = isLoading && performance.now() - this.bornAt > LATE_MS;
-      const key = shown ? "" : isLate ? "late" : isLoading ? "loading" : isFiltered && total ? "filtered" : `none ${this.lastAt}`;
+      const key = shown ? "" : isLate ? "late" : isLoading ? "loading" : isFiltered && total ? "filtered" : this.filter.tab === "shelved" ? "shelved" : `none ${this.lastAt}`;
       if (key === this.key) return;
       this.key = key;
       if (key) this.blank.replaceChildren(...this.content(key));
@@ -52,6 +52,7 @@
       if (key === "loading") return [el("div", { class: "h-skeleton al-skeleton" }, ...["100%", "92%", "97%", "88%"].map((width) => { const bar = el("i"); bar.style.width = width; return bar; }), el("b", { class: "h-t18 h-b" }, "Loading alarms"))];
       if (key === "late") return notice("cloud_off", "Alarm list did not load", "The server did not answer in 5 s. STOP still works. Look at the machines.", el("button", { type: "button", class: "h-btn", onclick: () => location.reload() }, "Try again"));
       if (key === "filtered") return notice("filter_list", "No alarm fits the filter", "There are others.", el("button", { type: "button", class: "h-btn", onclick: () => this.filter.clear() }, "Show all"));
+      if (key === "shelved") return notice("snooze", "Nothing is shelved.", "");
       return notice("check", "No alarms.", this.lastAt ? `Last one ${words.since(Date.now() - this.lastAt)} ago.` : "");
     }
 

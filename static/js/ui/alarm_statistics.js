@@ -5,11 +5,10 @@
   const { table, empty } = HL.records;
   const W = HL.alarmWords;
   const DAY_MS = 86400000;
-  const percent = (share, digits = 0) => (share === null || share === undefined ? "–" : `${(share * 100).toFixed(digits)} %`);
-  const number = (value, digits = 1) => (value === null || value === undefined ? "–" : value.toFixed(digits));
+  const percent = (share, digits = 0) => (share === null || share === undefined ? "––" : `${(share * 100).toFixed(digits)} %`);
+  const number = (value, digits = 1) => (value === null || value === undefined ? "––" : value.toFixed(digits));
 
-  // a mix of nothing is no mix
-  const mix = (shares) => (shares ? `${[1, 2, 3, 4].map((level) => Math.round((shares[level] ?? 0) * 100)).join("/")} %` : "–");
+  const mix = (shares) => (HL.alarmMix(shares) ? `${HL.alarmMix(shares)}\u00a0%` : "––");
 
   const fact = (label, value, line) => el("div", { class: "h-card" }, el("div", { class: "h-h" }, label), el("div", { class: "h-t28 h-b" }, value), el("div", { class: "h-t13 h-2" }, line));
 
@@ -19,7 +18,7 @@
     const rows = top.map((one) => {
       const bar = el("i", { class: "al-share" });
       bar.style.width = `${(one.count / most) * 100}%`;
-      return { hook: `alarm-actor-${one.code}`, cells: [one.title, el("span", { class: "al-sharebox" }, bar), one.count, all ? percent(one.count / all) : "–"] };
+      return { hook: `alarm-actor-${one.code}`, cells: [one.title, el("span", { class: "al-sharebox" }, bar), one.count, all ? percent(one.count / all) : "––"] };
     });
     return table(["Alarm", "", "Times", "Share"], rows);
   }
@@ -49,9 +48,9 @@
           fact("Per operator hour", number(found.per_operator_hour), "of who is signed in, 8 h; target 6 or fewer"),
           fact("Time in flood", percent(found.flood_share, 1), "target under 1 %"),
           fact("Answer time", W.clock(found.answer_median_s), "median, target under 2:00"),
-          fact("Standing over 24 h", found.standing_24h ?? "–", `target under 5${found.stale ? `; ${found.stale} acknowledged and left` : ""}`),
-          fact("Come and go now", found.chattering ?? "–", "three times in a minute"),
-          fact("Priority mix, 7 days", mix(found.mix_7d), "priority 1 to 4; target 5 for 1 and 2, 15, 80")),
+          fact("Standing over 24 h", found.standing_24h ?? "––", `target under 5${found.stale ? `; ${found.stale} acknowledged and left` : ""}`),
+          fact("Come and go now", found.chattering ?? "––", "three times in a minute"),
+          fact("Priority mix, 7 days", mix(found.mix_7d), "priority 1 and 2, 3, 4; target 5/15/80")),
         this.chart(found.per_10min ?? []),
         el("h2", {}, "Ten alarms that come most, 7 days"), actors(found.top, found.raised_7d),
         el("h2", {}, "Standing over 24 h"), standing(HL.alarms.all()),

@@ -31,7 +31,9 @@
     }
     paint() {
       const robot = HL.view.robot;
-      const mine = robot ? Object.entries(HL.alarms.all()).filter(([, one]) => one.source === robot && isUnseen(one)).sort(compare) : [];
+      const said = window.headlandStop?.banner();
+      const isSaid = said?.state === "not-confirmed" && said.robots.includes(robot); // the banner above says it larger
+      const mine = robot ? Object.entries(HL.alarms.all()).filter(([, one]) => one.source === robot && isUnseen(one) && !(isSaid && one.code === "stop-not-confirmed")).sort(compare) : [];
       attr(this, "hidden", !mine.length);
       if (!mine.length) return void (this.id = null);
       const [id, one] = mine[0];

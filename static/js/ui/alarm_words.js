@@ -24,7 +24,7 @@
     return `${Math.floor(ageMs / DAY_MS)} d ${Math.floor((ageMs % DAY_MS) / 3600000)} h`;
   }
 
-  const clock = (s) => (s === null || s === undefined ? "–" : words.clock(s));
+  const clock = (s) => (s === null || s === undefined ? "––" : words.clock(s));
   const when = (ms) => (ms ? words.wall(new Date(ms)) : "");
 
   const STATES = {

@@ -108,7 +108,7 @@
       const total = HL.fleet.items.length;
       attr(this.acts, "hidden", !n);
       attr(this, "data-chosen", n);
-      text(this.count, `${n} selected`);
+      text(this.count, `${n} chosen`);
       const isLost = HL.port.server().silentMs > HL.LOST_MS;
       for (const { node, word, key, label, right } of this.buttons) {
         const why = !HL.fleet.can(right) ? (VIEWER[right] ?? "Needs the operator role.") : isLost && key !== "group" ? "Commands are off until the link is back." : "";

@@ -75,12 +75,13 @@
     dock() {
       const button = (hook, sign, word, look, run) => el("button", { type: "button", class: `h-btn op ${look}`, "data-testid": hook, onclick: run }, sign ? icon(sign, "m") : "", word);
       this.sendWord = el("span");
+      this.backWord = el("span");
       this.sendButton = button("plan-send", "route", this.sendWord, "pri", () => this.store("send"));
       this.storeButton = button("plan-store", "check", "Store", "", () => this.store(""));
       this.queueButton = HL.queue?.add ? button("plan-queue", "add", "Add to queue", "", () => this.store("queue")) : "";
       this.templateButton = button("plan-template", "", "Save as template", "q", () => HL.planner.templates.save(this.wish(), this.inputs.get("name").value.trim() || this.inputs.fieldPlace?.name || ""));
       this.dockHint = el("span", { class: "h-t13 h-2 p-hint", "data-testid": "plan-hint" });
-      return el("div", { class: "p-dock", role: "toolbar", "aria-label": "Plan" }, button("plan-back", "arrow_back", "Treatment", "", () => this.steps.treatment.open()), this.sendButton, this.storeButton, this.queueButton, this.templateButton, el("span", { class: "h-sp" }), this.dockHint);
+      return el("div", { class: "p-dock", role: "toolbar", "aria-label": "Plan" }, button("plan-back", "arrow_back", this.backWord, "", () => (this.shown ? this.steps.treatment.open() : this.leave())), this.sendButton, this.storeButton, this.queueButton, this.templateButton, el("span", { class: "h-sp" }), this.dockHint);
     }
 
     // what is typed is kept, and a plan that no longer fits is not sent
@@ -279,6 +280,8 @@
       this.compare.paint(this.answers, this.shown, this.isPlanning);
       if (this.isPlanning) this.compare.progress(this.answers.size, this.plannedForS());
       this.picture.say(this.said());
+      text(this.backWord, this.shown ? "Treatment" : "Missions");
+      attr(this.dockHint, "data-state", isFresh && this.maySend ? "fresh" : "off");
       text(this.dockHint, !this.maySend ? "Sending needs the operator role." : isFresh ? "The person on site starts it with a slide." : this.isPlanning ? "" : "Preview first.");
     }
 

@@ -11,13 +11,17 @@
   const of = (id) => `/missions/${encodeURIComponent(id)}`;
   const robotName = (id) => HL.port.fleet()[id]?.name ?? id ?? "no robot";
 
+  // one look of a state in the list and above its mission
+  const look = (status) => `h-chip ${["running", "resuming"].includes(status) ? "dark" : status === "done" ? "" : "line"}`.trim();
+  const isUnderWay = (mission) => HL.isInterrupted(mission) || ["running", "resuming", "paused"].includes(mission.status);
+
   class Row {
     constructor(mission, open, pick) {
       this.box = el("input", { type: "checkbox", "aria-label": `Choose ${mission.name}`, "data-testid": `mission-pick-${mission.id}`, onchange: () => pick(mission.id, this.box.checked) });
       this.pick = el("label", { class: "h-mpick", hidden: true }, this.box);
       this.name = el("span", { class: "h-t16 h-b" });
-      this.line = el("span", { class: "h-t13 h-2 h-ell" });
-      this.chip = el("span", { class: "h-chip line" });
+      this.line = el("span", { class: "h-t13 h-2" });
+      this.chip = el("span");
       this.row = el("button", { type: "button", class: "h-mrow", "data-testid": `mission-row-${mission.id}`, onclick: () => open(mission.id) }, el("span", { class: "h-col" }, this.name, this.line), this.chip);
       this.node = el("div", { class: "h-mline", role: "listitem" }, this.pick, this.row);
     }
@@ -28,7 +32,8 @@
       this.box.checked = Boolean(isPicked);
       text(this.name, mission.name);
       const others = [mission.field_name, robotName(mission.robot_id)].filter((one) => one && !mission.name.includes(one)); // not said twice
-      text(this.line, `${others.map((one) => `${one} · `).join("")}${HL.queue.when(Date.parse(mission.updated_utc), undefined)}`);
+      text(this.line, `${others.map((one) => `${one} · `).join("")}changed ${HL.queue.when(Date.parse(mission.updated_utc), undefined)}`);
+      attr(this.chip, "class", look(mission.status));
       text(this.chip, HL.plan.status(mission.status));
     }
   }
@@ -168,8 +173,8 @@
       const result = el("div", { class: "h-t14 h-b", role: "status", "data-testid": "mission-result" });
       const back = el("button", { type: "button", class: "h-btn q ico h-mback", "aria-label": "All missions", onclick: () => this.close() }, icon("arrow_back"));
       return [
-        el("div", { class: "h-row" }, back, el("div", { class: "h-sp" }, el("h2", { "data-testid": "mission-name" }, mission.name), el("div", { class: "h-t14 h-2" }, `${mission.field_name} · ${robotName(mission.robot_id)}`)), el("span", { class: "h-chip dark", "data-testid": "mission-status", "data-state": mission.status }, HL.plan.status(mission.status)), ...this.edits(mission)),
-        el("div", { class: "h-row h-wrap" }, ...this.buttons(mission, result), el("span", { class: "h-t13 h-2" }, this.may.send ? "Sending does not move the robot." : this.dataset.noSend)),
+        el("div", { class: "h-row" }, back, el("div", { class: "h-sp" }, el("h2", { "data-testid": "mission-name" }, mission.name), el("div", { class: "h-t14 h-2" }, `${mission.field_name} · ${robotName(mission.robot_id)}`)), el("span", { class: look(mission.status), "data-testid": "mission-status", "data-state": mission.status }, HL.plan.status(mission.status)), ...this.edits(mission)),
+        el("div", { class: "h-row h-wrap" }, ...this.buttons(mission, result), el("span", { class: "h-t13 h-2" }, !this.may.send ? this.dataset.noSend : isUnderWay(mission) ? "" : "Sending does not move the robot.")),
         result,
         ...HL.missionWays(mission, this.may.send, () => this.load(false)),
         el("div", { class: "h-mpicture" }, shape ? HL.fieldPicture(shape, `${mission.name}, ${mission.field_name}`) : el("div", { class: "h-notice" }, "The picture did not load.")),
@@ -188,10 +193,10 @@
       const label = () => [icon("route", "m"), `Send to ${robotName(target.value || mission.robot_id)}`];
       const isOnRobot = ["sent", "accepted", "running", "paused", "resuming"].includes(mission.status);
       const send = el("button", { type: "button", class: isOnRobot ? "h-btn" : "h-btn pri", "data-testid": "plan-send", disabled: !this.may.send, onclick: () => this.send(mission, target.value || mission.robot_id, send, result) }, ...label());
-      const byCloud = el("button", { type: "button", class: "h-btn", "data-testid": "plan-send-cloud", disabled: !this.may.send, onclick: () => this.send(mission, target.value || mission.robot_id, byCloud, result, "cloud") }, icon("network_cell", "m"), "Send through the cloud");
+      const byCloud = el("button", { type: "button", class: "h-btn", "data-testid": "plan-send-cloud", disabled: !this.may.send, onclick: () => this.send(mission, target.value || mission.robot_id, byCloud, result, "cloud") }, icon("cloud", "m"), "Send through the cloud");
       target.addEventListener("change", () => send.replaceChildren(...label()));
       const operate = el("a", { class: "h-btn pri", href: `/operate/${mission.robot_id}`, "data-testid": "mission-operate" }, icon("gamepad", "m"), "Operate");
-      if (HL.isInterrupted(mission) || ["running", "resuming", "paused"].includes(mission.status)) return [operate];
+      if (isUnderWay(mission)) return [operate];
       const isQueued = ["queued", "waiting"].includes(mission.status);
       const queue = isQueued
         ? el("button", { type: "button", class: "h-btn", "data-testid": "mission-show-queue", onclick: () => this.tab("queue") }, icon("schedule", "m"), "Show in queue")

@@ -39,6 +39,8 @@
   }
   const toLocal = (at, zone) => new Date(at + offsetMs(at, zone)).toISOString().slice(0, 16);
 
+  const zoneName = (zone) => zone.replace(/^Etc\/(UTC|GMT)$/, "UTC"); // as people write it
+
   function duration(seconds) {
     const minutes = Math.max(1, Math.round(seconds / 60));
     return minutes < 60 ? `${minutes} min` : `${Math.floor(minutes / 60)} h ${String(minutes % 60).padStart(2, "0")}`;
@@ -106,5 +108,5 @@
     return parts.join(", ");
   }
 
-  HL.queue = { load, ms, clock, day, when, fromLocal, toLocal, duration, bars, split, order, repeatWords, conditionWords, DAYS };
+  HL.queue = { load, ms, clock, day, when, fromLocal, toLocal, zoneName, duration, bars, split, order, repeatWords, conditionWords, DAYS };
 })();

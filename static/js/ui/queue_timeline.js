@@ -8,7 +8,7 @@
   const MOST_MS = 26 * HOUR;
   const STEPS = [0.25, 0.5, 1, 2, 3, 4];
   const MOST_TICKS = 9;
-  const SLIM = 0.1; // of the shown time: too narrow for a name
+  const PADDING = 16; // px beside a name
 
   const isFixed = (entry) => !entry || ["sent", "accepted", "running", "paused", "resuming"].includes(entry.status) || entry.state !== "open";
 
@@ -40,7 +40,7 @@
     const track = el("div", { class: "q-track", role: "list", "aria-label": `Queue of ${robot.name}` }, scale.line());
     const movable = [];
     for (const bar of row.bars) {
-      const node = barNode(queue, bar, scale, actions, row.bars);
+      const node = barNode(queue, bar, scale, actions);
       if (!node) continue;
       track.append(node);
       if (bar.entry && !isFixed(bar.entry)) movable.push(node);
@@ -49,18 +49,30 @@
         HL.queueDrag.keyed(node, (by) => actions.shift(bar.entry, by));
       }
     }
+    new ResizeObserver(() => placeNames(track)).observe(track);
     if (!row.bars.some((bar) => bar.entry?.state === "open" || bar.look === "other")) track.append(el("span", { class: "q-free h-t13 h-2", style: `left:calc(${scale.share(scale.now)} + 8px)` }, "Nothing in the queue"));
     return el("div", { class: "q-robot", "data-testid": `queue-row-${robot.robot_id}` }, el("div", { class: "q-name" }, el("b", { class: "h-t16 h-ell" }, robot.name), armed(queue, robot, actions)), el("div", { class: "q-lane" }, track, reason(queue, robot, actions)));
   }
 
-  // a name that does not fit into its bar stands beside it, where the row is free
-  function isSlim(bar, bars, { from, to }) {
-    const width = to - from;
-    const next = Math.min(to, ...bars.filter((one) => one !== bar && one.from >= bar.from).map((one) => one.from));
-    return bar.to - bar.from < SLIM * width && next - bar.to > 2 * SLIM * width;
+  // a name that does not fit into its bar stands beside it, where the row is free; all in px along the row
+  const isSlim = (bar, name, next) => name > bar.to - bar.from - PADDING && name + PADDING < next - bar.to;
+
+  // asked anew whenever the row gets another width
+  function placeNames(track) {
+    const bars = [...track.querySelectorAll(".q-bar")];
+    for (const bar of bars) bar.classList.remove("slim");
+    const end = track.getBoundingClientRect().right;
+    const found = bars.map((bar) => {
+      const { left: from, right: to } = bar.getBoundingClientRect();
+      return { bar, from, to, name: bar.querySelector(".h-ell").scrollWidth };
+    });
+    for (const one of found) {
+      const next = Math.min(end, ...found.filter((other) => other !== one && other.from >= one.from).map((other) => other.from));
+      one.bar.classList.toggle("slim", isSlim(one, one.name, next));
+    }
   }
 
-  function barNode(queue, bar, scale, actions, bars) {
+  function barNode(queue, bar, scale, actions) {
     if (bar.to <= scale.from || bar.from >= scale.to) return null;
     const { entry } = bar;
     const name = entry ? entry.name : bar.name;
@@ -70,7 +82,7 @@
     const why = entry?.waiting && entry.status !== "running" ? ` ${entry.waiting.text}` : "";
     const status = entry ? (entry.state === "open" ? HL.plan.status(entry.status) : entry.why) : "Not from the queue";
     const tag = entry?.state === "open" ? "button" : "div";
-    const node = el(tag, { type: tag === "button" ? "button" : null, class: isSlim(bar, bars, scale) ? "q-bar slim" : "q-bar", role: "listitem", "data-testid": entry ? `queue-bar-${entry.id}` : null, "data-look": bar.look, "data-state": entry?.status ?? null, style: `left:${scale.share(left)};width:${width}`, title: `${name}, ${times}. ${status}.${why}`, "aria-label": `${name}, ${times}. ${status}.${why}`, onclick: entry?.state === "open" ? () => actions.open(entry) : null }, entry?.repeat ? icon("autoplay", "s") : "", el("span", { class: "h-ell" }, name));
+    const node = el(tag, { type: tag === "button" ? "button" : null, class: "q-bar", role: "listitem", "data-testid": entry ? `queue-bar-${entry.id}` : null, "data-look": bar.look, "data-state": entry?.status ?? null, style: `left:${scale.share(left)};width:${width}`, title: `${name}, ${times}. ${status}.${why}`, "aria-label": `${name}, ${times}. ${status}.${why}`, onclick: entry?.state === "open" ? () => actions.open(entry) : null }, entry?.repeat ? icon("autoplay", "s") : "", el("span", { class: "h-ell" }, name));
     if (bar.look === "running") node.style.setProperty("--done", `${Math.min(100, Math.max(0, (100 * (scale.now - left)) / Math.max(1, bar.to - left)))}%`);
     return node;
   }

@@ -154,7 +154,7 @@
   function zoneWords(zone) {
     const now = Date.now();
     const mine = Intl.DateTimeFormat().resolvedOptions().timeZone;
-    return HL.queue.clock(now, zone) === HL.queue.clock(now, mine) ? "" : `Times of ${zone}. `;
+    return HL.queue.clock(now, zone) === HL.queue.clock(now, mine) ? "" : `Times of ${HL.queue.zoneName(zone)}. `;
   }
 
   function weatherWords({ weather, zone }) {

@@ -34,7 +34,7 @@ def choose(page: Page, *robots: str) -> None:
     """Tick robots."""
     for robot in robots:
         page.get_by_test_id(f"fleet-pick-{robot}").check()
-    expect(page.get_by_test_id("fleet-chosen")).to_have_text(f"{len(robots)} selected")
+    expect(page.get_by_test_id("fleet-chosen")).to_have_text(f"{len(robots)} chosen")
 
 
 def test_two_robots_are_found_chosen_and_paused_and_the_one_that_refused_is_tried_again(
@@ -177,7 +177,7 @@ def test_keys_walk_the_list_and_the_row_menu_stops_this_robot_alone(
     page.get_by_test_id("fleet-row-weeder-07").click()
     expect(page.get_by_test_id("fleet-row-weeder-07")).to_have_attribute("aria-current", "true")
     page.keyboard.press("x")
-    expect(page.get_by_test_id("fleet-chosen")).to_have_text("1 selected")
+    expect(page.get_by_test_id("fleet-chosen")).to_have_text("1 chosen")
     page.keyboard.press("Escape")
     expect(page.get_by_test_id("fleet-do-pause")).to_be_hidden()
     page.get_by_test_id("fleet-menu-weeder-07").click()

@@ -35,6 +35,14 @@ def test_the_tiles_of_a_running_weeder_read_as_in_the_picture() -> None:
     ]
 
 
+def test_the_camera_of_a_uav_has_no_interlock_to_tell_of_but_an_open_one_is_told() -> None:
+    assert r.RUNNING.factsheet is not None
+    uav = replace(r.RUNNING, factsheet=replace(r.RUNNING.factsheet, family=Family.UAV))
+    is_open = r.with_fast(uav, tool=replace(r.FAST.tool, is_interlock_ok=False)) if r.FAST.tool else uav
+    said = [t["sub"] for one in (uav, is_open) for t in tiles(one) if t["key"] == "tool"]
+    assert said == ["41 °C", "interlock open, 41 °C"]
+
+
 def test_tiles_carry_si_values_for_machines() -> None:
     assert [(t["key"], t["value"]) for t in tiles(r.RUNNING)] == [
         ("speed", 0.42),
