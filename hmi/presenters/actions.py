@@ -263,7 +263,7 @@ def _stopped(robot: Robot) -> tuple[str, str, str, str] | None:
         return None
     names = " and ".join(dict.fromkeys(p.by for p in safety.presses if not p.is_reset and p.by))
     by = f"{names} pressed STOP." if names else "STOP was pressed."
-    clears = "Reset the stop, then resume." if stands(robot) else "Reset the stop when it stands still."
+    clears = "Reset the stop, then resume." if stands(robot) else "Reset the stop when it stands, tool off."
     return "stop_latched", by, clears, "operator"
 
 

@@ -33,7 +33,7 @@ _STANDS: dict[Family, str] = {
     Family.PLANTER: "Drive and crane stand, hydraulics hold.",
     Family.UAV: "It brakes and hovers.",
 }
-_MOVES_YET = "It does not say yet that it stands."
+_MOVES_YET = "It does not say yet that it stands with its tool off."
 _PAUSED: dict[Family, str] = {
     Family.PLANTER: "Planting is paused; the crane holds.",
     Family.UAV: "It holds its place in the air.",

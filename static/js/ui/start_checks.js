@@ -13,7 +13,8 @@
     if (known && (known.isLoading || performance.now() - known.at < (known.list ? AGAIN_MS : 3000))) return;
     lists.set(robot, { ...known, isLoading: true, at: performance.now() });
     const answer = await HL.port.api("GET", of(robot));
-    lists.set(robot, { list: answer.ok ? answer.data : known?.list, at: performance.now() });
+    const kept = known?.list && { ...known.list, record: null }; // without an answer nobody knows whether it still counts
+    lists.set(robot, { list: answer.ok ? answer.data : kept, at: performance.now() });
     HL.repaint();
   }
 

@@ -50,8 +50,8 @@ def test_a_stop_says_what_it_does_to_this_kind_of_machine(family: Family, words:
 def test_a_stop_claims_no_standstill_that_the_robot_does_not_report_now(robot: Robot, family: Family) -> None:
     found = sentence(of(robot, family))
     assert found is not None
-    assert found["text"] == "Martha Keller pressed STOP. It does not say yet that it stands."
-    assert (found["clears"], found["takes_s"]) == ("Reset the stop when it stands still.", None)
+    assert found["text"] == "Martha Keller pressed STOP. It does not say yet that it stands with its tool off."
+    assert (found["clears"], found["takes_s"]) == ("Reset the stop when it stands, tool off.", None)
 
 
 @pytest.mark.parametrize(
