@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from hmi.domain.family import Family
 from hmi.domain.robot import Factsheet
 
 MACHINE = "machine"  # among a mission's figures
@@ -87,8 +88,13 @@ class PlannedMachine:
 
 
 def worked_width_m(width_m: float, sheet: Factsheet | None) -> float | None:
-    """Return how wide one pass works, rows ``width_m`` apart; ``None`` if the tool is not known."""
-    return None if sheet is None or sheet.tool_width_m <= 0 else min(width_m, sheet.tool_width_m)
+    """Return how wide one pass works, rows ``width_m`` apart.
+
+    ``None`` if the tool is not known, and for a planter, whose crane sets plants and works no width.
+    """
+    if sheet is None or sheet.tool_width_m <= 0 or sheet.family is Family.PLANTER:
+        return None
+    return min(width_m, sheet.tool_width_m)
 
 
 def battery_share_on(statistics: Mapping[str, Any], sheet: Factsheet | None) -> float | None:

@@ -22,6 +22,7 @@ WKT_CHARS = 20_000
 UNKNOWN_ERROR_M = 200  # what national datums are off WGS84, in most of Europe
 NOTABLE_ERROR_M = 1.0  # ETRS89 against WGS84 counts as 1 m, and everybody lives with that
 _BALLPARK = "Ballpark"  # in the name of an operation of PROJ: datums are taken for the same, which are not
+_WITHIN_DECIMETRES = frozenset({"China 2000"})  # datums of PROJ's names: no operation is known, none is needed
 _EPSG = re.compile(r"^(?:urn:(?:x-)?ogc:def:crs:)?EPSG:(?:[0-9.]*:)?([0-9]{4,6})$", re.IGNORECASE)
 _LON_LAT = re.compile(r"(CRS84h?$|^WGS ?84$)", re.IGNORECASE)
 
@@ -55,7 +56,7 @@ class CoordinateSystem:
             lons, lats = self._transformer.transform(xs, ys)
         except ProjError as error:
             raise UnknownSystem(f"Positions in {self.label} cannot be converted.") from error
-        return list(lons), list(lats), _error_m(self._transformer)
+        return list(lons), list(lats), _error_m(self._transformer, _datum_of(self._crs))
 
     @property
     def is_wgs84(self) -> bool:
@@ -126,11 +127,16 @@ def _of(crs: CRS) -> CoordinateSystem:
     return CoordinateSystem(crs, f"{crs.name} (EPSG:{code})" if code else crs.name)
 
 
-def _error_m(transformer: Transformer) -> float:
+def _datum_of(crs: CRS) -> str:
+    geodetic = crs.geodetic_crs
+    return geodetic.datum.name if geodetic is not None and geodetic.datum is not None else ""
+
+
+def _error_m(transformer: Transformer, datum: str) -> float:
     try:
         used = transformer.get_last_used_operation()
     except ProjError:
         used = transformer
     if _BALLPARK in used.description:
-        return math.inf
+        return NOTABLE_ERROR_M if datum in _WITHIN_DECIMETRES else math.inf
     return max(0.0, float(used.accuracy))  # -1 for parameters that the file itself brings

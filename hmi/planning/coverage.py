@@ -35,7 +35,8 @@ _NO_WAY_OUT = (
     "or let the robot start at the field: you drive it there."
 )
 _NO_FLIGHT_OUT = (
-    "A keep-out zone lies around home, this field or between. Choose another home, or let the robot start at the field."
+    "Home is more than 3 km away, or a keep-out zone lies around home, this field or between. "
+    "Choose another home, or let the robot start at the field."
 )
 _DEEPER_RADII = (0.0, 1.0, 2.0)  # a border that slants more than usual needs a deeper headland to turn in
 

@@ -50,7 +50,7 @@ def form_of(wish: PlanWish) -> wire.Wish:
         corner=None if wish.corner is None else wish.corner.value,
         home=wish.home,
         returns_home=wish.returns_home,
-        obstacles=[*_grounds(wish.surroundings.obstacles), *_crossed(wish.surroundings, frame)],
+        obstacles=_closed(wish.surroundings, frame, machine),
         ways=_grounds(wish.surroundings.ways),
         treatment=wire.Treatment(
             areas=[wire.DoseArea(geometry=_plain(one.geometry), dose=one.dose) for one in wish.treatment.areas],
@@ -113,14 +113,19 @@ def _grounds(features: Features) -> list[wire.Ground]:
     return [wire.Ground(geometry=_plain(geometry), width_m=width_m) for geometry, width_m in features]
 
 
-def _crossed(around: Surroundings, frame: LocalFrame) -> list[wire.Ground]:
-    """Return water, hedges and trees as obstacles with the gaps that roads make in them."""
+def _closed(around: Surroundings, frame: LocalFrame, machine: RobotProfile) -> list[wire.Ground]:
+    """Return obstacles: as on the map, but water, hedges and trees with the gaps that roads make in them.
+
+    The format has no word for the clearance that a machine keeps: it is told as a part of them.
+    """
     import shapely
 
-    from hmi.planning.surroundings import crossed_areas
+    from hmi.planning.surroundings import closed_areas, crossed_areas
 
-    degrees = (shapely.transform(area, frame.to_lon_lat) for area in crossed_areas(around, frame))
-    return [wire.Ground(geometry=_plain(shapely.geometry.mapping(area)), width_m=0.0) for area in degrees]
+    areas = closed_areas(around, frame, machine) if machine.clearance_m else crossed_areas(around, frame)
+    degrees = (shapely.transform(area, frame.to_lon_lat) for area in areas)
+    made = [wire.Ground(geometry=_plain(shapely.geometry.mapping(area)), width_m=0.0) for area in degrees]
+    return made if machine.clearance_m else [*_grounds(around.obstacles), *made]
 
 
 def _plain(geometry: Geometry) -> dict[str, object]:

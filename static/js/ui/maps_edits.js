@@ -41,6 +41,15 @@
       this.changed();
     }
 
+    // another way to draw with the same tool, which a finished drawing has put away
+    another(pen) {
+      const { tool } = this;
+      this.leaving(() => {
+        if (this.tool !== tool) this.take(tool);
+        this.draw(pen);
+      });
+    }
+
     unlock(isOn) {
       this.isUnlocked = isOn;
       this.editor?.unlockBody(isOn);

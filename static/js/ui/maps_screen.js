@@ -97,7 +97,7 @@
         unlockBody: (isOn) => this.unlock(isOn),
         reshape: (id) => this.reshape.open(id, client.features.get(id)),
         history: (id) => this.history(id),
-        pen: (name) => this.leaving(() => this.draw(name)),
+        pen: (name) => this.another(name),
         radius: (metres) => this.editor?.setRadius(metres) ?? false,
         several: (isOn) => this.several(isOn),
         publish: () => M.askPublish(client, { done: (version) => (HL.toast(`v${version} is published`, "check"), this.check()), checked: (found) => this.found(found) }),

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from pyproj import Transformer
+from pyproj import CRS, Transformer
 
+from hmi.map_files import coordinate_system
 from hmi.map_files.errors import BadMapFile
 from hmi.map_files.reader import read_map
 from tests.hmi.map_files.samples import SQUARE, UTM_SQUARE, layer, packed
@@ -41,6 +42,11 @@ def test_a_system_that_is_used_where_it_does_not_hold_is_said() -> None:
     ring = [[east, north], [east, north + 200], [east + 300, north + 200], [east + 300, north], [east, north]]
     (item,) = read_map(packed(layer("fields", [[ring]], [{"name": "A"}], 27700)), "fields.zip").items
     assert "may be off by 200 m" in item.problems[0]
+
+
+def test_a_datum_within_decimetres_of_wgs84_is_no_unknown_one() -> None:
+    china = coordinate_system.from_wkt(CRS.from_epsg(4490).to_wkt("WKT1_ESRI"))
+    assert china.to_wgs84([110.0], [35.0]) == ([110.0], [35.0], coordinate_system.NOTABLE_ERROR_M)
 
 
 def test_parameters_that_the_file_brings_along_are_believed() -> None:

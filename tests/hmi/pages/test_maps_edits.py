@@ -361,3 +361,21 @@ def test_the_words_of_a_check_have_room_beside_its_buttons(show: Show) -> None:
     assert whole is not None
     assert words["width"] > 0.55 * whole["width"]
     assert card.evaluate("(node) => node.scrollWidth <= node.clientWidth")
+
+
+@pytest.mark.long
+def test_what_is_drawn_next_after_done_is_drawn_in_sight(show: Show) -> None:
+    page = editing(show())
+    page.get_by_test_id("editor-tool-rows").click()
+    page.get_by_test_id("editor-pen-curve").click()
+    line = "{ type: 'LineString', coordinates: [[1, 2], [2, 3]] }"
+    page.evaluate(
+        "surface.finish = () => { surface.canFinish = false; surface.options.onDrawn("
+        f"{{ type: 'Feature', id: 'x', properties: {{}}, geometry: {line} }}) }};"
+        " surface.canFinish = true; surface.options.onMeasure('20 m')"
+    )
+    page.get_by_test_id("editor-pen-recorded").click()
+    page.get_by_test_id("unfinished").get_by_role("button", name="Done").click()
+    expect(page.get_by_test_id("map-editor")).to_have_attribute("data-tool", "recorded")
+    expect(page.get_by_test_id("editor-tool-rows")).to_have_attribute("aria-pressed", "true")
+    expect(page.get_by_test_id("editor-hint")).to_be_visible()

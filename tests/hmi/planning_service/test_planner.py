@@ -3,29 +3,32 @@
 from __future__ import annotations
 
 import asyncio
+import math
 import os
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+import shapely
 
 from backend_clients.planner.client import PlannerClient, limited
 from backend_clients.planner.messages import PlanPath
 from backend_clients.service.connection import Service
 from backend_clients.simulator.faulty_http import Fault
 from hmi.cli.services import moved, of_another
+from hmi.domain.family import Family
 from hmi.domain.mission_plan import PlanRefused, PlanWish, Surroundings, TreatedArea, Treatment
 from hmi.keeper.certificates import make_certificates
 from hmi.planning.given_path import checked_mission
-from hmi.planning.mission import plan_mission
+from hmi.planning.mission import machine_of, plan_mission
 from hmi.planning_service.application import make_application
 from hmi.planning_service.desk import PlanDesk
 from hmi.planning_service.form import form_of, wish_of
 from hmi.planning_service.planner import ServicePlanner
 from hmi.planning_service.work import planned
 from hmi.service_link import LinkState
-from tests.hmi.missions.rig import farm_map, lon_lat
+from tests.hmi.missions.rig import FRAME, farm_map, lon_lat
 from tests.hmi.missions.test_document import wish
 from tests.hmi.planning_service.rig import HereProcess, ServiceRig, service_rig, until
 from tests.hmi.presenters.robots import SHEET
@@ -64,6 +67,18 @@ def test_a_wish_survives_the_way_to_the_service_and_back() -> None:
     assert other.document["segments"] == own.document["segments"]
     names = {asked.name, asked.field_name, asked.robot_id, asked.mission_id}
     assert not any(name in form_of(asked).model_dump_json() for name in names)
+
+
+def test_the_clearance_that_a_machine_keeps_is_a_part_of_what_the_service_keeps_off() -> None:
+    zone = {"type": "Polygon", "coordinates": [lon_lat((-40, -40), (-30, -40), (-30, -30), (-40, -30), (-40, -40))]}
+    flying = replace(SHEET, family=Family.UAV)
+    asked = wish(robot=flying, surroundings=Surroundings(((zone, 0.0),), ()))
+    kept = machine_of(asked).clearance_m
+    assert kept > 0
+    told = form_of(asked).obstacles
+    area = shapely.transform(shapely.geometry.shape(told[0].geometry), FRAME.to_local)
+    assert len(told) == 1
+    assert area.area == pytest.approx(100 + 40 * kept + math.pi * kept**2, rel=0.01)
 
 
 @pytest.mark.slow
