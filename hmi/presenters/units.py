@@ -42,9 +42,9 @@ def milliseconds(seconds: float | None) -> float | None:
 
 
 def short_length(length_m: float) -> tuple[str, str]:
-    """Return text and unit of a small length: centimetres below a metre."""
+    """Return text and unit of a small length: centimetres below a metre, millimetres below a decimetre."""
     if abs(length_m) < 1:
-        return number(length_m * 100, 1), "cm"
+        return number(length_m * 100, 1 if abs(length_m) < 0.1 else 0), "cm"
     return number(length_m, 2), "m"
 
 

@@ -233,6 +233,7 @@ def test_numbers_are_written_for_people() -> None:
     assert percent(0.999) == "99"
     assert percent(0.29) == "29"
     assert short_length(0.009) == ("0.9", "cm")
+    assert short_length(0.35) == ("35", "cm")
     assert short_length(1.25) == ("1.25", "m")
     assert [span_text(s) for s in (0, 90, 3540, 12360)] == ["0 min", "2 min", "59 min", "3 h 26"]
     assert [age_text(s) for s in (0.2, 9.96, 12, 59.6, 134, 4080)] == [
