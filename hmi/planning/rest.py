@@ -26,6 +26,7 @@ from hmi.planning.rest_ground import RestGround
 from hmi.planning.rest_work import (
     Work,
     driven_through,
+    gap,
     is_one_line,
     leg_of,
     legs_of,
@@ -76,6 +77,7 @@ class _Rest:
             raise PlanRefused("nothing_left", "It finishes its last row. There is nothing left to change.")
         if len(head) + len(rest) > MAX_SEGMENTS:
             raise PlanRefused("too_many_rows", "The mission would have too many pieces for the robot.")
+        _check_is_one_path(head, rest)
         return self._planned(head, self._pivoted(head, rest), [w for w in works if self._is_left_out(w)])
 
     # what stays
@@ -197,12 +199,12 @@ class _Rest:
         return float(leg.points[0][0]), float(leg.points[0][1]), leg.first_heading_rad
 
     def _way(self, pose: Pose, before: Work | None, work: Work, *, is_first: bool) -> list[Document]:
+        points = work.points
         known = self._known_way(before, work.begins)
         if known is None and before is not None:
             known = self._known_way_back(before.turned, work.turned)
-        if known is not None:
+        if known is not None and gap(pose[:2], [*known, work.segment]) is None:
             return known
-        points = work.points
         goal: Pose = (float(points[0][0]), float(points[0][1]), float(headings(points)[0]))
         is_back = is_first and self.wish.stand is not None
         approach = LegKind.APPROACH
@@ -261,7 +263,7 @@ class _Rest:
             if self.base["at_end"] == "stay":
                 return []
             known = self._known_way(before, len(self.base["segments"]))
-            if known is not None and (known or not is_first):
+            if known is not None and (known or not is_first) and gap(pose[:2], known) is None:
                 return known
         target: Pose = (self.home[0], self.home[1], math.atan2(pose[1] - self.home[1], pose[0] - self.home[0]))
         legs = self.ground.approach(LegKind.EXIT, pose, target, is_free=False)
@@ -385,6 +387,16 @@ class _Rest:
             "covered_share": round(share, 4),
             "notes": list(self.notes),
         }
+
+
+def _check_is_one_path(head: Sequence[Document], rest: Sequence[Document]) -> None:
+    """Refuse a rest with a gap: a robot would cross ground that nobody looked at."""
+    found = gap(head[-1]["points"][-1] if head else rest[0]["points"][0], rest)
+    if found is not None:
+        gap_m, one = found
+        where = f"before row {one['row']}" if one.get("row") else "on the headland or on a way"
+        text = f"The new path would have a gap of {gap_m:.2f} m {where}. Choose other rows."
+        raise PlanRefused("gap", text)
 
 
 def _document(leg: Leg) -> Document:

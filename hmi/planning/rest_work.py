@@ -16,6 +16,7 @@ from hmi.planning.projection import Floats
 from hmi.planning.spans import between
 
 TOUCH_M = 0.005  # points are rounded to millimetres
+MEET_M = 0.025  # paths from elsewhere may have gaps of 0.02 m before they are rounded
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,7 +25,7 @@ class Work:
 
     Args:
         begins, ends: the base segment whose beginning and end these still are; ``None``: moved or turned around.
-        turned: the base segment that is driven the other way round.
+        turned: the base segment that is driven the other way round; of one that was cut one end or the other is there.
         is_joined: it goes on where the piece before it ended.
     """
 
@@ -98,6 +99,19 @@ def is_one_line(segments: Sequence[Document]) -> bool:
         and abs(turn_between(leg_of(a), leg_of(b))) <= GENTLE_RAD
         for a, b in pairwise(segments)
     )
+
+
+def gap(place: Sequence[float], segments: Sequence[Document]) -> tuple[float, Document] | None:
+    """Return the first gap of a path from ``place`` on, metres, and the segment after it; ``None`` if there is none.
+
+    A segment that says ``jump`` begins where the robot stands, however far that is.
+    """
+    for one in segments:
+        apart_m = math.dist(place, one["points"][0])
+        if apart_m > MEET_M and not one.get("jump"):
+            return apart_m, one
+        place = one["points"][-1]
+    return None
 
 
 def turned(work: Work, points: Floats) -> Work:
