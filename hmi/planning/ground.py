@@ -20,7 +20,9 @@ from hmi.planning.projection import Floats
 from hmi.planning.ways import Ways
 
 CHECK_STEP_M = 0.2  # outlines tested this far apart; between two of them a corner moves less than the margin
-_TOUCH_M = 1.5e-3  # a row end lies on the border of the turning ground; the millimetres of a document must not put it outside
+_TOUCH_M = (
+    1.5e-3  # a row end lies on the border of the turning ground; the millimetres of a document must not put it outside
+)
 
 
 def erode(area: BaseGeometry, distance_m: float) -> BaseGeometry:

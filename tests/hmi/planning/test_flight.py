@@ -10,7 +10,7 @@ import pytest
 import shapely
 
 from hmi.commands.plan_wish import PlanOrder, surroundings_of, wish_for
-from hmi.domain.mission_plan import PlannedMission, PlanRefused
+from hmi.domain.mission_plan import PlannedMission, PlanRefused, StartPlace
 from hmi.domain.mission_rest import Progress, RestWish
 from hmi.domain.robot import Factsheet, Family
 from hmi.planning.coverage import plan_coverage
@@ -38,6 +38,7 @@ KITE = replace(
     tool_kind="camera",
     tool_width_m=20.0,
 )
+WEEDER = replace(SHEET, datum_lat_deg=FRAME.lat_deg, datum_lon_deg=FRAME.lon_deg)
 ORDER = PlanOrder("field-1", "uav-01", 10.0)
 ZONE = shapely.box(10, 12, 16, 18)
 
@@ -136,3 +137,23 @@ def test_its_own_path_keeps_the_rules_asked_of_paths_from_elsewhere() -> None:
     found = checked_candidate(wish, segments_of(plan.legs), ())
     assert found.statistics["duration_s"] == pytest.approx(plan.figures.duration_s)
     assert FLOWN_OVER in found.statistics["notes"]
+
+
+@pytest.mark.parametrize(("sheet", "laps"), [(KITE, None), (WEEDER, 0)], ids=["uav", "weeder without laps"])
+@pytest.mark.parametrize("is_reversed", [False, True], ids=["a row left out", "turned around"])
+def test_a_rest_can_be_changed_where_rows_end_on_the_border(
+    sheet: Factsheet, laps: int | None, is_reversed: bool
+) -> None:
+    field = farm_map()[0]
+    order = replace(ORDER, width_m=4.0, row_bearing_deg=17.0, headland_passes=laps, starts_at=StartPlace.FIELD)
+    base = plan_mission(wish_for(order, "m-1", field, [field], sheet))
+    assert not any(one["kind"] == "headland" for one in base.document["segments"])
+    rows = [k for k, one in enumerate(base.document["segments"]) if one["kind"] == "row"]
+    left_out = () if is_reversed else (rows[2],)
+    around = surroundings_of([], field.geometry, field.id, flies=sheet is KITE)
+    progress = Progress(base.sha256, rows[0], 1.0)
+    wish = RestWish(base.document, base.sha256, 2, progress, robot=sheet, surroundings=around)
+    made = plan_rest(replace(wish, leave_out=left_out, is_reversed=is_reversed))
+    numbers = list(dict.fromkeys(one["row"] for one in made.document["segments"] if one["row"]))
+    usual = [base.document["segments"][k]["row"] for k in rows]
+    assert numbers == ([usual[0], *usual[:0:-1]] if is_reversed else [*usual[:2], *usual[3:]])

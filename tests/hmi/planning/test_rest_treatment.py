@@ -15,11 +15,11 @@ from hypothesis import assume, event, given, settings
 from hypothesis import strategies as st
 
 from hmi.domain.mission_document import Document
-from hmi.domain.mission_plan import PlannedMission, PlanRefused, PlanWish, TreatedArea, Treatment
+from hmi.domain.mission_plan import PlannedMission, PlanRefused, PlanWish, Surroundings, TreatedArea, Treatment
 from hmi.domain.mission_rest import PlannedRest, Progress, RestWish, is_work, length_m, pieces_of
 from hmi.planning.machine import RobotProfile
 from hmi.planning.mission import plan_mission
-from hmi.planning.rest import plan_rest
+from hmi.planning.rest import _Rest, plan_rest
 from tests.hmi.missions.rig import FRAME, lon_lat, parcel_geometry
 from tests.hmi.planning.test_rest import places, standing
 
@@ -199,3 +199,26 @@ def test_the_pieces_of_a_lap_are_told_to_be_of_one_lap() -> None:
     path = [piece("row", 1, row=1), piece("turn", 2, tool_on=False), *lap, *other]
     found = pieces_of({"segments": path}, Progress("a" * 64, 0, 0.0))
     assert [(one.row, one.lap) for one in found] == [(1, 0), (0, 1), (0, 1), (0, 2), (0, 3)]
+
+
+@pytest.mark.parametrize(("aside_m", "along_m"), [(0.0, 1.3), (0.8, 1.3), (0.8, 2.5)])
+def test_turned_around_a_piece_cut_by_a_new_obstacle_has_no_gap(aside_m: float, along_m: float) -> None:
+    number = next(k for k, one in enumerate(segments()) if one["row"] and not one["tool_on"])
+    cut_one, idle = segments()[number - 1 : number + 1]
+    assert cut_one["row"] == idle["row"]
+    assert cut_one["tool_on"]
+    (_, far), (x, y) = cut_one["points"][0], cut_one["points"][-1]
+    # the piece loses the end that the idle one goes on from, and the idle one itself is free
+    there = lon_lat((x + aside_m, y + math.copysign(along_m, far - y)))[0]
+    solid = Surroundings((({"type": "Point", "coordinates": there}, 0.4),))
+    made = rest(Progress(base().sha256, 0, 1.0), is_reversed=True, surroundings=solid)
+    assert any(f"Row {idle['row']}" in note for note in made.difference["notes"])
+    path = made.document["segments"]
+    assert all(math.dist(a["points"][-1], b["points"][0]) < 0.003 for a, b in pairwise(path))
+
+
+def test_a_path_with_a_gap_is_refused_before_it_is_sent(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(_Rest, "_way", lambda *_, **__: [])
+    with pytest.raises(PlanRefused, match=r"gap of \d+\.\d\d m ") as caught:
+        rest(Progress(base().sha256, 0, 1.0), is_reversed=True)
+    assert caught.value.code == "gap"
