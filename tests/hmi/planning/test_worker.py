@@ -15,6 +15,7 @@ import psutil
 import pytest
 
 from hmi.domain.mission_plan import PlanRefused
+from hmi.planning import worker
 from hmi.planning.side_process import SideProcess, SideProcessDied
 from hmi.planning.worker import WAITING_LIMIT, PlanningProcess
 from tests.hmi.missions.test_document import wish
@@ -42,10 +43,11 @@ async def test_a_plan_is_made_elsewhere_and_a_refusal_comes_back_whole() -> None
 @pytest.mark.slow
 async def test_a_plan_tells_how_far_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(worker, "PROGRESS_S", 0.02)  # a quick machine plans these 700 rows in half a second
     planner = PlanningProcess()
     heard: list[tuple[float, str]] = []
     try:
-        await planner.candidate(wish(width_m=0.2), lambda share, words: heard.append((share, words)))
+        await planner.candidate(wish(width_m=0.05), lambda share, words: heard.append((share, words)))
     finally:
         await asyncio.to_thread(planner.close)
     shares = [share for share, _ in heard]
