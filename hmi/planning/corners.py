@@ -19,7 +19,7 @@ from hmi.planning.dubins import Pose
 from hmi.planning.headland import Lap, strips
 from hmi.planning.links import Linker
 from hmi.planning.plan import headings
-from hmi.planning.polyline import distinct
+from hmi.planning.polyline import distinct, length_m
 from hmi.planning.projection import Floats
 
 WORTH_M2 = 0.5  # a smaller tip is not worth the way of a loop
@@ -118,7 +118,7 @@ class Corners:
         loop = self._way(end, start, corner)
         if loop is None:
             return None
-        detour_m = sum(map(_length, (*sides, loop))) - _length(points[corner.first : corner.last + 2])
+        detour_m = sum(map(length_m, (*sides, loop))) - length_m(points[corner.first : corner.last + 2])
         least_m2 = min(WORTH_SHARE * self._width_m * detour_m, WORTH_FIELD * self._wanted.area) if is_inner else 0.0
         return (end, loop, start) if gain_m2 >= least_m2 else None
 
@@ -140,7 +140,7 @@ class Corners:
         """Return the way from the end of one side to the start of the next: a loop, else turned on the spot."""
         ground = self._linker.ground
         loop = self._linker.curve(_pose(end, corner.before), _pose(start, corner.after))
-        if loop is not None and _length(loop) <= _WAY * (self._radius_m + self._width_m):
+        if loop is not None and length_m(loop) <= _WAY * (self._radius_m + self._width_m):
             return loop
         across = np.vstack([end, start])
         can_turn = ground.can_turn_at(_place(end)) and ground.can_turn_at(_place(start))
@@ -181,7 +181,3 @@ def _pose(place: Floats, direction: Floats) -> Pose:
 
 def _place(place: Floats) -> tuple[float, float]:
     return float(place[0]), float(place[1])
-
-
-def _length(points: Floats) -> float:
-    return float(np.hypot(*np.diff(points, axis=0).T).sum())

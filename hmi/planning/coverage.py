@@ -19,6 +19,7 @@ from hmi.planning.figures import figures_of, flight_note, missed_note, worked_st
 from hmi.planning.ground import Ground, erode
 from hmi.planning.headland import Headland, Lap
 from hmi.planning.job import Job, checked_field, inner_field
+from hmi.planning.lanes import Lanes
 from hmi.planning.links import Linker
 from hmi.planning.machine import RobotProfile
 from hmi.planning.patterns import driving_order, span_for
@@ -34,6 +35,10 @@ _NO_WAY_OUT = (
     "No known way leads from home to this field. Draw the road under Maps, choose another home, "
     "or let the robot start at the field: you drive it there."
 )
+_WIDEN = (
+    "Draw it as wide as it is under Maps, choose another home, or let the robot start at the field: you drive it there."
+)
+_A_WAY_M = 0.2  # narrower is a seam between two areas, no way
 _NO_FLIGHT_OUT = (
     "Home is more than 3 km away, or a keep-out zone lies around home, this field or between. "
     "Choose another home, or let the robot start at the field."
@@ -250,7 +255,7 @@ class _Course:
         around = shapely.union_all([one for one in shapely.get_parts(self._with_roads()) if one.intersects(home)])
         is_cut_off = [not around.intersects(shapely.LineString(group[0][0].points)) for group in groups]
         if all(is_cut_off):
-            raise _no_way_out(self.job.machine)
+            raise _cut_off(self.job.machine)
         return [group for _, group in sorted(zip(is_cut_off, groups, strict=True), key=lambda one: one[0])]
 
     def _home(self) -> None:
@@ -260,18 +265,36 @@ class _Course:
         linker = Linker(Ground(self._with_roads(), machine, self.ground.crop))
         first = self.legs[0]
         start: Pose = (float(first.points[0][0]), float(first.points[0][1]), first.first_heading_rad)
+        lanes = Lanes(linker)
         away = linker.link(_standing(self.job.home, start), start)
         if away is None:
-            raise _no_way_out(self.job.machine)
+            away = lanes.from_place(self.job.home, start)
+        if away is None:
+            raise self._no_way_out(lanes, start[:2])
         self.legs = [Leg(LegKind.APPROACH, p, way_speed(p, machine, machine.way_mps)) for p in away] + self.legs
         if not self.job.returns_home:
             return
         here = self._pose()
         back = linker.link(here, _standing(self.job.home, here))
         if back is None:
+            back = lanes.to_place(here, self.job.home)
+        if back is None:
             self.notes.append("No known way leads back home. The robot stays at the end.")
             return
         self.legs += [Leg(LegKind.EXIT, p, way_speed(p, machine, machine.way_mps)) for p in back]
+
+    def _no_way_out(self, lanes: Lanes, entry: tuple[float, float]) -> PlanRefused:
+        """Say what is wrong with the way from home: there is none, it is too narrow, or a bend is too tight."""
+        machine, home = self.job.machine, self.job.home
+        width_m = 0.0 if machine.flies or home is None else lanes.width_m(home, entry)
+        if width_m < _A_WAY_M:
+            return _cut_off(machine)
+        if width_m < lanes.needed_m:
+            why = f"is {width_m:.1f} m wide where it is narrowest, and this machine needs {lanes.needed_m:.1f} m. "
+        else:
+            radius_m = machine.turning_radius_m
+            why = f"has a bend or a corner too tight for this machine, which turns on a radius of {radius_m:.1f} m. "
+        return PlanRefused("home_unreachable", f"The way from home to this field {why}{_WIDEN}", "home_id")
 
     def _figures(self, legs: list[Leg], worked: list[BaseGeometry], angle: float) -> Figures:
         passes = len(self.division.offsets_m)
@@ -286,7 +309,7 @@ class _Course:
         return worked_strips(legs, width)
 
 
-def _no_way_out(machine: RobotProfile) -> PlanRefused:
+def _cut_off(machine: RobotProfile) -> PlanRefused:
     return PlanRefused("home_unreachable", _NO_FLIGHT_OUT if machine.flies else _NO_WAY_OUT, "home_id")
 
 

@@ -107,9 +107,9 @@ class Ground:
         """Points where a shortest way may bend: a little inside the turning ground, and around the crop."""
         slack = 0.45 * self.machine.turning_radius_m  # room to round a right angle without leaving the ground
         areas = [*polygons_of(erode(self.turning, slack)), *polygons_of(self.turning)]
-        found = [corner for area in areas for corner in _bends(area.simplify(0.02))]
+        found = [corner for area in areas for corner in bends_of(area.simplify(0.02))]
         outside_crop = self.crop.buffer(0.05, join_style="mitre", mitre_limit=2.0)
-        found += [c for area in polygons_of(outside_crop) for c in _bends(area.simplify(0.02), outward=True)]
+        found += [c for area in polygons_of(outside_crop) for c in bends_of(area.simplify(0.02), outward=True)]
         if not found:
             return np.empty((0, 2))
         corners = np.unique(np.round(np.array(found), 3), axis=0)
@@ -117,7 +117,7 @@ class Ground:
         return np.asarray(corners[inside], dtype=np.float64)
 
 
-def _bends(area: Polygon, *, outward: bool = False) -> list[tuple[float, float]]:
+def bends_of(area: Polygon, *, outward: bool = False) -> list[tuple[float, float]]:
     """Return the corners of a polygon around which a way inside it (or outside, ``outward``) may bend."""
     corners: list[tuple[float, float]] = []
     oriented = orient(area)  # ground on the left of every ring, so that a left turn is a convex corner

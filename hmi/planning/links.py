@@ -17,7 +17,7 @@ from hmi.planning import dubins
 from hmi.planning.dubins import DubinsPath, Pose
 from hmi.planning.ground import Ground
 from hmi.planning.plan import GENTLE_RAD, headings
-from hmi.planning.polyline import distinct
+from hmi.planning.polyline import distinct, length_m
 from hmi.planning.projection import Floats
 
 STEP_M = 0.5  # distance of points on straight pieces does not matter to a robot; on arcs the angle rules
@@ -47,7 +47,7 @@ class Linker:
         way = self.ground.way(start[:2], end[:2])
         if way is None:
             return self._off_and_on(start, end)
-        if _length(way) > 4 * self._radius:
+        if length_m(way) > 4 * self._radius:
             rounded = self._rounded(start, way, end)
             if rounded is not None:
                 return [rounded]
@@ -99,7 +99,7 @@ class Linker:
         pieces = []
         for a, b in pairwise(stops):
             piece = self.curve(a, b, is_crop_free=False)
-            if piece is None or _length(piece) > math.hypot(b[0] - a[0], b[1] - a[1]) * 1.5 + self._radius:
+            if piece is None or length_m(piece) > math.hypot(b[0] - a[0], b[1] - a[1]) * 1.5 + self._radius:
                 return None
             pieces.append(piece)
         return distinct(np.vstack(pieces))
@@ -114,7 +114,7 @@ class Linker:
             a: Pose = (*middles[k - 1], directions[k - 1])
             b: Pose = (*middles[k], directions[k])
             corner = self.curve(a, b, is_crop_free=False)
-            if corner is not None and _length(corner) < _length(np.array([middles[k - 1], way[k], middles[k]])) + 0.1:
+            if corner is not None and length_m(corner) < length_m(np.array([middles[k - 1], way[k], middles[k]])) + 0.1:
                 current.extend(corner)
             elif _turn(directions[k - 1], directions[k]) <= GENTLE_RAD:
                 current.append(way[k])
@@ -155,7 +155,7 @@ class Linker:
                         continue
                     a, b = (place, pose) if is_joining else (pose, place)
                     points = self.curve(a, b, is_crop_free=False)
-                    if points is not None and _length(points) < 4 * math.hypot(px - x, py - y):
+                    if points is not None and length_m(points) < 4 * math.hypot(px - x, py - y):
                         found.append((place, points))
                         break
         return found
@@ -170,10 +170,6 @@ def _fused(parts: list[Floats]) -> list[Floats]:
         else:
             fused.append(part)
     return fused
-
-
-def _length(points: Floats) -> float:
-    return float(np.hypot(*np.diff(points, axis=0).T).sum())
 
 
 def _turn(a: float, b: float) -> float:

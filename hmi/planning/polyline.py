@@ -30,6 +30,28 @@ def distinct(points: Floats) -> Floats:
     return kept
 
 
+def length_m(points: Floats) -> float:
+    """Return the length of a polyline in metres."""
+    return float(np.hypot(*np.diff(points, axis=0).T).sum())
+
+
+def part_of(points: Floats, from_m: float, to_m: float) -> Floats:
+    """Return a polyline between two distances along it, (N, 2); one point if there is nothing between."""
+    along = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
+    inner = points[(along > from_m + 1e-6) & (along < to_m - 1e-6)]
+    ends = [np.array([np.interp(at, along, points[:, k]) for k in (0, 1)]) for at in (from_m, to_m)]
+    return distinct(np.vstack([ends[0], inner, ends[1]])) if to_m > from_m + 1e-6 else ends[0].reshape(1, 2)
+
+
+def pose_at(points: Floats, at_m: float) -> tuple[float, float, float]:
+    """Return x, y and heading (radians) ``at_m`` metres along a polyline, the heading that of the piece before."""
+    x, y = part_of(points, 0.0, at_m)[-1]
+    along = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
+    k = min(max(int(np.searchsorted(along, at_m, side="left")) - 1, 0), len(points) - 2)
+    ahead = points[k + 1] - points[k]
+    return float(x), float(y), math.atan2(ahead[1], ahead[0])
+
+
 def _without_crumbs(points: Floats) -> Floats:
     kept = [(float(x), float(y)) for x, y in points]
     k = 0

@@ -14,6 +14,7 @@ from hmi.domain.mission_plan import PlanRefused
 from hmi.domain.mission_rest import LEAVE_OUT, OBSTACLE, DrawnArea, RestWish
 from hmi.planning.dubins import Pose
 from hmi.planning.ground import CHECK_STEP_M, Ground, erode, polygons_of
+from hmi.planning.lanes import Lanes
 from hmi.planning.links import Linker
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import Leg, LegKind, poses_along
@@ -81,6 +82,8 @@ class RestGround:
         if is_free and self._machine.can_pivot:
             start = (start[0], start[1], math.atan2(end[1] - start[1], end[0] - start[0]))
         pieces = linker.link(start, end)
+        if pieces is None:
+            pieces = Lanes(linker).between(start, end)
         if pieces is None:
             return None
         return [Leg(kind, piece, way_speed(piece, self._machine, self._machine.way_mps)) for piece in pieces]
