@@ -81,7 +81,11 @@ class MissionDesk:
             valid_hours=settings.checklist_hours,
         )
         self.start_rules = MissionStartRules(
-            records.missions, records.checklists, lambda: self.checklists.is_required, records.robots.may_run_alone
+            records.missions,
+            records.checklists,
+            lambda: self.checklists.is_required,
+            records.robots.may_run_alone,
+            self.facts.in_flight,
         )
         self._authorize = authorize
         self.templates = TemplateBook(records.templates, records.database, records.audit, authorize)

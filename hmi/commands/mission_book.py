@@ -237,6 +237,7 @@ class MissionBook:
         robot = self._parts.fleet.robot(robot_id)
         if robot is not None:
             _refuse_if_far(robot, mission, document)
+            await self._map.check_flight(farm_id, document, robot.factsheet)
         note = await self._map.check(farm_id, mission.planned_on(document), document)
         if is_fresh:  # the same bytes again would be no new beginning for a robot that has them
             statistics = self._with_machine(mission, statistics)

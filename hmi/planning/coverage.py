@@ -15,7 +15,7 @@ from hmi.planning import headland as headlands
 from hmi.planning import rows as rows_of
 from hmi.planning.corners import Corners
 from hmi.planning.dubins import Pose
-from hmi.planning.figures import figures_of, flight_note, missed_note, worked_strips
+from hmi.planning.figures import figures_of, missed_note, worked_strips
 from hmi.planning.ground import Ground, erode
 from hmi.planning.headland import Headland, Lap
 from hmi.planning.job import Job, checked_field, inner_field
@@ -35,7 +35,7 @@ _NO_WAY_OUT = (
     "or let the robot start at the field: you drive it there."
 )
 _NO_FLIGHT_OUT = (
-    "Home is more than 3 km away, or a keep-out zone lies around home, this field or between. "
+    "Home is more than 3 km away, or a keep-out zone or something that stands lies around home, this field or between. "
     "Choose another home, or let the robot start at the field."
 )
 _DEEPER_RADII = (0.0, 1.0, 2.0)  # a border that slants more than usual needs a deeper headland to turn in
@@ -137,7 +137,7 @@ class _Course:
         worked = self._strips(legs)
         legs = self.job.limits.cut(legs)
         figures = self._figures(legs, worked, angle)
-        self.notes += filter(None, (missed_note(self.job, figures), flight_note(self.job)))
+        self.notes += filter(None, (missed_note(self.job, figures), *self.job.flight_notes))
         return Plan(tuple(legs), figures, tuple(self.notes))
 
     # rows
@@ -250,7 +250,7 @@ class _Course:
         around = shapely.union_all([one for one in shapely.get_parts(self._with_roads()) if one.intersects(home)])
         is_cut_off = [not around.intersects(shapely.LineString(group[0][0].points)) for group in groups]
         if all(is_cut_off):
-            raise _no_way_out(self.job.machine)
+            raise _no_way_out(self.job)
         return [group for _, group in sorted(zip(is_cut_off, groups, strict=True), key=lambda one: one[0])]
 
     def _home(self) -> None:
@@ -262,7 +262,7 @@ class _Course:
         start: Pose = (float(first.points[0][0]), float(first.points[0][1]), first.first_heading_rad)
         away = linker.link(_standing(self.job.home, start), start)
         if away is None:
-            raise _no_way_out(self.job.machine)
+            raise _no_way_out(self.job)
         self.legs = [Leg(LegKind.APPROACH, p, way_speed(p, machine, machine.way_mps)) for p in away] + self.legs
         if not self.job.returns_home:
             return
@@ -286,8 +286,9 @@ class _Course:
         return worked_strips(legs, width)
 
 
-def _no_way_out(machine: RobotProfile) -> PlanRefused:
-    return PlanRefused("home_unreachable", _NO_FLIGHT_OUT if machine.flies else _NO_WAY_OUT, "home_id")
+def _no_way_out(job: Job) -> PlanRefused:
+    text = " ".join((_NO_FLIGHT_OUT, *job.flight_notes)) if job.machine.flies else _NO_WAY_OUT
+    return PlanRefused("home_unreachable", text, "home_id")
 
 
 def _entry_cost(here: Pose, lap: Floats) -> float:

@@ -19,6 +19,7 @@ from hmi.domain.mission_rest import PlannedRest, RestWish, cut, is_work, length_
 from hmi.domain.planned_machine import MACHINE
 from hmi.planning.dubins import Pose
 from hmi.planning.estimate import effort
+from hmi.planning.flight import flight_notes
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import GENTLE_RAD, Leg, LegKind, headings, turn_between
 from hmi.planning.projection import Floats, LocalFrame
@@ -69,6 +70,7 @@ class _Rest:
 
     def run(self) -> PlannedRest:
         head, start, works = self._stitched()
+        self.notes += flight_notes(self.wish.surroundings, self.frame, self.machine, self.ground.parcel, self.home)
         chosen = self._chosen(works)
         if not chosen and not self.wish.is_running:
             raise PlanRefused("nothing_left", "Nothing is left to do. Abort the mission, or start fresh.")
