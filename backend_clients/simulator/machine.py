@@ -82,6 +82,7 @@ class Machine:
     is_rtk_float: bool = False
     is_charging: bool = False
     is_airborne: bool = False
+    is_by_itself: bool = False
     is_unsure: bool = False
     seedlings: int = 0
     rig: PlanterRig | None = None
@@ -102,7 +103,7 @@ class Machine:
             wanted, is_braking, tool_on = STOPPED, True, False
         elif wanted.v_mps or wanted.yaw_rate_radps:
             self.last_moving = wanted
-        if self._goal_m - self.height_m > LEVEL_M:
+        if self.is_by_itself and self._goal_m - self.height_m > LEVEL_M:
             # its path was planned at a height: below, something may stand there
             wanted, is_braking, tool_on = STOPPED, True, False
         self.tool_on = tool_on and not self.is_cover_open
@@ -121,7 +122,7 @@ class Machine:
     @property
     def _goal_m(self) -> float:
         """Height above the ground at which it should be now."""
-        flies = self.is_airborne and self.profile.energy.hover_w > 0
+        flies = self.is_airborne and self.limbs is not None  # without a body to look at it has no height
         return (self.profile.motion.path_height_m or 0.0) if flies else 0.0
 
     @property
