@@ -188,7 +188,7 @@ class Brain:
         before_m, driven_m = run.tracker.s_m if run is not None else 0.0, machine.base.distance_m
         wanted = self.pilot.decide(dt_s)
         machine.is_charging = self._is_at_charger()
-        machine.is_airborne, machine.is_by_itself = self._is_airborne(), self.is_auto
+        machine.is_airborne = self._is_airborne()
         is_braking = wanted.v_mps == 0 and not wanted.is_pivoting
         machine.step(dt_s, wanted, is_braking=is_braking, tool_on=self.pilot.doing.tool_on)
         if self.pilot.followed is not None:

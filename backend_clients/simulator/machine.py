@@ -82,7 +82,6 @@ class Machine:
     is_rtk_float: bool = False
     is_charging: bool = False
     is_airborne: bool = False
-    is_by_itself: bool = False
     is_unsure: bool = False
     seedlings: int = 0
     rig: PlanterRig | None = None
@@ -103,9 +102,6 @@ class Machine:
             wanted, is_braking, tool_on = STOPPED, True, False
         elif wanted.v_mps or wanted.yaw_rate_radps:
             self.last_moving = wanted
-        if self.is_by_itself and self._goal_m - self.height_m > LEVEL_M:
-            # its path was planned at a height: below, something may stand there
-            wanted, is_braking, tool_on = STOPPED, True, False
         self.tool_on = tool_on and not self.is_cover_open
         self.base.step(dt_s, wanted.v_mps, wanted.yaw_rate_radps, is_braking=is_braking)
         is_still = self.base.is_still and not (self.rig is not None and self.rig.crane.is_moving)
@@ -118,6 +114,11 @@ class Machine:
             self._step_limbs(dt_s)
         if not self.profile.motion.is_on_rails:
             self._step_error(dt_s)
+
+    @property
+    def is_climbing(self) -> bool:
+        """Whether it is below the height at which it flies."""
+        return self._goal_m - self.height_m > LEVEL_M
 
     @property
     def _goal_m(self) -> float:

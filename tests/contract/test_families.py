@@ -25,7 +25,7 @@ PLACE = {"datum_lat_deg": 52.0, "datum_lon_deg": 5.0, "y_m": -2.0, "theta_rad": 
 )
 def test_it_works_stops_and_is_reset_as_every_robot(broker: str, robot: str, family: str, is_lean: bool) -> None:
     with (
-        running_simulator(broker, robot=robot, family=family, is_lean=is_lean, **PLACE),
+        running_simulator(broker, robot=robot, family=family, is_lean=is_lean, link_lost_pause_s=60.0, **PLACE),
         Listener(broker, robot) as listener,
     ):
         # amqtt hands a new client what other robots left retained, too
