@@ -29,6 +29,7 @@ from hmi.domain.role import Permission
 from hmi.security.session_info import SessionInfo
 from hmi.store.errors import NotFound
 from hmi.store.features import Feature
+from hmi.store.mission_drafts import refuse_draft
 from hmi.store.missions import Mission
 
 KEPT = 32  # previews that wait for their Send
@@ -161,6 +162,7 @@ class MissionRests:
         mission = self._parts.missions.known(mission_id)
         if mission is None or mission.farm_id != session.farm_id:
             raise NotFound("There is no such mission.")
+        refuse_draft(mission)
         return mission
 
     def _robot(self, mission: Mission) -> Robot:

@@ -25,6 +25,7 @@ UNKNOWN_MISSION, HASH_MISMATCH, HAS_PROGRESS = "unknown_mission", "hash_mismatch
 NO_CLOUD, NO_REVERSE = "no_cloud", "no_reverse"
 OTHER_MACHINE, IN_QUEUE = "other_machine", "in_queue"
 MAP_CHANGED, NOT_READ_BACK, CHECKLIST_MISSING = "map_changed", "not_read_back", "checklist_missing"
+IS_DRAFT = "draft"
 IN_FLIGHT_PATH, NOT_NOW = "in_flight_path", "not_now"
 HARDWARE_STOP, SAFETY_UNKNOWN, WRONG_MISSION = "hardware_stop", "safety_unknown", "wrong_mission"
 LEASE_REVOKED = "lease_revoked"  # the robot's own word, edge.md

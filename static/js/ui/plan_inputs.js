@@ -17,6 +17,7 @@
   const firstPlace = (geometry) => (geometry?.type === "Polygon" ? geometry.coordinates[0][0] : geometry?.coordinates?.[0]?.[0]?.[0]);
   const byName = (a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }); // bay 2 before bay 10
   const options = (rows) => rows.map(({ id, name }) => el("option", { value: id }, name));
+  const later = () => el("option", { value: "" }, "Choose later"); // for a draft: nothing is planned without
   const select = (hook, name, rows) => el("select", { class: "h-select", "data-testid": hook, name }, ...rows);
   const number = (hook, name, props) => el("input", { class: "h-input", "data-testid": hook, name, type: "number", inputmode: "decimal", step: "any", ...props });
   const field = (label, input) => el("label", { class: "h-field" }, label, input);
@@ -54,11 +55,13 @@
   }
 
   class Inputs {
-    constructor(places) {
+    // draft: of the server, with its wish; it is kept there, not in this browser
+    constructor(places, draft = null) {
       this.places = places;
+      this.draft = draft;
       this.all = {
-        field_id: select("plan-field", "field_id", options([...places.fields].sort(byName))),
-        robot_id: select("plan-robot", "robot_id", options(places.robots)),
+        field_id: select("plan-field", "field_id", [...options([...places.fields].sort(byName)), later()]),
+        robot_id: select("plan-robot", "robot_id", [...options(places.robots), later()]),
         home_id: select("plan-home", "home_id", [el("option", { value: "" }, "Own or nearest"), ...options([...places.homes].sort(byName)), el("option", { value: AT_FIELD }, "None: starts at the field")]),
         width_m: number("plan-width", "width_m", { min: "0.05", max: "50", required: true, value: "3" }),
         row_speed_mps: number("plan-speed", "row_speed_mps", { min: "0.01", max: "20", placeholder: "usual" }),
@@ -162,6 +165,11 @@
     }
 
     recall() {
+      if (this.draft) {
+        this.isKept = true;
+        this.all.field_id.value = this.all.robot_id.value = "";
+        return this.apply({ ...this.draft.wish, name: this.draft.name });
+      }
       const kept = HL.draft.get(DRAFT);
       this.isKept = Boolean(kept);
       this.laps = kept?.laps; // offered before, not entered: they go on following the field
@@ -179,11 +187,11 @@
     }
 
     keep() {
-      HL.draft.set(DRAFT, { laps: this.laps, ...Object.fromEntries(Object.entries(this.all).map(([key, input]) => [key, input.type === "checkbox" ? input.checked : input.value])) });
+      if (!this.draft) HL.draft.set(DRAFT, { laps: this.laps, ...Object.fromEntries(Object.entries(this.all).map(([key, input]) => [key, input.type === "checkbox" ? input.checked : input.value])) });
     }
 
     forget() {
-      HL.draft.clear(DRAFT);
+      if (!this.draft) HL.draft.clear(DRAFT);
     }
 
     wish() {
@@ -200,6 +208,12 @@
       if (i.overlap.value !== "" && Number(i.overlap.value)) body.overlap = Number(i.overlap.value) / 100;
       if (!this.spacing.hidden && i.plant_spacing_m.value !== "") body.plant_spacing_m = Number(i.plant_spacing_m.value);
       return body;
+    }
+
+    // what is missing before anything can be planned: [input, sentence], null if nothing is
+    missing() {
+      if (!this.all.robot_id.value) return ["robot_id", "Choose a robot, or save it as a draft."];
+      return this.all.field_id.value ? null : ["field_id", "Choose a field, or save it as a draft."];
     }
 
     // a template's wish into the inputs; what it does not say goes back to its usual value
