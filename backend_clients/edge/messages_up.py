@@ -75,6 +75,13 @@ class Limits(Struct, frozen=True, kw_only=True):
         Annotated[float, Meta(gt=0, le=20, description="speed at which it follows a path backwards; left out: never")]
         | None
     ) = None
+    path_height_m: (
+        Annotated[
+            float,
+            Meta(gt=0, le=500, description="UAVs: height above the ground at which it flies all of a mission's path"),
+        ]
+        | None
+    ) = None
 
 
 class Tool(Struct, frozen=True, kw_only=True):

@@ -77,6 +77,7 @@ _HOLDS: dict[str, tuple[str, str, str]] = {
     "function_off": ("Paused by itself: a part of its software did not run.", "Resume the mission.", "operator"),
     "tray_empty": ("The seedling tray is empty.", "Load a tray at the machine.", "person at the machine"),
     "start_horn": ("The horn sounds before it moves.", "It moves in a moment.", ""),
+    "climbing": ("It climbs to the height of its path.", "It sets off in a moment.", ""),
 }
 
 _FAULTS: dict[str, tuple[str, str, str]] = {

@@ -14,7 +14,8 @@ class Motion:
 
     ``planned_decel_mps2`` is gentler than the brakes, so that it stops where it should. With ``is_on_rails`` the body
     is put on the line it follows instead of being steered to it: for what flies, and for load tests.
-    ``path_reverse_mps``: as fast as that it follows a path backwards; ``None``: never.
+    ``path_reverse_mps``: as fast as that it follows a path backwards; ``None``: never. ``path_height_m``: so high above
+    the ground it flies; it climbs there before it sets off.
     """
 
     max_speed_mps: float
@@ -29,6 +30,7 @@ class Motion:
     can_reverse: bool = True
     is_on_rails: bool = False
     path_reverse_mps: float | None = None
+    path_height_m: float | None = None
 
     def limits(self) -> Limits:
         """Return them as the factsheet says them."""
@@ -41,6 +43,7 @@ class Motion:
             can_reverse=self.can_reverse,
             can_pivot=self.can_pivot,
             path_reverse_mps=self.path_reverse_mps,
+            path_height_m=self.path_height_m,
         )
 
     def stopping_distance_m(self, speed_mps: float) -> float:
@@ -78,6 +81,7 @@ FLYING = Motion(
     track_m=0.5,
     planned_decel_mps2=1.5,
     is_on_rails=True,
+    path_height_m=30.0,
 )
 
 

@@ -27,7 +27,8 @@ FLOAT_DRIFT_M = 0.35
 COLD_C, WARM_UP_S = 21.0, 90.0
 STANDSTILL_S = 0.5
 MOTOR_TIME_S = 240.0
-CRUISE_M, CLIMB_MPS = 30.0, 2.5
+CLIMB_MPS = 2.5
+LEVEL_M = 0.5  # this near to its height it is there
 WIND_MPS = 4.0
 STRAIGHT_DOWN, TO_THE_ROWS = -1.55, -0.32  # of a camera at work, above the horizon
 STOPPED = Setpoint(0.0, 0.0)
@@ -115,6 +116,17 @@ class Machine:
             self._step_error(dt_s)
 
     @property
+    def is_climbing(self) -> bool:
+        """Whether it is below the height at which it flies."""
+        return self._goal_m - self.height_m > LEVEL_M
+
+    @property
+    def _goal_m(self) -> float:
+        """Height above the ground at which it should be now."""
+        flies = self.is_airborne and self.limbs is not None  # without a body to look at it has no height
+        return (self.profile.motion.path_height_m or 0.0) if flies else 0.0
+
+    @property
     def is_crane_at_limit(self) -> bool:
         """Whether a joint of the crane is outside its soft limits."""
         return self.rig is not None and bool(self.rig.crane.beyond())
@@ -197,8 +209,8 @@ class Machine:
         self.limbs.look(pan=pan, tilt=down if looks_down else AHEAD["tilt"])
         self.limbs.step(dt_s)
         if self.profile.energy.hover_w:
-            goal_m = CRUISE_M if self.is_airborne else 0.0
-            self.height_m += min(max(goal_m - self.height_m, -CLIMB_MPS * dt_s), CLIMB_MPS * dt_s)
+            up_m = self._goal_m - self.height_m
+            self.height_m += min(max(up_m, -CLIMB_MPS * dt_s), CLIMB_MPS * dt_s)
             gust = (WIND_MPS - self.wind_mps) * dt_s / 30.0 + self.rng.gauss(0.0, 0.35 * math.sqrt(dt_s))
             self.wind_mps = max(self.wind_mps + gust, 0.0)
         work = min(self.load_w / (self.profile.energy.tool_w + self.profile.energy.idle_w + 1.0), 1.5)

@@ -71,6 +71,10 @@ class Pilot:
             self.horn_left_s -= dt_s
             self._brain.hold_code = "start_horn"
             return STOPPED
+        if self._brain.machine.is_climbing:
+            # its path was planned at a height: below, something may stand there
+            self._brain.hold_code = "climbing"
+            return STOPPED
         return self._follow(dt_s)
 
     def _by_hand(self, drive: DriveState) -> Setpoint:

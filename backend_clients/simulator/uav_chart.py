@@ -70,7 +70,7 @@ def leaves(brain: Brain, before: frozenset[str]) -> Sequence[str]:
     if top != "mission":
         is_done = brain.run is not None and brain.run.status == "done" and "mission" in before
         return ("end",) if top == "idle" and is_done and "end" not in before else (top,)
-    if brain.hold_code == "start_horn" or (brain.pilot.followed is None and "take-off" in before):
+    if brain.hold_code in ("start_horn", "climbing") or (brain.pilot.followed is None and "take-off" in before):
         return ("take-off",)
     if brain.hold_code:
         return ("wait",)

@@ -29,6 +29,7 @@ _WAIT_WORDS = {
     "crane_limit": "Crane at limit",
     "tray_empty": "Tray empty",
     "start_horn": "Horn",
+    "climbing": "Climbing",
     "person_inside": "Person inside",
     "ask_person": "Help wanted",
 }

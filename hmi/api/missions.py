@@ -85,27 +85,30 @@ def _add_reading(router: APIRouter, book: MissionBook, encoded: _Encoded) -> Non
     async def mission(mission_id: MissionId, session: Watcher) -> dict[str, Any]:
         found = _one(book, session, mission_id)
         entries = await book.log(session, mission_id)
-        return {**row(found), "log": [_entry(one) for one in entries]}
+        wish = {} if found.wish is None else {"wish": found.wish}
+        return {**row(found), **wish, "log": [_entry(one) for one in entries]}
 
     @router.get("/missions/{mission_id}/document", summary="What goes to the robot")
     async def document(mission_id: MissionId, session: Watcher) -> Document:
         _one(book, session, mission_id)
-        return await book.document(session, mission_id)
+        found: Document = await translated(lambda: book.document(session, mission_id))
+        return found
 
     @router.get("/missions/{mission_id}/map.geojson", summary="Geometry of one mission", response_class=Response)
     async def geometry(mission_id: MissionId, request: Request, session: Watcher) -> Response:
         found = _one(book, session, mission_id)
         tag = _tag(found.sha256, found)
-        if _is_known(request, tag):
+        if found.sha256 and _is_known(request, tag):
             return Response(status_code=304)
-        body = await encoded.of(tag, found.sha256, await book.document(session, mission_id), found.statistics)
+        document = await translated(lambda: book.document(session, mission_id))
+        body = await encoded.of(tag, found.sha256, document, found.statistics)
         return _geojson(body, tag)
 
 
 def _add_planning(router: APIRouter, book: MissionBook) -> None:
     @router.post("/missions/plan", status_code=201, summary="Plan a field and store the mission")
     async def plan(body: PlanBody, session: SignedIn) -> dict[str, Any]:
-        with_errors = translated(lambda: book.plan(session, order_of(body)))
+        with_errors = translated(lambda: book.plan(session, order_of(body), body.draft_id, body.draft_revision))
         return row(await with_errors)
 
     @router.post("/missions/preview", summary="Plan a field without storing: numbers and geometry")

@@ -60,6 +60,16 @@ class PlanBody(PlanChoices):
 
     field_id: Id
     robot_id: Id
+    draft_id: Annotated[Id | None, Field(description="the draft that this becomes, for /missions/plan")] = None
+    draft_revision: Annotated[int, Field(ge=0)] = 0
+
+
+class DraftWish(PlanChoices):
+    """What was chosen so far for a mission that is not planned yet."""
+
+    width_m: Annotated[float | None, Field(gt=0, le=MOST_WIDTH_M)] = None  # type: ignore[assignment]
+    field_id: Id | None = None
+    robot_id: Id | None = None
 
 
 class TemplateWish(PlanChoices):
@@ -72,6 +82,6 @@ class TemplateWish(PlanChoices):
 
 def order_of(body: PlanBody) -> PlanOrder:
     """Return the order a body stands for."""
-    given = {key: value for key, value in body if key not in ("name", "treatments")}
+    given = {key: value for key, value in body if key not in ("name", "treatments", "draft_id", "draft_revision")}
     areas = tuple(AreaOrder(one.dose, one.feature_id, one.geometry) for one in body.treatments)
     return PlanOrder(**given, name=" ".join(body.name.split()), treatments=areas)

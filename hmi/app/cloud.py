@@ -31,6 +31,7 @@ from hmi.commands.ports import LaneEvent
 from hmi.domain.alarm.finding import NOTHING, Findings
 from hmi.domain.command import Acknowledgement, OrderFailed
 from hmi.domain.family import Family
+from hmi.domain.mission import MissionStatus
 from hmi.fiware.farm_map import map_entities
 from hmi.fiware.map_change import signed
 from hmi.fiware.urn import KeyValues, Urns
@@ -103,10 +104,12 @@ class CloudRoom:
         loop = asyncio.get_running_loop()
 
         def changed(mission: Mission) -> None:  # in the thread that changed it
-            loop.call_soon_threadsafe(self._mission, mission)
+            if mission.status is not MissionStatus.DRAFT:  # nobody plans to do it yet
+                loop.call_soon_threadsafe(self._mission, mission)
 
         def deleted(mission: Mission) -> None:
-            loop.call_soon_threadsafe(self._deleted, mission)
+            if mission.status is not MissionStatus.DRAFT:
+                loop.call_soon_threadsafe(self._deleted, mission)
 
         self._records.missions.on_changed(changed)
         self._records.missions.on_deleted(deleted)
@@ -269,7 +272,8 @@ class CloudRoom:
         features = list((await self._published()).values())
         farm, name = self._settings.farm_id, self._settings.farm_name
         found = await asyncio.to_thread(lambda: [signed(one) for one in map_entities(features, farm, name)[0]])
-        newest = self._records.missions.all_known(farm)[:MISSIONS_TOLD]
+        known = self._records.missions.all_known(farm)
+        newest = [one for one in known if one.status is not MissionStatus.DRAFT][:MISSIONS_TOLD]
         return [*self.book.held_back(found), *(self.news.operation(one) for one in newest)]
 
     async def _published(self) -> dict[str, MapFeature]:

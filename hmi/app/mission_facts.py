@@ -10,6 +10,7 @@ from hmi.commands.map_watch import MapWatch
 from hmi.commands.ports import FleetReader
 from hmi.commands.refusal import OrderRefused
 from hmi.domain.planned_machine import battery_share_on
+from hmi.domain.robot import Factsheet
 from hmi.presenters.start_checks import BATTERY_RESERVE, MissionFacts, Place
 from hmi.store.database import Database
 from hmi.store.errors import NotFound, StoreError
@@ -19,14 +20,19 @@ from hmi.store.missions import Mission, Missions
 log = logging.getLogger(__name__)
 
 
+_Key = tuple[str, int, Any]
+"""Of a document, the round of maps, and how high its robot flies."""
+
+
 class _Around(NamedTuple):
     """What does not stand in memory: of one document on one map."""
 
-    key: tuple[str, int]
+    key: _Key
     start: Place
     fences: tuple[tuple[Place, ...], ...]
     map_number: int | None
     map_text: str | None
+    flight_text: str | None
 
 
 class MissionFactsBook:
@@ -46,16 +52,19 @@ class MissionFactsBook:
         mission = self._missions.known(mission_id)
         if mission is None:
             return None
-        around = self._around.get(mission_id)
-        if (around is None or around.key != (mission.sha256, self._round)) and mission_id not in self._reading:
-            task = asyncio.get_running_loop().create_task(self._read(mission), name="mission facts")
+        robot = self._fleet.robot(mission.robot_id or "")
+        sheet = None if robot is None else robot.factsheet
+        around, key = self._around.get(mission_id), self._key(mission, sheet)
+        is_known = around is not None and around.key == key
+        if not is_known and mission_id not in self._reading:
+            task = asyncio.get_running_loop().create_task(self._read(mission, sheet), name="mission facts")
             self._reading[mission_id] = task
-        figures, robot = mission.statistics, self._fleet.robot(mission.robot_id or "")
+        figures = mission.statistics
         return MissionFacts(
             mission.sha256,
             mission.name,
             mission.revision,
-            battery_share_on(figures, None if robot is None else robot.factsheet),
+            battery_share_on(figures, sheet),
             figures.get("duration_s"),
             None if around is None else around.map_number,
             None if around is None else around.map_text,
@@ -63,7 +72,17 @@ class MissionFactsBook:
             () if around is None else around.fences,
             bool(mission.pending_sha256),
             figures.get("reserve_share") or BATTERY_RESERVE,
+            # what was looked at on another map, or for another height, clears nothing
+            around.flight_text if around is not None and is_known else None,
         )
+
+    def in_flight(self, mission_id: str) -> str | None:
+        """Return what stands in the path of a mission that is flown, ``None`` if that is not known yet."""
+        facts = self.of(mission_id)
+        return None if facts is None else facts.flight_text
+
+    def _key(self, mission: Mission, sheet: Factsheet | None) -> _Key:
+        return mission.sha256, self._round, None if sheet is None else (sheet.family, sheet.path_height_m)
 
     def map_published(self) -> None:
         """Look again at every mission: the map is another one."""
@@ -75,8 +94,8 @@ class MissionFactsBook:
             task.cancel()
         await asyncio.gather(*self._reading.values(), return_exceptions=True)
 
-    async def _read(self, mission: Mission) -> None:
-        key = (mission.sha256, self._round)
+    async def _read(self, mission: Mission, sheet: Factsheet | None) -> None:
+        key = self._key(mission, sheet)
         try:
             document = await self._database.run(self._missions.document, mission.farm_id, mission.id)
             farms = await self._database.run(self._features.all, mission.farm_id, ("farm",))
@@ -84,11 +103,19 @@ class MissionFactsBook:
             start = await asyncio.to_thread(_start, document)  # the first one loads the geometry
             number = mission.planned_on(document)
             text = await self._map_text(mission.farm_id, number, document)
-            self._around[mission.id] = _Around(key, start, fences, number, text)
+            in_flight = await self._flight_text(mission.farm_id, document, sheet)
+            self._around[mission.id] = _Around(key, start, fences, number, text, in_flight)
         except (NotFound, StoreError) as error:
             log.info("nothing is known around mission %s: %s", mission.id, error)
         finally:
             self._reading.pop(mission.id, None)
+
+    async def _flight_text(self, farm_id: str, document: dict[str, Any], sheet: Factsheet | None) -> str:
+        try:
+            await self._watch.check_flight(farm_id, document, sheet)
+        except OrderRefused as refused:
+            return refused.text
+        return ""
 
     async def _map_text(self, farm_id: str, number: int | None, document: dict[str, Any]) -> str | None:
         if number is None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
+from hmi.api.drafts import draft_routes
 from hmi.api.mission_rest import rest_routes
 from hmi.api.missions import mission_routes
 from hmi.api.templates import template_routes
@@ -13,6 +14,7 @@ from hmi.app.records import Records
 from hmi.clock import Clock
 from hmi.commands.checklist_desk import ChecklistDesk
 from hmi.commands.desk import CommandDesk
+from hmi.commands.draft_book import DraftBook
 from hmi.commands.map_watch import MapWatch
 from hmi.commands.mission_acts import MissionActs
 from hmi.commands.mission_book import MissionBook, MissionParts
@@ -81,9 +83,14 @@ class MissionDesk:
             valid_hours=settings.checklist_hours,
         )
         self.start_rules = MissionStartRules(
-            records.missions, records.checklists, lambda: self.checklists.is_required, records.robots.may_run_alone
+            records.missions,
+            records.checklists,
+            lambda: self.checklists.is_required,
+            records.robots.may_run_alone,
+            self.facts.in_flight,
         )
         self._authorize = authorize
+        self.drafts = DraftBook(records.missions, records.features, records.database, records.audit, authorize, clock)
         self.templates = TemplateBook(records.templates, records.database, records.audit, authorize)
 
     def title_of(self, mission_id: str) -> MissionTitle | None:
@@ -114,6 +121,7 @@ class MissionDesk:
         return [
             mission_routes(self.book, self._fleet),
             rest_routes(rests, self.checklists),
+            draft_routes(self.drafts),
             template_routes(self.templates),
         ]
 

@@ -16,8 +16,9 @@ from hmi.commands.ports import AuditSink, LaneEvent
 from hmi.domain.ids import new_id
 from hmi.domain.map_log import FeatureChange, MapFeatures, Transaction
 from hmi.domain.role import Permission
+from hmi.mapping.attributes import HEIGHT
 from hmi.mapping.errors import BadFeature
-from hmi.mapping.feature import MapFeature, as_geojson, check_name, parse_feature
+from hmi.mapping.feature import MapFeature, as_geojson, check_given, parse_feature
 from hmi.mapping.jobs import apply, check, compare, shrinking
 from hmi.security.authorization import Authorize
 from hmi.security.session_info import SessionInfo
@@ -251,14 +252,10 @@ def _checked(change: FeatureChange) -> dict[str, Any] | None:
     feature = parse_feature(change.after)
     if feature.id != change.id:
         raise BadFeature("wrong_id", f"The feature is called {feature.id}, the change {change.id}.", change.id)
-    if feature.name != _name(change.before):
-        check_name(feature.id, feature.name)
+    properties = (change.before or {}).get("properties")
+    had = properties if isinstance(properties, dict) else {}
+    check_given(feature, had.get("name"), had.get(HEIGHT))
     return as_geojson(feature)
-
-
-def _name(raw: dict[str, Any] | None) -> object:
-    properties = (raw or {}).get("properties")
-    return properties.get("name") if isinstance(properties, dict) else None
 
 
 def parsed(features: Mapping[str, dict[str, Any]]) -> dict[str, MapFeature]:

@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from hmi.commands.refusal import MAP_CHANGED, OrderRefused
+from hmi.commands.plan_wish import is_flying, surroundings_of
+from hmi.commands.refusal import IN_FLIGHT_PATH, MAP_CHANGED, OrderRefused
 from hmi.domain.map_log import MapFeatures
+from hmi.domain.robot import Factsheet
 from hmi.mapping.errors import BadFeature
 from hmi.mapping.feature import MapFeature, parse_feature
 from hmi.mapping.jobs import compare
@@ -84,6 +86,22 @@ class MapWatch:
         text = f"map is v{now.number} now, plan uses v{planned_on}. Plan again. {told}{more}."
         raise OrderRefused(MAP_CHANGED, text)
 
+    async def check_flight(self, farm_id: str, document: Mapping[str, Any], sheet: Factsheet | None) -> None:
+        """Return if nothing on the map as it is now stands in the path of what flies; at once for what does not.
+
+        Asked of each path, not of what changed since it was planned: the robot may fly lower now, and plans of before
+        knew no heights.
+
+        Raises:
+            OrderRefused: something does, or may.
+        """
+        if not is_flying(sheet):
+            return
+        features = await self.features_of(farm_id, (await self.now(farm_id)).number)
+        text = await asyncio.to_thread(_met_in_flight, document, features or [], sheet)
+        if text:
+            raise OrderRefused(IN_FLIGHT_PATH, text)
+
     async def changes(self, farm_id: str, old: int, new: int, document: Mapping[str, Any]) -> list[Difference]:
         """Return what changed from one version to another near a mission's field and its ways."""
         try:
@@ -99,6 +117,13 @@ def _near(before: MapFeatures, after: MapFeatures, document: Mapping[str, Any]) 
 
     near = NearPath(document)
     return compare(near.of(_parsed(before)), near.of(_parsed(after)))
+
+
+def _met_in_flight(document: Mapping[str, Any], features: list[Feature], sheet: Factsheet | None) -> str:
+    from hmi.mapping.flight_path import met_in_flight
+
+    parcel = {"type": "Polygon", "coordinates": document["parcel"]}
+    return met_in_flight(document, surroundings_of(features, parcel, None, sheet))
 
 
 def _parsed(features: MapFeatures) -> Iterator[MapFeature]:

@@ -15,7 +15,7 @@ from hmi.commands.map_watch import MapStamp, MapWatch
 from hmi.commands.mission_machine import misfit, planned_machine
 from hmi.commands.plan_wish import FAR_M, PlanOrder, metres, wish_for
 from hmi.commands.ports import AuditSink, FleetReader, StoredMission
-from hmi.commands.refusal import IN_QUEUE, OTHER_MACHINE, OrderRefused
+from hmi.commands.refusal import IN_QUEUE, IS_DRAFT, OTHER_MACHINE, OrderRefused
 from hmi.commands.rest_words import forgotten_words
 from hmi.domain.ids import new_id
 from hmi.domain.mission import ENDED, UNDER_WAY, BadMove, MissionStatus, Mover
@@ -31,6 +31,7 @@ from hmi.store.database import Database
 from hmi.store.errors import NotFound
 from hmi.store.features import Feature, Features
 from hmi.store.maps import Maps
+from hmi.store.mission_drafts import MissionDrafts, refuse_draft, refuse_planned
 from hmi.store.mission_revisions import MissionRevisions
 from hmi.store.missions import Mission, MissionLogEntry, Missions
 
@@ -81,6 +82,7 @@ class MissionBook:
         self._parts = parts
         self._missions, self._database = parts.missions, parts.database
         self.revisions = MissionRevisions(parts.missions, parts.database, parts.clock)
+        self._drafts = MissionDrafts(parts.missions)
         self._map = MapWatch(parts.maps, parts.database)
         self.queue_of: Callable[[str], str | None] = lambda _mission_id: None
         """Tells in which robot's queue a mission stands, once there are queues; from memory."""
@@ -105,8 +107,11 @@ class MissionBook:
         return await self._database.run(self._missions.log, session.farm_id, mission_id)
 
     async def document(self, session: SessionInfo, mission_id: str) -> Document:
-        """Return a mission's wire document; raises ``NotFound``."""
+        """Return a mission's wire document; raises ``NotFound``, ``MissionRefused`` for a draft."""
         self._parts.authorize(session, Permission.WATCH)
+        known = self._missions.known(mission_id)
+        if known is not None and known.farm_id == session.farm_id:
+            refuse_draft(known)
         return await self._database.run(self._missions.document, session.farm_id, mission_id)
 
     async def document_read_back(self, session: SessionInfo, mission_id: str, sha256: str) -> Document | None:
@@ -150,10 +155,21 @@ class MissionBook:
             except PlanRefused as refusal:
                 yield CandidateAnswer(pattern, refusal=refusal)
 
-    async def plan(self, session: SessionInfo, order: PlanOrder) -> Mission:
-        """Plan and store a mission; raises as ``preview``."""
+    async def plan(
+        self, session: SessionInfo, order: PlanOrder, draft_id: str | None = None, draft_revision: int = 0
+    ) -> Mission:
+        """Plan and store a mission; raises as ``preview``.
+
+        Args:
+            draft_id: of the draft that becomes this mission, as it was when it was saved ``draft_revision`` times.
+
+        Raises:
+            MissionRefused: it is no draft any more, or somebody else saved it since.
+        """
         self._parts.authorize(session, Permission.EDIT_MISSION, order.robot_id)
-        mission_id = f"m-{new_id()[:12]}"
+        mission_id = draft_id or f"m-{new_id()[:12]}"
+        if draft_id is not None:
+            order = self._of_draft(session, draft_id, order)
         version = await self._map.now(session.farm_id)  # first: what is published meanwhile makes the plan look old
         wish = await self._wish(session, order, mission_id)
         planned = _on_map(await self._parts.planner.plan(wish), version)
@@ -175,12 +191,23 @@ class MissionBook:
             map_version=version.number,
         )
         place = planned.statistics.get("planned_at") or {}
-        stored = await self._database.run(
-            self._missions.add, mission, planned.document, place.get("text") or "Planned."
-        )
+        why, run = place.get("text") or "Planned.", self._database.run
+        if draft_id is None:
+            stored = await run(self._missions.add, mission, planned.document, why)
+        else:
+            complete = self._drafts.complete
+            stored = await run(complete, mission, planned.document, draft_revision, session.user_name, why)
         about = {"width_m": order.width_m, "field_id": order.field_id}
         self._audit(session, stored, "planned", {**about, "planned_at": place["where"]} if place else about)
         return stored
+
+    def _of_draft(self, session: SessionInfo, draft_id: str, order: PlanOrder) -> PlanOrder:
+        """Return the order of a draft, which has a name already."""
+        known = self._missions.known(draft_id)
+        if known is None or known.farm_id != session.farm_id:
+            raise NotFound(f"there is no draft {draft_id!r}")
+        refuse_planned(known)
+        return replace(order, name=order.name or known.name)
 
     async def rename(self, session: SessionInfo, mission_id: str, name: str) -> Mission:
         """Give a mission another name; raises ``NotFound``, ``MissionRefused``."""
@@ -221,6 +248,8 @@ class MissionBook:
         mission = self._missions.known(mission_id)
         if mission is None or mission.farm_id != farm_id:
             return None
+        if mission.status is MissionStatus.DRAFT:
+            raise OrderRefused(IS_DRAFT, f"{mission.name} is a draft. Open it and plan it first.")
         if mission.status in UNDER_WAY and mission.robot_id != robot_id:
             text = f"{mission.name} is {mission.status.value} on {mission.robot_id}. Copy it for another robot."
             raise OrderRefused("in_use", text)
@@ -237,6 +266,7 @@ class MissionBook:
         robot = self._parts.fleet.robot(robot_id)
         if robot is not None:
             _refuse_if_far(robot, mission, document)
+            await self._map.check_flight(farm_id, document, robot.factsheet)
         note = await self._map.check(farm_id, mission.planned_on(document), document)
         if is_fresh:  # the same bytes again would be no new beginning for a robot that has them
             statistics = self._with_machine(mission, statistics)
@@ -319,7 +349,8 @@ class MissionBook:
         """
         self._parts.authorize(session, Permission.EDIT_MISSION, robot_id)
         known = self._missions.known(mission_id)
-        if known is not None and known.farm_id == session.farm_id and robot_id is not None:
+        is_here = known is not None and known.farm_id == session.farm_id
+        if known is not None and is_here and known.status is not MissionStatus.DRAFT and robot_id is not None:
             try:
                 self.refuse_other_robot(known, robot_id)
             except OrderRefused as refused:
@@ -341,6 +372,9 @@ class MissionBook:
         if known is None or known.farm_id != farm_id:
             raise NotFound(f"there is no mission {mission_id!r}")
         copy_id, name = f"m-{new_id()[:12]}", name or f"{known.name[:73]}, copy"
+        if known.status is MissionStatus.DRAFT:
+            draft = replace(known, id=copy_id, name=name, created_by=by, revision=1)
+            return self._missions.add(draft, {}, f"Copy of {known.name}.")
         document, statistics = self.revisions.whole(farm_id, mission_id)
         document = {**document, "revision": 1}
         copy = replace(

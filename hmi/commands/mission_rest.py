@@ -13,7 +13,7 @@ from typing import Any
 
 from hmi.commands.map_watch import MapWatch
 from hmi.commands.mission_send import MissionSent
-from hmi.commands.plan_wish import is_flying, surroundings_of
+from hmi.commands.plan_wish import surroundings_of
 from hmi.commands.refusal import HELD_BY_OTHER, UNKNOWN_ROBOT, OrderRefused
 from hmi.commands.rest_sources import FreshSource, RestParts, RestSource
 from hmi.commands.rest_words import drawn_on
@@ -29,6 +29,7 @@ from hmi.domain.role import Permission
 from hmi.security.session_info import SessionInfo
 from hmi.store.errors import NotFound
 from hmi.store.features import Feature
+from hmi.store.mission_drafts import refuse_draft
 from hmi.store.missions import Mission
 
 KEPT = 32  # previews that wait for their Send
@@ -161,6 +162,7 @@ class MissionRests:
         mission = self._parts.missions.known(mission_id)
         if mission is None or mission.farm_id != session.farm_id:
             raise NotFound("There is no such mission.")
+        refuse_draft(mission)
         return mission
 
     def _robot(self, mission: Mission) -> Robot:
@@ -229,7 +231,7 @@ class MissionRests:
         stamp = await self._map.now(farm)  # before the map itself: what is published in between is seen when it is sent
         features = await self._run(self._parts.features.all, farm)
         before = await self._map.features_of(farm, mission.planned_on(base)) if is_running else None
-        parcel, flies = {"type": "Polygon", "coordinates": base["parcel"]}, is_flying(robot.factsheet)
+        parcel, sheet = {"type": "Polygon", "coordinates": base["parcel"]}, robot.factsheet
         home = next((f.geometry["coordinates"] for f in features if f.id == order.home_id and f.kind == "home"), None)
         return RestWish(
             base=renamed(base, name=mission.name),
@@ -245,9 +247,9 @@ class MissionRests:
             end=order.end,
             home=None if home is None else (float(home[0]), float(home[1])),
             field_now=_field_now(features, mission),
-            surroundings=surroundings_of(features, parcel, mission.field_id, flies=flies),
-            around_before=None if before is None else surroundings_of(before, parcel, mission.field_id, flies=flies),
-            robot=robot.factsheet,
+            surroundings=surroundings_of(features, parcel, mission.field_id, sheet),
+            around_before=None if before is None else surroundings_of(before, parcel, mission.field_id, sheet),
+            robot=sheet,
             map_version=stamp.as_json() if stamp.number else None,
             lead_m=_leads(mission),
         )

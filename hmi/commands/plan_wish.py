@@ -9,7 +9,8 @@ from typing import Any
 
 from hmi.commands.row_direction import row_direction
 from hmi.domain.family import Family
-from hmi.domain.map_ground import CLOSED_KINDS, CROSSED_KINDS, KEPT_OUT_KINDS, SLOW_MPS, WAY_KINDS, WIDTHS_M
+from hmi.domain.flight import is_height_missed, is_in_the_air
+from hmi.domain.map_ground import CLOSED_KINDS, CROSSED_KINDS, SLOW_MPS, WAY_KINDS, WIDTHS_M
 from hmi.domain.mission_plan import (
     Corner,
     Geometry,
@@ -109,7 +110,7 @@ def wish_for(
         headland_passes=order.headland_passes,
         home=home,
         returns_home=order.returns_home,
-        surroundings=surroundings_of(features, field.geometry, field.id, flies=is_flying(sheet)),
+        surroundings=surroundings_of(features, field.geometry, field.id, sheet),
         pattern=order.pattern,
         corner=order.start_corner,
         overlap=order.overlap,
@@ -153,20 +154,28 @@ def is_flying(sheet: Factsheet | None) -> bool:
 
 
 def surroundings_of(
-    features: Sequence[Feature], field: Geometry, field_id: str | None, *, flies: bool = False
+    features: Sequence[Feature], field: Geometry, field_id: str | None, sheet: Factsheet | None = None
 ) -> Surroundings:
     """Return what is near a field, any part of it; a farm may have sites on other continents.
 
     Args:
-        flies: for a machine that is kept off by zones alone and needs no roads.
+        sheet: of whoever goes there; what flies is kept off by what is as high as it, and needs no roads.
     """
     around = _Box.around(field).grown(FAR_M)
     near = [one for one in features if one.id != field_id and around.meets(one.geometry)]
     slow = tuple((one.geometry, _slow_mps(one)) for one in near if one.kind == "slow")
-    if flies:
-        zones = [one for one in near if one.kind in KEPT_OUT_KINDS]
-        names = tuple(one.title for one in zones)
-        return Surroundings(tuple((one.geometry, 0.0) for one in zones), ((around.geometry, 0.0),), (), slow, names)
+    if is_flying(sheet):
+        height_m = None if sheet is None else sheet.path_height_m
+        high = [one for one in near if is_in_the_air(one.kind, one.properties, height_m)]
+        return Surroundings(
+            tuple((one.geometry, _width(one)) for one in high),
+            ((around.geometry, 0.0),),
+            (),
+            slow,
+            tuple(one.title for one in high),
+            tuple(k for k, one in enumerate(high) if is_height_missed(one.kind, one.properties)),
+            height_m,
+        )
     solid = [one for one in near if one.kind in CLOSED_KINDS and one.kind not in CROSSED_KINDS]
     crossed = [one for one in near if one.kind in CROSSED_KINDS]
     return Surroundings(

@@ -94,6 +94,10 @@ class StartRules(Protocol):
         """
         ...
 
+    def check_flight(self, robot: Robot, order: Order) -> None:
+        """Return if nothing on the map stands in the path of what flies; raises ``OrderRefused``."""
+        ...
+
     def is_supervised(self, robot: Robot, order: Order) -> bool:
         """Say whether somebody has to look on while the robot carries out what it says it has."""
         ...

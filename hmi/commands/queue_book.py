@@ -13,7 +13,7 @@ from hmi.clock import Clock
 from hmi.commands.audit_line import audit_line
 from hmi.commands.mission_book import MissionBook
 from hmi.commands.ports import AuditSink
-from hmi.commands.refusal import UNKNOWN_MISSION, UNKNOWN_ROBOT, OrderRefused
+from hmi.commands.refusal import IS_DRAFT, UNKNOWN_MISSION, UNKNOWN_ROBOT, OrderRefused
 from hmi.domain.ids import new_id
 from hmi.domain.mission import EDITABLE, ENDED, ON_ROBOT, UNDER_WAY, BadMove, MissionStatus, Mover
 from hmi.domain.mission_document import Document
@@ -83,6 +83,8 @@ class QueueBook:
             mission = self._mission(session, mission_id)
             robot_id = robot_id or mission.robot_id
             parts.authorize(session, Permission.SEND_MISSION, robot_id)
+            if mission.status is MissionStatus.DRAFT:
+                raise OrderRefused(IS_DRAFT, f"{mission.name} is a draft. Open it and plan it first.")
             robot = None if robot_id is None else parts.robots.get(robot_id)
             if robot_id is None or robot is None:
                 raise OrderRefused(UNKNOWN_ROBOT, "Choose a robot for this mission.")

@@ -20,7 +20,7 @@ from hmi.commands.ports import LaneEvent
 from hmi.commands.queue_arming import QueueArming, system_session
 from hmi.commands.queue_facts import FactDesk
 from hmi.commands.queue_life import QueueLife
-from hmi.commands.refusal import OrderRefused
+from hmi.commands.refusal import NOT_NOW, OrderRefused
 from hmi.commands.service import CommandService, UnattendedStart
 from hmi.domain.command import Outcome
 from hmi.domain.ids import new_id
@@ -234,13 +234,13 @@ class QueueRunner:
         entries = self._in_order(entry.robot_id)
         verdict = self._judge(entries).get(entry.id)
         if verdict is None or verdict.step is not Step.START:
-            raise OrderRefused("not_now", "Not started." if verdict is None else verdict.waiting.text)
+            raise OrderRefused(NOT_NOW, "Not started." if verdict is None else verdict.waiting.text)
 
     def _after_start(self, entry: Entry, result: CommandResult) -> None:
         if result.is_accepted:
             return
         del self._started[entry.id]
-        if result.code == "not_now":  # nothing was sent; the next look sees why
+        if result.code == NOT_NOW:  # nothing was sent; the next look sees why
             return
         self._parts.arming.end(entry.robot_id, f"The start was not taken: {result.text}")
 

@@ -105,6 +105,9 @@ class FreshSource:
         run = self._parts.database.run
         document, statistics = await run(self._parts.revisions.whole, farm_id, mission_id)
         document = for_robot(document, robot_id)
+        robot = self._parts.fleet.robot(robot_id)
+        if robot is not None:
+            await self._map.check_flight(farm_id, document, robot.factsheet)
         note = await self._map.check(farm_id, self._mission.planned_on(document), document)
         areas = drawn_on(self._mission)
         if areas:  # nothing moves yet: whoever starts it can still look

@@ -126,6 +126,8 @@ class CommandService:
             loaded = robot.state.order if robot.state is not None else None
             if loaded is None or (loaded.mission_id, loaded.sha256) != (request.mission_id, request.sha256):
                 raise OrderRefused(WRONG_MISSION, f"{robot.name} holds another mission than the queue sent.")
+            if self._rules is not None:
+                self._rules.check_flight(robot, loaded)
             order = self._build(actor, robot, Action.START, request.command_id, mission=loaded)
             return replace(order, is_supervised=False)
 

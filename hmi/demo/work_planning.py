@@ -43,22 +43,22 @@ def plan_task(task: Task) -> PlannedMission:
             angle_rad=angle,
             home=machine.home,
             returns_home=True,
-            surroundings=_around(machine.family, field),
+            surroundings=_around(sheet, field),
         )
     )
 
 
-def _around(family: Family, field: DemoFeature) -> Surroundings:
+def _around(sheet: Factsheet, field: DemoFeature) -> Surroundings:
     """Return roads and obstacles, and the edge of the field as the way to a band inside it.
 
-    A planter may cross all of its field, for nothing stands there yet; a UAV keeps out of zones alone.
+    A planter may cross all of its field, for nothing stands there yet; a UAV flies over most of it.
     """
-    if family is Family.UAV:
+    if sheet.family is Family.UAV:
         map_now = [Feature(one.id, "", one.kind, one.name, one.geometry, one.properties) for one in features()]
-        return surroundings_of(map_now, field.geometry, field.id, flies=True)
+        return surroundings_of(map_now, field.geometry, field.id, sheet)
     frame, known = LocalFrame(*POLDER_DATUM), surroundings(POLDER)
     outline = shapely.transform(shapely.geometry.shape(field.geometry), frame.to_local)
-    inner = shapely.Polygon() if family is Family.PLANTER else outline.buffer(-EDGE_M)
+    inner = shapely.Polygon() if sheet.family is Family.PLANTER else outline.buffer(-EDGE_M)
     edge = shapely.transform(outline.difference(inner), frame.to_lon_lat)
     way: dict[str, Any] = shapely.geometry.mapping(edge)
     return Surroundings((*known.obstacles, *known.crossed), (*known.ways, (way, 0.0)))

@@ -131,6 +131,9 @@ class Surroundings:
         crossed: water, hedges and trees: as obstacles, but for where a way is drawn across.
         slow: zones, each with the most that may be driven there, m/s, in place of a width.
         names: what people call the obstacles, and after them what is crossed; empty where nobody is told of them.
+        unmeasured: of a machine that flies, the obstacles it flies around because nobody entered how high they are, by
+            number.
+        flight_height_m: of a machine that flies, above the ground; ``None``: it does not say.
     """
 
     obstacles: tuple[tuple[Geometry, float], ...] = ()
@@ -138,6 +141,8 @@ class Surroundings:
     crossed: tuple[tuple[Geometry, float], ...] = ()
     slow: tuple[tuple[Geometry, float], ...] = ()
     names: tuple[str, ...] = ()
+    unmeasured: tuple[int, ...] = ()
+    flight_height_m: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

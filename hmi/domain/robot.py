@@ -237,6 +237,8 @@ class Factsheet:
     charge_w: float | None = None
     path_reverse_mps: float | None = None
     """Speed at which it follows a path backwards in a turn; ``None``: never."""
+    path_height_m: float | None = None
+    """Height above the ground at which it flies all of a mission's path; ``None``: it does not say, or drives."""
     skips_by_name: bool = False
     """Whether it understands which point an order to skip is about."""
 

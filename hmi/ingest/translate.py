@@ -109,6 +109,7 @@ def factsheet(m: up.Factsheet) -> domain.Factsheet:
         can_reverse=m.limits.can_reverse,
         can_pivot=m.limits.can_pivot,
         path_reverse_mps=m.limits.path_reverse_mps,
+        path_height_m=m.limits.path_height_m,
         tool_kind=m.tool.kind if m.tool else "",
         tool_label=m.tool.label if m.tool else "",
         tool_width_m=m.tool.width_m if m.tool else 0.0,

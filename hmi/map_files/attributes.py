@@ -12,6 +12,7 @@ from typing import Any
 from hmi.domain.ids import is_id
 from hmi.map_files import limits
 from hmi.map_files.xml_tree import cleaned
+from hmi.mapping.attributes import HEIGHT
 
 NAMES = ("name", "title", "label", "field_name", "fieldname", "fieldlabel", "field", "parcel", "parcel_name", "plot",
          "naam", "perceel", "perceelnaam", "schlag", "schlagname", "schlagbez", "bezeichnung", "nombre", "parcela",
@@ -35,6 +36,10 @@ _ALIASES = {
 }
 _OWN = {alias: own for own, aliases in _ALIASES.items() for alias in aliases.split()}
 _CENTIMETRES = {f"{alias}_cm": own for alias, own in _OWN.items() if own.endswith("_m")}
+_HEIGHTS = frozenset(
+    {"height_m", "height", "building_height", "object_height", "tree_height", "gebaeudehoehe", "gebäudehöhe",
+     "baumhoehe", "baumhöhe", "bouwhoogte", "boomhoogte"}
+)  # fmt: skip  # of what stands up; "höhe", "hoogte" and "altura" alone mean above the sea as often
 _RESERVED = {*_OWN.values(), "id", "kind", "name"}
 _NUMBER = re.compile(r"^\s*([+-]?\d+(?:[.,]\d+)?)\s*([a-zA-Z°]*)\s*$")
 _UNITS = {"": 1.0, "m": 1.0, "cm": 0.01, "mm": 0.001, "°": 1.0, "deg": 1.0}
@@ -59,6 +64,21 @@ def mapped(raw: dict[str, Any], problems: list[str]) -> tuple[str | None, dict[s
             problems.append(f"{key[:40]} {str(value)[:40]!r} is not understood and was kept as it is.")
         rest[f"{key}_as_given" if key in _RESERVED else key] = value
     return name, {**rest, **known}
+
+
+def with_height(properties: dict[str, Any], problems: list[str]) -> dict[str, Any]:
+    """Return the properties of what stands up with its height by our name; append from what it was taken."""
+    for key, value in properties.items():
+        word = _word(key)
+        if word.removesuffix("_cm") not in _HEIGHTS:
+            continue
+        read = _number(value, 0.01 if word.endswith("_cm") else 1.0)
+        if not read:  # 0 is how tables say that nobody knows
+            continue
+        if word != HEIGHT:
+            problems.append(f"{key[:40]} {str(value)[:40]} was taken as its height above the ground. Check it.")
+        return {**{other: one for other, one in properties.items() if other != key}, HEIGHT: read}
+    return properties
 
 
 def tidy(raw: dict[str, Any], problems: list[str], *, is_own: bool = False) -> dict[str, Any]:
@@ -125,10 +145,14 @@ def _is_name(value: Any) -> bool:
 
 
 def _own_name(key: str) -> tuple[str | None, float]:
-    word = re.sub(r"[^a-z0-9]+", "_", key.lower()).strip("_")
+    word = _word(key)
     if word in _CENTIMETRES:
         return _CENTIMETRES[word], 0.01
     return _OWN.get(word), 1.0
+
+
+def _word(key: str) -> str:
+    return re.sub(r"[^a-z0-9äöü]+", "_", key.lower()).strip("_")
 
 
 def _reader(own: str) -> Callable[[Any, float], Any]:

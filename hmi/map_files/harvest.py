@@ -10,6 +10,7 @@ from typing import Any
 
 from pyproj import Geod
 
+from hmi.domain.map_ground import FLOWN_OVER_KINDS
 from hmi.map_files import attributes
 from hmi.map_files.coordinate_system import WGS84, CoordinateSystem
 from hmi.map_files.errors import BadMapFile
@@ -108,7 +109,13 @@ class _Reaper:
             kinds = (best, *(k for k in possible(shape["type"]) if k != best))
             if kind in ALL_KINDS and kind not in kinds:
                 problems.append(f"A {shape['type']} cannot be a {kind}; choose what it is.")
-            kept = settled(best, shape, properties, said := [*problems, *told])
+            said = [*problems, *told]
+            own = (
+                properties
+                if feature.is_exact or best not in FLOWN_OVER_KINDS
+                else attributes.with_height(properties, said)
+            )
+            kept = settled(best, shape, own, said)
             n = len(self.items)
             is_named = feature.is_exact and name is not None
             title = named if named or is_named else f"{best.capitalize()} {n + 1}"

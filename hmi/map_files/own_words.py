@@ -6,7 +6,7 @@ from typing import Any
 
 from hmi.map_files.imported import Geometry
 from hmi.mapping.errors import BadFeature
-from hmi.mapping.feature import parse_feature
+from hmi.mapping.feature import check_given, parse_feature
 
 RADIUS_M = 1.0  # of a point obstacle that comes without one; the operator is told
 _SMALLEST = {
@@ -26,7 +26,9 @@ def settled(kind: str, geometry: Geometry, properties: dict[str, Any], problems:
     for _ in range(_TRIES):
         head = {"id": "x", "kind": kind, "name": ""}
         try:
-            return parse_feature({"type": "Feature", "properties": {**kept, **head}, "geometry": stand_in}).properties
+            feature = parse_feature({"type": "Feature", "properties": {**kept, **head}, "geometry": stand_in})
+            check_given(feature)
+            return feature.properties
         except BadFeature as error:
             key = error.code.removeprefix("bad_")
             sentence = error.text.removeprefix("x: ")

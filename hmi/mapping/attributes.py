@@ -8,6 +8,7 @@ from datetime import date
 from typing import Any, NamedTuple
 
 from hmi.domain.ids import is_id
+from hmi.domain.map_ground import HIGHEST_M
 from hmi.mapping.errors import BadFeature
 from hmi.mapping.kinds import KINDS, POINT
 
@@ -15,6 +16,10 @@ LONGEST_NAME = 80  # of a feature; a robot is told names of fields, and takes no
 LONGEST_TEXT = 200
 LARGEST_BYTES = 32_768  # of one feature's properties as JSON: a note of some pages, never a picture
 DEEPEST = 8
+
+
+HEIGHT = "height_m"
+"""Above the ground, of what can be flown over."""
 
 
 class Range(NamedTuple):
@@ -33,6 +38,7 @@ RANGES = {
     "headland_m": Range("Headland", 0, 200, "m", True),
     "radius_m": Range("Radius", 0, 1000, "m"),
     "width_m": Range("Width", 0, 200, "m"),
+    HEIGHT: Range("Height", 0, HIGHEST_M, "m"),
     "heading_deg": Range("Heading", -360, 360, "degrees", True),
     "speed_mps": Range("Speed", 0, 20, "m/s"),
     "dose": Range("Dose", 0, 2, "times the usual one", True),
@@ -59,17 +65,29 @@ LABELS = {
 def parse_attributes(kind: str, geometry_type: str, raw: Mapping[str, Any]) -> dict[str, Any]:
     """Return the properties to keep; own attributes without a value are left out.
 
+    A height that cannot be one is let in: maps of before may have it from a file. ``check_height`` is for new ones.
+
     Raises:
         BadFeature: an own attribute has a value it cannot have, or the rest is no JSON or too large.
     """
     own = KINDS[kind].attributes
     kept = {key: value for key, value in raw.items() if not (key in own and value is None)}
     for key in own:
-        if key in kept:
+        if key in kept and key != HEIGHT:
             _check(kind, key, kept[key])
     if kind == "obstacle" and geometry_type == POINT and "radius_m" not in kept:
         raise _bad("radius_m", "A point obstacle needs a radius. Give it one in metres, or draw its outline.")
     return _plain_json(kept)
+
+
+def check_height(kind: str, properties: Mapping[str, Any]) -> None:
+    """Return if the height is one, or there is none.
+
+    Raises:
+        BadFeature: it is not.
+    """
+    if HEIGHT in KINDS[kind].attributes and HEIGHT in properties:
+        _check_number(HEIGHT, properties[HEIGHT])
 
 
 def _check(kind: str, key: str, value: object) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hmi.domain.ids import is_id
-from hmi.mapping.attributes import LONGEST_NAME, LONGEST_TEXT, parse_attributes
+from hmi.mapping.attributes import HEIGHT, LONGEST_NAME, LONGEST_TEXT, check_height, parse_attributes
 from hmi.mapping.coordinates import Geometry, parse_geometry
 from hmi.mapping.errors import BadFeature
 from hmi.mapping.kinds import KINDS
@@ -43,7 +43,7 @@ def parse_feature(raw: Mapping[str, Any]) -> MapFeature:
     """Return the feature of a GeoJSON feature, shape and attributes checked.
 
     What can be drawn wrong and mended is let in: crossing edges and wrong winding are for ``hmi.mapping.checks``.
-    So are longer names, which maps of before have: ``check_name`` is for those that are given now.
+    So are longer names and heights that are none, which maps of before have: ``check_given`` is for what is given now.
 
     Raises:
         BadFeature: says which rule is broken and how to mend it; carries the feature's id if that could be read.
@@ -60,15 +60,24 @@ def parse_feature(raw: Mapping[str, Any]) -> MapFeature:
         raise BadFeature(error.code, f"{title}: {error.text}", feature_id) from error
 
 
-def check_name(feature_id: str, name: str) -> None:
-    """Return if a feature may be given this name.
+def check_given(feature: MapFeature, name: object = None, height_m: object = None) -> None:
+    """Return if a feature may be given the name and the height that it has.
+
+    Args:
+        name, height_m: what it had before: the same again is not given.
 
     Raises:
-        BadFeature: it is too long.
+        BadFeature: the name is too long, or the height is none.
     """
-    if len(name) > LONGEST_NAME:
-        text = f"{name[:40]}…: Its name has {len(name)} letters, a name has at most {LONGEST_NAME}. Shorten it."
-        raise BadFeature("bad_name", text, feature_id)
+    given = feature.name
+    if given != name and len(given) > LONGEST_NAME:
+        text = f"{given[:40]}…: Its name has {len(given)} letters, a name has at most {LONGEST_NAME}. Shorten it."
+        raise BadFeature("bad_name", text, feature.id)
+    if height_m is None or feature.properties.get(HEIGHT) != height_m:
+        try:
+            check_height(feature.kind, feature.properties)
+        except BadFeature as error:
+            raise BadFeature(error.code, f"{feature.name or feature.id}: {error.text}", feature.id) from error
 
 
 def as_geojson(feature: MapFeature) -> dict[str, Any]:

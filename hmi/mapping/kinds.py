@@ -31,17 +31,17 @@ KINDS: MappingProxyType[str, Kind] = MappingProxyType(
     {
         "farm": Kind("farm", (POLYGON,)),
         "parcel": Kind("parcel", (POLYGON,), _PARCEL),
-        "obstacle": Kind("obstacle", (POLYGON, POINT), ("radius_m",)),
+        "obstacle": Kind("obstacle", (POLYGON, POINT), ("radius_m", "height_m")),
         "road": Kind("road", (LINE, POLYGON), ("width_m",)),
-        "building": Kind("building", (POLYGON,), ("category",)),
+        "building": Kind("building", (POLYGON,), ("category", "height_m")),
         "home": Kind("home", (POINT,), ("heading_deg", "type", "robot")),
         "gate": Kind("gate", (POINT,), ("width_m",)),
         "no-go": Kind("keep-out zone", (POLYGON,)),
         "slow": Kind("slow zone", (POLYGON,), ("speed_mps",)),
         "treatment": Kind("treatment area", (POLYGON,), ("dose",)),
         "rows": Kind("rows", (LINE, LINES), ("parcel_id", "type")),
-        "tree": Kind("tree", (POLYGON, LINE, POINT), ("width_m",)),
-        "hedge": Kind("hedge", (POLYGON, LINE), ("width_m",)),
+        "tree": Kind("tree", (POLYGON, LINE, POINT), ("width_m", "radius_m", "height_m")),
+        "hedge": Kind("hedge", (POLYGON, LINE), ("width_m", "height_m")),
         "water": Kind("water", (POLYGON, LINE), ("width_m",)),
     }
 )

@@ -52,9 +52,9 @@ SCRIPTS = {
     ),
     "missions": (
         "mission_numbers", "plan_client", "plan_path", "plan_picture", "plan_scrubber", "plan_numbers", "plan_checks",
-        "plan_treatment", "plan_steps", "plan_templates", "plan_inputs", "queue_data", "queue_drag", "queue_conditions",
-        "queue_entry", "queue_arm", "queue_blackouts", "queue_timeline", "queue_list", "queue_view", "plan_queue",
-        "missions_bulk", "mission_form", "mission_ways", "missions",
+        "plan_treatment", "plan_steps", "plan_templates", "plan_inputs", "plan_draft", "queue_data", "queue_drag",
+        "queue_conditions", "queue_entry", "queue_arm", "queue_blackouts", "queue_timeline", "queue_calendar",
+        "queue_list", "queue_view", "plan_queue", "missions_bulk", "mission_form", "mission_ways", "missions",
     ),
     "fleet_ground": ("fleet_order", "fleet_data"),
     "fleet": (

@@ -15,7 +15,7 @@ from hmi.planning import headland as headlands
 from hmi.planning import rows as rows_of
 from hmi.planning.corners import Corners
 from hmi.planning.dubins import Pose
-from hmi.planning.figures import figures_of, flight_note, missed_note, worked_strips
+from hmi.planning.figures import figures_of, missed_note, worked_strips
 from hmi.planning.ground import Ground, erode
 from hmi.planning.headland import Headland, Lap
 from hmi.planning.job import Job, checked_field, inner_field
@@ -40,7 +40,7 @@ _WIDEN = (
 )
 _A_WAY_M = 0.2  # narrower is a seam between two areas, no way
 _NO_FLIGHT_OUT = (
-    "Home is more than 3 km away, or a keep-out zone lies around home, this field or between. "
+    "Home is more than 3 km away, or a keep-out zone or something that stands lies around home, this field or between. "
     "Choose another home, or let the robot start at the field."
 )
 _DEEPER_RADII = (0.0, 1.0, 2.0)  # a border that slants more than usual needs a deeper headland to turn in
@@ -142,7 +142,7 @@ class _Course:
         worked = self._strips(legs)
         legs = self.job.limits.cut(legs)
         figures = self._figures(legs, worked, angle)
-        self.notes += filter(None, (missed_note(self.job, figures), flight_note(self.job)))
+        self.notes += filter(None, (missed_note(self.job, figures), *self.job.flight_notes))
         return Plan(tuple(legs), figures, tuple(self.notes))
 
     # rows
@@ -255,7 +255,7 @@ class _Course:
         around = shapely.union_all([one for one in shapely.get_parts(self._with_roads()) if one.intersects(home)])
         is_cut_off = [not around.intersects(shapely.LineString(group[0][0].points)) for group in groups]
         if all(is_cut_off):
-            raise _cut_off(self.job.machine)
+            raise _cut_off(self.job)
         return [group for _, group in sorted(zip(is_cut_off, groups, strict=True), key=lambda one: one[0])]
 
     def _home(self) -> None:
@@ -288,7 +288,7 @@ class _Course:
         machine, home = self.job.machine, self.job.home
         width_m = 0.0 if machine.flies or home is None else lanes.width_m(home, entry)
         if width_m < _A_WAY_M:
-            return _cut_off(machine)
+            return _cut_off(self.job)
         if width_m < lanes.needed_m:
             why = f"is {width_m:.1f} m wide where it is narrowest, and this machine needs {lanes.needed_m:.1f} m. "
         else:
@@ -309,8 +309,9 @@ class _Course:
         return worked_strips(legs, width)
 
 
-def _cut_off(machine: RobotProfile) -> PlanRefused:
-    return PlanRefused("home_unreachable", _NO_FLIGHT_OUT if machine.flies else _NO_WAY_OUT, "home_id")
+def _cut_off(job: Job) -> PlanRefused:
+    text = " ".join((_NO_FLIGHT_OUT, *job.flight_notes)) if job.machine.flies else _NO_WAY_OUT
+    return PlanRefused("home_unreachable", text, "home_id")
 
 
 def _entry_cost(here: Pose, lap: Floats) -> float:

@@ -15,7 +15,6 @@ from hmi.planning.plan import Figures, Leg
 
 GRID_M = 1e-4  # without a grid, a union of many strips with common edges loses some of them
 WIDTH_M = 0.005
-FLOWN_OVER = "It flies over buildings, obstacles, hedges, trees and water; only keep-out zones are kept clear."
 TOLD_MISSED = 0.04  # a share of the field; sharp corners of small fields cost that much
 
 
@@ -79,11 +78,6 @@ def missed_note(job: Job, figures: Figures) -> str:
     if job.rows is Rows.RECORDED_ROWS:
         why = ": no recorded row runs there, or the robot cannot turn there"
     return f"{missed:.0%} of the {ground} stays untreated{why}."
-
-
-def flight_note(job: Job) -> str:
-    """Say what a machine in the air does not heed, empty for one on the ground."""
-    return FLOWN_OVER if job.machine.flies else ""
 
 
 def worked_strips(legs: Sequence[Leg], width_m: float) -> list[BaseGeometry]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from hmi.domain.mission_plan import Candidate, PathUnfit, Pattern, PlannedMission, PlanWish
 from hmi.planning import headland as headlands
-from hmi.planning.figures import figures_of, flight_note, missed_note, worked_strips
+from hmi.planning.figures import figures_of, missed_note, worked_strips
 from hmi.planning.ground import erode
 from hmi.planning.job import Job, checked_field
 from hmi.planning.mission import MAX_EXTENT_M, MAX_POINTS_IN, MAX_SEGMENTS, candidate_of, job_of, mission_of
@@ -68,7 +68,7 @@ def _checked(wish: PlanWish, segments: Sequence[Mapping[str, Any]], notes: Seque
     if worked < LEAST_SHARE * job.treated_width_m / job.pass_width_m:
         raise PathUnfit("little", f"It works {worked:.0%} of the ground to be treated only.")
     told = [_plain(note) for note in notes[:MAX_NOTES]]
-    said = dict.fromkeys(note for note in (*told, missed_note(job, figures), flight_note(job)) if note)
+    said = dict.fromkeys(note for note in (*told, missed_note(job, figures), *job.flight_notes) if note)
     return job, Plan(tuple(legs), figures, tuple(said))
 
 

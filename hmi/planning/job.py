@@ -47,6 +47,7 @@ class Job:
         rows: what the rows run along; ``angle_rad`` counts unless they follow an edge or lines.
         lines: the guide lines or recorded rows to follow.
         crop_spacing_m: distance of the recorded rows; ``None`` measures it.
+        flight_notes: what of the map is flown over and around, in words.
     """
 
     parcel: Polygon
@@ -66,6 +67,7 @@ class Job:
     rows: Rows | None = None
     lines: tuple[CropRow, ...] = ()
     crop_spacing_m: float | None = None
+    flight_notes: tuple[str, ...] = ()
 
     @property
     def treated_width_m(self) -> float:
@@ -105,7 +107,9 @@ def checked_field(job: Job) -> BaseGeometry:
         raise PlanRefused("too_many_points", f"The field's edge has more than {MAX_CORNERS} real corners.", "field_id")
     parts = polygons_of(field)
     if not parts:
-        raise PlanRefused("field_blocked", "Obstacles cover the whole field.", "field_id")
+        raise PlanRefused(
+            "field_blocked", " ".join(("Obstacles cover the whole field.", *job.flight_notes)), "field_id"
+        )
     return parts[0] if len(parts) == 1 else MultiPolygon(parts)
 
 

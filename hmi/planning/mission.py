@@ -18,6 +18,7 @@ from hmi.domain.mission_document import Document, canonical, mission_sha256
 from hmi.domain.mission_plan import Candidate, Geometry, PlannedMission, PlanRefused, PlanWish, Tell, nobody
 from hmi.planning.coverage import plan_coverage
 from hmi.planning.drawing import drawing
+from hmi.planning.flight import flight_notes
 from hmi.planning.job import Job
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import Leg, Plan
@@ -105,6 +106,7 @@ def _job(wish: PlanWish, frame: LocalFrame, machine: RobotProfile) -> Job:
         rows=wish.rows,
         lines=_crop_rows(wish, frame),
         crop_spacing_m=wish.row_spacing_m,
+        flight_notes=flight_notes(wish.surroundings, frame, machine, parcel, home),
     )
 
 

@@ -19,6 +19,7 @@ from hmi.domain.mission_rest import PlannedRest, RestWish, cut, is_work, length_
 from hmi.domain.planned_machine import MACHINE
 from hmi.planning.dubins import Pose
 from hmi.planning.estimate import effort
+from hmi.planning.flight import flight_notes
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import GENTLE_RAD, Leg, LegKind, headings, turn_between
 from hmi.planning.projection import Floats, LocalFrame
@@ -69,6 +70,7 @@ class _Rest:
 
     def run(self) -> PlannedRest:
         head, start, works = self._stitched()
+        self.notes += flight_notes(self.wish.surroundings, self.frame, self.machine, self.ground.parcel, self.home)
         chosen = self._chosen(works)
         if not chosen and not self.wish.is_running:
             raise PlanRefused("nothing_left", "Nothing is left to do. Abort the mission, or start fresh.")
@@ -183,7 +185,7 @@ class _Rest:
             rest.append(self._at_speed(work.segment))
             pose, before = _end_pose(work.segment), work
         rest += self._exit(pose, before, is_first=not rest)
-        if self.wish.stand is not None and rest:
+        if (self.wish.stand is not None or self._is_taken_up) and rest:
             rest[0] = {**rest[0], "jump": True}
         return rest
 
@@ -193,10 +195,16 @@ class _Rest:
             lon, lat, heading = self.wish.stand
             x, y = self.frame.to_local([(lon, lat)])[0]
             return round(float(x), 3), round(float(y), 3), heading
-        if head:
+        if head and not self._is_taken_up:
             return _end_pose(head[-1])
         leg = leg_of(self.left[0])
         return float(leg.points[0][0]), float(leg.points[0][1]), leg.first_heading_rad
+
+    @property
+    def _is_taken_up(self) -> bool:
+        """Whether it stands where it was taken up before, and has driven nothing since."""
+        is_there = not self.wish.is_running and len(self.done) == self.first
+        return is_there and bool(self.left) and bool(self.left[0].get("jump"))
 
     def _way(self, pose: Pose, before: Work | None, work: Work, *, is_first: bool) -> list[Document]:
         points = work.points

@@ -49,7 +49,7 @@ class RestGround:
         self._wish, self._frame, self._machine, self._home = wish, frame, machine, home
         rings = [frame.to_local([(p[0], p[1]) for p in ring]) for ring in wish.base["parcel"]]
         parcel = Polygon(rings[0], rings[1:])
-        self._parcel = parcel if parcel.is_valid else parcel.buffer(0)
+        self.parcel = parcel if parcel.is_valid else parcel.buffer(0)
         self._lost = self._no_field_now()
         drawn = [self._drawn(area) for area in wish.areas if area.kind == OBSTACLE]
         left_out = [self._drawn(area) for area in wish.areas if area.kind == LEAVE_OUT]
@@ -62,7 +62,7 @@ class RestGround:
         self._reach_m = machine.reach_m + machine.margin_m
         self._near = self.obstacles.buffer(self._reach_m)
         shapely.prepare(self._near)
-        self._field = self._parcel.difference(self.obstacles)
+        self._field = self.parcel.difference(self.obstacles)
 
     @property
     def outline(self) -> list[list[list[float]]]:
@@ -194,7 +194,7 @@ class RestGround:
         if self._wish.field_now is None:
             return Polygon()
         now = area_of(self._wish.field_now, 0.0, self._frame)
-        return self._parcel.difference(now.buffer(SAME_EDGE_M, join_style="mitre"))
+        return self.parcel.difference(now.buffer(SAME_EDGE_M, join_style="mitre"))
 
     def _drawn(self, area: DrawnArea) -> BaseGeometry:
         """Return drawn ground; mending a crossed outline would lose a part of it, so it is refused."""

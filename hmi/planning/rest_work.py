@@ -37,8 +37,8 @@ class Work:
 
     @classmethod
     def of(cls, segment: Document, number: int) -> Work:
-        """Return a piece as it stands in the base."""
-        return cls(segment, number, number)
+        """Return a piece as it stands in the base; a place where it was taken up belongs to the path, not to a row."""
+        return cls({key: value for key, value in segment.items() if key != "jump"}, number, number)
 
     def parts(self, segments: Sequence[Document], *, is_joined: bool) -> list[Work]:
         """Return it cut; ``is_joined``: the parts follow one another without a way."""

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from hmi.domain.command import Action
+from hmi.domain.family import Family
 from hmi.domain.function_use import Uses
 from hmi.domain.robot import OrderStatus, Robot
 from hmi.presenters.units import number, percent
@@ -33,6 +34,7 @@ class MissionFacts(NamedTuple):
         fences: corners of each farm, longitude and latitude; empty without one.
         is_pending: another document of it was sent and not read back yet.
         reserve_share: of the battery, what should be left at the end to get home.
+        flight_text: what stands in the path of what flies, empty if nothing does, ``None`` if that is not known (yet).
     """
 
     sha256: str
@@ -46,6 +48,7 @@ class MissionFacts(NamedTuple):
     fences: Sequence[Sequence[Place]] = ()
     is_pending: bool = False
     reserve_share: float = BATTERY_RESERVE
+    flight_text: str | None = None
 
 
 def start_checks(robot: Robot, facts: MissionFacts | None) -> list[Check]:
@@ -57,6 +60,7 @@ def start_checks(robot: Robot, facts: MissionFacts | None) -> list[Check]:
         _link(robot),
         _mission(robot, facts),
         _map(facts),
+        *_flight(robot, facts),
         _battery(robot, facts),
         _site(robot, facts),
         _position(robot),
@@ -93,6 +97,19 @@ def _map(facts: MissionFacts | None) -> Check:
     if facts.map_text:
         return _check("map", False, facts.map_text, "Plan it again if that is in the way.", blocks=False)
     return _check("map", True, f"Planned on map v{facts.map_number}; nothing changed around it.")
+
+
+def _flight(robot: Robot, facts: MissionFacts | None) -> list[Check]:
+    """Return nothing for what drives."""
+    sheet = robot.factsheet
+    if facts is None or sheet is None or sheet.family is not Family.UAV:
+        return []
+    if facts.flight_text is None:
+        return [_check("flight", None, "What stands in its path is being looked up.", "Wait a moment.")]
+    if facts.flight_text:
+        return [_check("flight", False, facts.flight_text)]
+    at = "" if sheet.path_height_m is None else f" at {number(sheet.path_height_m)} m"
+    return [_check("flight", True, f"Nothing on the map stands in its path{at}.")]
 
 
 def _battery(robot: Robot, facts: MissionFacts | None) -> Check:

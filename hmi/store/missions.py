@@ -38,6 +38,7 @@ class Mission:
             for one that is older than map versions; see ``planned_on``.
         progress: how far a robot came on this document, see ``hmi.domain.mission_rest.Progress``.
         pending_sha256: of a document that was sent and not read back yet; empty if there is none.
+        wish: of a draft, what was chosen so far, as a planning request carries it; a draft has no document and no hash.
     """
 
     id: str
@@ -57,6 +58,7 @@ class Mission:
     map_version: int | None = None
     progress: dict[str, Any] | None = None
     pending_sha256: str = ""
+    wish: dict[str, Any] | None = None
 
     @property
     def is_resumable(self) -> bool:
@@ -152,7 +154,8 @@ class Missions:
             AlreadyExists: the id is taken.
         """
         now = at or self._clock.utc()
-        stored = replace(mission, sha256=mission_sha256(document), created_at=now, updated_at=now)
+        sha256 = mission_sha256(document) if document else ""
+        stored = replace(mission, sha256=sha256, created_at=now, updated_at=now)
         with self._changing, self._database.write() as session:
             if session.get(MissionRow, stored.id) is not None:
                 raise AlreadyExists(f"a mission {stored.id!r} exists already")
@@ -207,7 +210,8 @@ class Missions:
             if mission.status not in EDITABLE:
                 raise MissionRefused("in_use", f"{mission.name} is {mission.status.value}. Copy it instead.")
             # what a robot drove stays as it was, bit by bit: to go on, it asks for that
-            return replace(mission, name=name), document if mission.status in ENDED else renamed(document, name=name)
+            is_kept = mission.status in ENDED or not document
+            return replace(mission, name=name), document if is_kept else renamed(document, name=name)
 
         return self._change(farm_id, mission_id, change, by, "Renamed.", {"name": name})
 
@@ -234,6 +238,8 @@ class Missions:
         def change(_session: Session, mission: Mission, document: Document) -> tuple[Mission, Document]:
             if mission.status not in EDITABLE:
                 raise MissionRefused("in_use", f"{mission.name} is {mission.status.value}. Copy it instead.")
+            if not document:
+                return _wished(mission, is_supervised, robot_id), document
             if robot_id is not None and robot_id != document["robot"]:
                 if mission.is_resumable:
                     text = f"{mission.name} was interrupted on {document['robot']}, where it can be resumed later."
@@ -360,6 +366,16 @@ class Missions:
         )
 
 
+def _wished(mission: Mission, is_supervised: bool | None, robot_id: str | None) -> Mission:
+    """Return a draft that is wished for another robot, or with or without somebody there."""
+    attended = mission.is_supervised if is_supervised is None else is_supervised
+    robot = robot_id or mission.robot_id
+    wish = {**(mission.wish or {}), "is_supervised": attended, **({"robot_id": robot} if robot else {})}
+    # whoever has it open sees that it was changed when they save it
+    revision = mission.revision + 1
+    return replace(mission, is_supervised=attended, robot_id=robot, wish=wish, revision=revision)
+
+
 def _planned_for(mission: Mission, machine: Mapping[str, Any] | None) -> Mission:
     if machine is None or MACHINE in mission.statistics:
         return mission
@@ -375,7 +391,7 @@ def _row(session: Session, farm_id: str, mission_id: str) -> MissionRow:
 
 _SAME = (
     "farm_id", "name", "field_name", "field_id", "robot_id", "revision", "is_supervised", "sha256", "statistics",
-    "map_version", "progress", "pending_sha256", "created_by", "created_at", "updated_at",
+    "map_version", "progress", "pending_sha256", "wish", "created_by", "created_at", "updated_at",
 )  # fmt: skip
 
 

@@ -148,6 +148,7 @@ class MissionRow(Base):
     map_version: Mapped[int | None] = mapped_column(Integer, default=None)
     progress: Mapped[dict[str, Any] | None] = mapped_column(JSON, default=None)
     pending_sha256: Mapped[str] = mapped_column(String(64), default="", server_default="")
+    wish: Mapped[dict[str, Any] | None] = mapped_column(JSON(none_as_null=True), default=None)
     created_by: Mapped[str] = mapped_column(String(64))
     created_at: Mapped[datetime] = mapped_column(UtcText)
     updated_at: Mapped[datetime] = mapped_column(UtcText)

@@ -25,7 +25,7 @@ PLACE = {"datum_lat_deg": 52.0, "datum_lon_deg": 5.0, "y_m": -2.0, "theta_rad": 
 )
 def test_it_works_stops_and_is_reset_as_every_robot(broker: str, robot: str, family: str, is_lean: bool) -> None:
     with (
-        running_simulator(broker, robot=robot, family=family, is_lean=is_lean, **PLACE),
+        running_simulator(broker, robot=robot, family=family, is_lean=is_lean, link_lost_pause_s=60.0, **PLACE),
         Listener(broker, robot) as listener,
     ):
         # amqtt hands a new client what other robots left retained, too
@@ -37,7 +37,7 @@ def test_it_works_stops_and_is_reset_as_every_robot(broker: str, robot: str, fam
         stored = listener.wait(up.Ack, lambda a: a.kind == "mission")
         assert stored.outcome == "accepted"
         listener.command("start", mission_id=mission.mission_id, mission_sha256=stored.sha256, is_supervised=False)
-        listener.wait(up.Telemetry, lambda t: t.speed_mps > 0.5)
+        listener.wait(up.Telemetry, lambda t: t.speed_mps > 0.5, timeout_s=40.0)  # a UAV climbs first
         since, stop_id = listener.mark(), uuid.uuid4().hex
         listener.send(Down.STOP, down.Stop(robot=robot, stop_id=stop_id, by="Martha"))
         assert listener.wait(up.Ack, lambda a: a.ref == stop_id, since=since).outcome == "accepted"

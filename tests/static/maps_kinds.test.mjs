@@ -38,3 +38,17 @@ test('rows can be given to any field of the map', () => {
   const features = new Map([['p10', named('Parcel 10')], ['r', shape('road', 'LineString')], ['p9', named('Parcel 9')]]);
   assert.deepEqual(json(field.options(features)), [['', 'No field'], ['p9', 'Parcel 9'], ['p10', 'Parcel 10']]);
 });
+
+test('what can be flown over has a height, nothing else has', () => {
+  const has = (kind, type) => [...M.fieldsOf(shape(kind, type))].some((one) => one.key === 'height_m');
+  const polygons = ['parcel', 'farm', 'obstacle', 'no-go', 'slow', 'treatment', 'building', 'road', 'tree', 'hedge', 'water'];
+  assert.deepEqual(polygons.filter((kind) => has(kind, 'Polygon')), ['obstacle', 'building', 'tree', 'hedge']);
+  assert.deepEqual(['obstacle', 'tree', 'home', 'gate'].filter((kind) => has(kind, 'Point')), ['obstacle', 'tree']);
+  assert.deepEqual(['tree', 'hedge', 'water', 'road', 'rows'].filter((kind) => has(kind, 'LineString')), ['tree', 'hedge']);
+});
+
+test('a height is typed with point or comma, above 0 and at most 300 m', () => {
+  const field = M.fieldsOf(shape('building', 'Polygon')).find((one) => one.key === 'height_m');
+  assert.deepEqual(['12,5', '300', '', '0', '-2', '301', 'NaN', 'high'].map((typed) => M.stored(field, typed)), [12.5, 300, null, undefined, undefined, undefined, undefined, undefined]);
+  assert.equal(M.changeLabel(field, undefined, 12.5), 'Height above ground set to 12.5 m');
+});

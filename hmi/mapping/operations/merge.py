@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import shapely
 from shapely.geometry import Polygon
 
+from hmi.domain.map_ground import FLOWN_OVER_KINDS, object_height_m
+from hmi.mapping.attributes import HEIGHT
 from hmi.mapping.errors import OperationRefused
+from hmi.mapping.feature import MapFeature
 from hmi.mapping.ground import GRID_M, Shape, areas_in, frame_of, polygon_geometry, polygons_in, sound
 from hmi.mapping.operations.arguments import Arguments
 from hmi.mapping.operations.outcome import Outcome, changed
@@ -21,6 +26,8 @@ TOUCH_M = 0.005  # corners rounded to 1 mm, edges of different length on top of 
 
 def merge(selection: Selection, arguments: Arguments) -> Outcome:
     """Make one polygon of several; the largest keeps id, name and attributes, rows of the others follow.
+
+    What stands up is then as high as the highest of them, for somebody may fly over it.
 
     Raises:
         OperationRefused: fewer than two, of different kinds, or further apart than ``gap_m``.
@@ -50,10 +57,20 @@ def merge(selection: Selection, arguments: Arguments) -> Outcome:
     if geometry is None:
         raise OperationRefused("vanishes", f"{titles(chosen)} are too thin to merge. Draw one outline around them.")
     keeper = max(zip(shapes, chosen, strict=True), key=lambda pair: pair[0].area)[1]
-    changes = [changed(keeper, replace(keeper, geometry=geometry))]
+    changes = [changed(keeper, replace(keeper, geometry=geometry, properties=_as_high(keeper, chosen)))]
     changes += [changed(one, None) for one in chosen if one is not keeper]
     label = f"Merged {titles(chosen)}" + (f" into {title(keeper)}" if len(chosen) > 2 else "")
     return Outcome(label, (*changes, *rows_that_follow(changes, selection.draft)))
+
+
+def _as_high(keeper: MapFeature, chosen: Sequence[MapFeature]) -> dict[str, Any]:
+    """Return its properties with the height of the highest; none where one of them does not say how high it is."""
+    if keeper.kind not in FLOWN_OVER_KINDS:
+        return keeper.properties
+    rest = {key: value for key, value in keeper.properties.items() if key != HEIGHT}
+    heights = [object_height_m(one.kind, one.properties) for one in chosen]
+    known = [height for height in heights if height is not None]
+    return {**rest, HEIGHT: max(known)} if len(known) == len(heights) else rest
 
 
 def _united(shapes: list[Shape], gap_m: float) -> Shape:

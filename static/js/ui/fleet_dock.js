@@ -2,7 +2,7 @@
 (() => {
   "use strict";
   const { el, icon, text, attr, LiveElement } = HL;
-  const READY = ["draft", "validated"];
+  const READY = ["validated"];
   const VIEWER = { pause: "Pausing needs the operator role.", return_home: "Return home needs the operator role.", send_mission: "Sending needs the operator role." };
 
   const ids = () => HL.fleet.picked().map((one) => one.id);

@@ -23,6 +23,7 @@
   const CROPS = ["Sugar beet", "Maize", "Winter wheat", "Potatoes", "Onions", "Carrots", "Spinach", "Rapeseed", "Soy", "Grass"];
   const WIDTH = number("width_m", "Width", "m", 0.1, 200, 1);
   const RADIUS = number("radius_m", "Radius", "m", 0.05, 1000, 2);
+  const HEIGHT = number("height_m", "Height above ground", "m", 0.01, 300, 2); // of what is flown over
   const NAME_CHARS = 80;
   const ASSUMED_RADIUS_M = 1; // as of an imported point
   const byName = (a, b) => a.localeCompare(b, undefined, { numeric: true });
@@ -34,9 +35,9 @@
       text("crop", "Crop", CROPS), text("status", "Status", ["BBCH 10", "BBCH 12", "BBCH 14", "BBCH 16"]), { key: "seeded", label: "Seeding date", type: "date" },
       number("row_spacing_m", "Row spacing", "cm", 1, 1000, 1, 100), number("row_bearing_deg", "Row direction", "° from north", -360, 360, 1), number("headland_m", "Headland width", "m", 0, 100, 1),
     ],
-    obstacle: { Point: [RADIUS] },
+    obstacle: { Point: [RADIUS, HEIGHT], Polygon: [HEIGHT] },
     road: { LineString: [WIDTH] },
-    building: [text("category", "Use", ["Barn", "House", "Hall", "Silo"])],
+    building: [text("category", "Use", ["Barn", "House", "Hall", "Silo"]), HEIGHT],
     home: [
       choice("type", "Type", [["home", "Home"], ["garage", "Garage"], ["charging", "Charging"]]), choice("robot", "Robot", () => [["", "Any robot"], ...robots()]),
       { ...number("heading_deg", "Heading", "° from north", -360, 360, 1), isCompass: true },
@@ -45,8 +46,8 @@
     treatment: [number("dose", "Dose, 0 is off", "× usual", 0, 2, 2)],
     slow: [number("speed_mps", "Speed limit", "m/s", 0.01, 10, 2)],
     rows: [choice("type", "Type", [["a-b", "Straight, A to B"], ["curve", "Curve"], ["recorded", "Recorded"]]), { ...choice("parcel_id", "Field", (features) => [["", "No field"], ...fieldsBy(features)]), gone: "A field not on this map" }],
-    tree: { LineString: [WIDTH], Point: [RADIUS] },
-    hedge: { LineString: [WIDTH] },
+    tree: { LineString: [WIDTH, HEIGHT], Point: [RADIUS, HEIGHT], Polygon: [HEIGHT] },
+    hedge: { LineString: [WIDTH, HEIGHT], Polygon: [HEIGHT] },
     water: { LineString: [WIDTH] },
   };
   const SOILS = ["Clay", "Clay loam", "Loam", "Sandy loam", "Sand", "Silt", "Peat"];

@@ -17,23 +17,27 @@
   }
 
   class MissionForm {
-    // places: {fields, homes, robots, areas?}; actions: {stored(mission, isSent), close}
-    constructor(places, actions, maySend) {
+    // places: {fields, homes, robots, areas?}; actions: {stored(mission, isSent), kept(draft), close}; draft: to go on with
+    constructor(places, actions, maySend, draft = null) {
       this.places = places;
       this.actions = actions;
       this.maySend = maySend;
       this.answers = new Map();
       this.shown = null;
       this.planned = null;
-      this.inputs = new Inputs(places);
+      this.draft = draft;
+      this.inputs = new Inputs(places, draft);
       this.treatment = new Treatment(places.areas ?? [], {
         draw: (done, ended) => this.picture.drawArea(done, ended),
         changed: () => (this.picture.showAreas(this.treatment.pictured()), this.steps.treatment.tell(this.treatment.summary()), this.changed()),
-      });
+      }, draft);
+      if (draft) this.treatment.apply(draft.wish);
+      this.keeper = new HL.planner.DraftKeeper(this, (kept) => this.actions.kept(kept));
       this.node = this.build();
       this.follow();
       this.outline();
       this.paint();
+      this.keeper.begin();
       const style = document.querySelector("hl-missions")?.dataset.planStyle;
       if (style) {
         this.node.hidden = true;
@@ -56,7 +60,7 @@
       };
       this.steps.send.tell("Sending does not move the robot.");
       this.form = el("form", { class: "p-steps", novalidate: true, onsubmit: (event) => (event.preventDefault(), this.isPlanning ? this.cancel() : this.look()) },
-        el("div", { class: "h-row p-title" }, el("button", { type: "button", class: "h-btn q ico", "aria-label": "Back to the missions", onclick: () => this.leave() }, icon("arrow_back")), el("h2", { class: "h-sp" }, "Plan a mission"), el("button", { type: "button", class: "h-btn", "data-testid": "plan-templates", onclick: () => HL.planner.templates.choose((one) => this.apply(one)) }, "Templates")),
+        el("div", { class: "h-row h-wrap p-title" }, el("button", { type: "button", class: "h-btn q ico", "aria-label": "Back to the missions", onclick: () => this.leave() }, icon("arrow_back")), el("h2", { class: "h-sp h-ell", "data-testid": "plan-title" }, this.draft?.name ?? "Plan a mission"), el("span", { class: "h-row" }, this.keeper.button, el("button", { type: "button", class: "h-btn", "data-testid": "plan-templates", onclick: () => HL.planner.templates.choose((one) => this.apply(one)) }, "Templates"))),
         ...Object.values(this.steps).map((step) => step.node));
       this.picture = new Picture();
       this.scrubber = new Scrubber((t) => this.picture.place(t));
@@ -86,7 +90,7 @@
 
     // what is typed is kept, and a plan that no longer fits is not sent
     follow() {
-      this.inputs.get("field_id").addEventListener("change", () => this.newField());
+      this.inputs.get("field_id").addEventListener("change", () => ((this.inputs.isFieldChosen = true), this.newField()));
       this.inputs.get("robot_id").addEventListener("change", () => (this.inputs.offerField() ? this.newField() : (this.inputs.offerWidth(), this.outline())));
       this.inputs.offerField();
       if (!this.inputs.isKept) this.inputs.offerWidth();
@@ -104,7 +108,8 @@
     }
 
     wish() {
-      return { ...this.inputs.wish(), ...this.treatment.wish() };
+      const attended = this.draft?.wish.is_supervised === undefined ? {} : { is_supervised: this.draft.wish.is_supervised };
+      return { ...this.inputs.wish(), ...this.treatment.wish(), ...attended };
     }
 
     // everything but the row order: candidates are of one such wish
@@ -131,6 +136,8 @@
       text(this.problem, this.treatment.problem());
       this.refusal = "";
       if (this.treatment.problem()) return this.steps.treatment.open();
+      const missing = this.inputs.missing();
+      if (missing) return this.refused({ field: missing[0], text: missing[1] });
       this.answers = new Map();
       this.shown = null;
       this.planned = this.ground();
@@ -263,7 +270,7 @@
       this.inputs.offerSpacing();
       this.inputs.offerRows();
       this.strip.follow(this.inputs.robot, this.drawn?.statistics ?? null);
-      HL.port.follow(this.inputs.get("robot_id").value, "plan");
+      HL.port.follow(this.inputs.get("robot_id").value || null, "plan");
     }
 
     paint() {
@@ -290,7 +297,7 @@
       if (!this.isFresh) return this.look();
       this.isStoring = true;
       this.paint();
-      const answer = await HL.port.api("POST", "/missions/plan", this.wish(), PLAN_LIMIT_MS);
+      const answer = await HL.port.api("POST", "/missions/plan", { ...this.wish(), ...this.ofDraft() }, PLAN_LIMIT_MS);
       this.isStoring = false;
       this.paint();
       if (!answer.ok) return this.refused(answer);
@@ -299,6 +306,11 @@
       this.end();
       this.actions.stored(answer.data, what === "send");
       if (what === "queue") HL.queue.add(answer.data);
+    }
+
+    // which draft becomes the mission, as it was when it was opened
+    ofDraft() {
+      return this.draft ? { draft_id: this.draft.id, draft_revision: this.draft.revision } : {};
     }
 
     apply(template) {
@@ -312,8 +324,7 @@
     }
 
     leave() {
-      this.end();
-      this.actions.close();
+      this.keeper.leave(() => (this.end(), this.actions.close()));
     }
 
     end() {

@@ -162,7 +162,8 @@
       attr(this, "data-open", "yes");
       this.draw();
       if (!isSame) this.detail.replaceChildren(el("div", { class: "h-card h-skeleton", "aria-label": "Loading" }, el("i"), el("i"), el("i")));
-      const [answer, shape] = await Promise.all([HL.port.api("GET", of(id)), HL.port.api("GET", `${of(id)}/map.geojson`)]);
+      const isDraft = this.missions.find((one) => one.id === id)?.status === "draft";
+      const [answer, shape] = await Promise.all([HL.port.api("GET", of(id)), isDraft ? { ok: false } : HL.port.api("GET", `${of(id)}/map.geojson`)]);
       if (!this.isConnected || this.chosen !== id || this.form) return;
       if (!answer.ok) return this.detail.replaceChildren(el("div", { class: "h-card h-notice", role: "alert" }, icon("cloud_off", "l"), el("b", { class: "h-t18 h-b" }, "Mission did not load"), el("span", { class: "h-2" }, answer.text), el("button", { type: "button", class: "h-btn", onclick: () => this.open(id) }, icon("refresh", "m"), "Try again")));
       this.shown = answer.data.updated_utc;
@@ -172,8 +173,11 @@
     parts(mission, shape) {
       const result = el("div", { class: "h-t14 h-b", role: "status", "data-testid": "mission-result" });
       const back = el("button", { type: "button", class: "h-btn q ico h-mback", "aria-label": "All missions", onclick: () => this.close() }, icon("arrow_back"));
+      const head = el("div", { class: "h-row" }, back, el("div", { class: "h-sp" }, el("h2", { "data-testid": "mission-name" }, mission.name), el("div", { class: "h-t14 h-2" }, [mission.field_name, robotName(mission.robot_id)].filter(Boolean).join(" · "))), el("span", { class: look(mission.status), "data-testid": "mission-status", "data-state": mission.status }, HL.plan.status(mission.status)), ...this.edits(mission));
+      const happened = HL.records.table(["Time", "State", "By", "Why"], (mission.log ?? []).toReversed().map((one) => ({ cells: [when(one.utc), HL.plan.status(one.status), one.by, outcome(one)] })));
+      if (mission.wish) return [head, ...HL.planner.draftDetail(mission, this.may.edit, () => this.plan(mission)), el("h3", { class: "h-t16 h-b" }, "What happened"), happened];
       return [
-        el("div", { class: "h-row" }, back, el("div", { class: "h-sp" }, el("h2", { "data-testid": "mission-name" }, mission.name), el("div", { class: "h-t14 h-2" }, `${mission.field_name} · ${robotName(mission.robot_id)}`)), el("span", { class: look(mission.status), "data-testid": "mission-status", "data-state": mission.status }, HL.plan.status(mission.status)), ...this.edits(mission)),
+        head,
         el("div", { class: "h-row h-wrap" }, ...this.buttons(mission, result), el("span", { class: "h-t13 h-2" }, !this.may.send ? this.dataset.noSend : isUnderWay(mission) ? "" : "Sending does not move the robot.")),
         result,
         ...HL.missionWays(mission, this.may.send, () => this.load(false)),
@@ -182,7 +186,7 @@
         ...HL.planner.place(mission.statistics ?? {}),
         ...(mission.statistics?.notes ?? []).map((note) => el("div", { class: "h-row h-t14 h-b" }, icon("warning", "m"), note)),
         el("div", { class: "h-row" }, el("h3", { class: "h-t16 h-b h-sp" }, "What happened"), WORKED.includes(mission.status) && mission.robot_id ? el("a", { class: "h-btn", href: `/supervisor/${mission.robot_id}?mission=${encodeURIComponent(mission.id)}`, "data-testid": "mission-state-times" }, icon("account_tree", "m"), "State times") : ""),
-        HL.records.table(["Time", "State", "By", "Why"], (mission.log ?? []).toReversed().map((one) => ({ cells: [when(one.utc), HL.plan.status(one.status), one.by, outcome(one)] }))),
+        happened,
       ];
     }
 
@@ -255,7 +259,8 @@
       HL.sheet({ title: `Delete ${mission.name}?`, body: [el("p", { class: "h-2 h-t16" }, "It is not on a robot. It cannot be brought back.")], buttons: [["Keep it", (close) => close()], ["Delete", really, true]] });
     }
 
-    async plan() {
+    // draft: to go on with, else a new mission
+    async plan(draft = null) {
       this.showTab("plan");
       this.chosen = "";
       this.form = {};
@@ -264,10 +269,16 @@
       this.detail.replaceChildren(el("div", { class: "h-card h-row" }, icon("hourglass_top"), "Loading fields"));
       const [places, robots] = await Promise.all([HL.port.api("GET", "/fields"), HL.port.api("GET", "/robots")]);
       if (!this.isConnected || !this.form) return;
-      if (!places.ok || !robots.ok) return this.detail.replaceChildren(el("div", { class: "h-card h-notice", role: "alert" }, icon("cloud_off", "l"), el("b", { class: "h-t18 h-b" }, "Fields did not load"), el("button", { type: "button", class: "h-btn", onclick: () => this.plan() }, icon("refresh", "m"), "Try again")));
-      if (!places.fields.length) return this.detail.replaceChildren(empty("No fields yet", "Draw or import a field first."));
-      this.form = new HL.MissionForm({ fields: places.fields, homes: places.homes, areas: places.areas, robots: list(robots, "robots").filter((one) => one.is_registered !== false) }, { close: () => this.close(), queue: () => this.tab("queue"), stored: (mission, isSending) => this.stored(mission, isSending) }, this.may.send);
+      if (!places.ok || !robots.ok) return this.detail.replaceChildren(el("div", { class: "h-card h-notice", role: "alert" }, icon("cloud_off", "l"), el("b", { class: "h-t18 h-b" }, "Fields did not load"), el("button", { type: "button", class: "h-btn", onclick: () => this.plan(draft) }, icon("refresh", "m"), "Try again")));
+      if (!places.fields.length) HL.toast("No fields yet. Draw or import one; until then a mission can be kept as a draft.", "info");
+      this.form = new HL.MissionForm({ fields: places.fields, homes: places.homes, areas: places.areas, robots: list(robots, "robots").filter((one) => one.is_registered !== false) }, { close: () => this.close(), queue: () => this.tab("queue"), stored: (mission, isSending) => this.stored(mission, isSending), kept: (mission) => this.kept(mission) }, this.may.send, draft);
       this.detail.replaceChildren(this.form.node);
+    }
+
+    async kept(draft) {
+      this.form = null;
+      await this.load(false);
+      this.open(draft.id);
     }
 
     async stored(mission, isSending) {

@@ -4,7 +4,8 @@
   const { el, icon } = HL;
   const GROUPS = [
     ["all", "All", null],
-    ["ready", "Ready", ["draft", "validated"]],
+    ["draft", "Drafts", ["draft"]],
+    ["ready", "Ready", ["validated"]],
     ["queue", "Queue", ["queued", "waiting"]],
     ["robot", "Active", ["sent", "accepted", "running", "paused", "resuming"]],
     ["ended", "Ended", ["done", "aborted", "failed"]],
@@ -16,7 +17,8 @@
 
   // chips with counts; `choose(group)`
   function chips(group, missions, choose) {
-    return GROUPS.map(([key, name]) => el("button", { type: "button", class: "h-btn q-filter", "aria-pressed": String(key === group), "data-testid": `mission-filter-${key}`, onclick: () => choose(key) }, name, el("span", { class: "h-2" }, String(missions.filter((one) => isIn(key, one)).length))));
+    const count = (key) => missions.filter((one) => isIn(key, one)).length;
+    return GROUPS.filter(([key]) => key !== "draft" || key === group || count(key)).map(([key, name]) => el("button", { type: "button", class: "h-btn q-filter", "aria-pressed": String(key === group), "data-testid": `mission-filter-${key}`, onclick: () => choose(key) }, name, el("span", { class: "h-2" }, String(count(key)))));
   }
 
   // what can be done with the chosen; rights: {edit, send}

@@ -14,9 +14,27 @@
   const AT_FIELD = "@field"; // no feature of a map has such an id
   const FAR_M = 3000;
   const METRES_PER_DEGREE = 111320;
-  const firstPlace = (geometry) => (geometry?.type === "Polygon" ? geometry.coordinates[0][0] : geometry?.coordinates?.[0]?.[0]?.[0]);
+
+  // metres from a robot to the nearest corner of a field, 0 on it
+  function awayM(geometry, { lon, lat }) {
+    const wide = Math.cos((lat * Math.PI) / 180);
+    const parts = geometry?.type === "Polygon" ? [geometry.coordinates] : geometry?.coordinates ?? [];
+    let nearest = Infinity;
+    for (const [ring] of parts) {
+      let isOn = false;
+      ring.forEach(([x, y], k) => {
+        const [px, py] = ring[(k || ring.length) - 1];
+        if (y > lat !== py > lat && lon < ((px - x) * (lat - y)) / (py - y) + x) isOn = !isOn;
+        nearest = Math.min(nearest, Math.hypot((x - lon) * wide, y - lat) * METRES_PER_DEGREE);
+      });
+      if (isOn) return 0;
+    }
+    return nearest;
+  }
+
   const byName = (a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }); // bay 2 before bay 10
   const options = (rows) => rows.map(({ id, name }) => el("option", { value: id }, name));
+  const later = () => el("option", { value: "" }, "Choose later"); // for a draft: nothing is planned without
   const select = (hook, name, rows) => el("select", { class: "h-select", "data-testid": hook, name }, ...rows);
   const number = (hook, name, props) => el("input", { class: "h-input", "data-testid": hook, name, type: "number", inputmode: "decimal", step: "any", ...props });
   const field = (label, input) => el("label", { class: "h-field" }, label, input);
@@ -54,11 +72,13 @@
   }
 
   class Inputs {
-    constructor(places) {
+    // draft: of the server, with its wish; it is kept there, not in this browser
+    constructor(places, draft = null) {
       this.places = places;
+      this.draft = draft;
       this.all = {
-        field_id: select("plan-field", "field_id", options([...places.fields].sort(byName))),
-        robot_id: select("plan-robot", "robot_id", options(places.robots)),
+        field_id: select("plan-field", "field_id", [...options([...places.fields].sort(byName)), later()]),
+        robot_id: select("plan-robot", "robot_id", [...options(places.robots), later()]),
         home_id: select("plan-home", "home_id", [el("option", { value: "" }, "Own or nearest"), ...options([...places.homes].sort(byName)), el("option", { value: AT_FIELD }, "None: starts at the field")]),
         width_m: number("plan-width", "width_m", { min: "0.05", max: "50", required: true, value: "3" }),
         row_speed_mps: number("plan-speed", "row_speed_mps", { min: "0.01", max: "20", placeholder: "usual" }),
@@ -127,18 +147,15 @@
       this.all.home_id.dispatchEvent(new Event("input", { bubbles: true }));
     }
 
-    // a field of another site is of no use to a robot: the nearest one is offered
+    // as long as nobody chose a field, the one where the robot stands; one of another site is of no use to it
     offerField() {
       const robot = HL.port.fleet()[this.all.robot_id.value];
       if (robot?.lat === null || robot?.lat === undefined) return false;
-      const away = (one) => {
-        const [lon, lat] = firstPlace(one.geometry) ?? [NaN, NaN];
-        return Math.hypot((lon - robot.lon) * Math.cos((lat * Math.PI) / 180), lat - robot.lat) * METRES_PER_DEGREE;
-      };
-      if (!this.fieldPlace || !(away(this.fieldPlace) > FAR_M)) return false;
-      const nearest = this.places.fields.filter((one) => away(one) <= FAR_M).sort((a, b) => away(a) - away(b))[0];
-      if (!nearest) return false;
-      this.all.field_id.value = nearest.id;
+      const away = (one) => awayM(one.geometry, robot);
+      if (this.fieldPlace && (this.isKept || this.isFieldChosen) && !(away(this.fieldPlace) > FAR_M)) return false;
+      const nearest = this.places.fields.map((one) => [away(one), one.id]).filter(([far]) => far <= FAR_M).sort((a, b) => a[0] - b[0])[0]?.[1];
+      if (!nearest || nearest === this.all.field_id.value) return false;
+      this.all.field_id.value = nearest;
       return true;
     }
 
@@ -162,6 +179,11 @@
     }
 
     recall() {
+      if (this.draft) {
+        this.isKept = true;
+        this.all.field_id.value = this.all.robot_id.value = "";
+        return this.apply({ ...this.draft.wish, name: this.draft.name });
+      }
       const kept = HL.draft.get(DRAFT);
       this.isKept = Boolean(kept);
       this.laps = kept?.laps; // offered before, not entered: they go on following the field
@@ -179,11 +201,11 @@
     }
 
     keep() {
-      HL.draft.set(DRAFT, { laps: this.laps, ...Object.fromEntries(Object.entries(this.all).map(([key, input]) => [key, input.type === "checkbox" ? input.checked : input.value])) });
+      if (!this.draft) HL.draft.set(DRAFT, { laps: this.laps, ...Object.fromEntries(Object.entries(this.all).map(([key, input]) => [key, input.type === "checkbox" ? input.checked : input.value])) });
     }
 
     forget() {
-      HL.draft.clear(DRAFT);
+      if (!this.draft) HL.draft.clear(DRAFT);
     }
 
     wish() {
@@ -202,8 +224,15 @@
       return body;
     }
 
+    // what is missing before anything can be planned: [input, sentence], null if nothing is
+    missing() {
+      if (!this.all.robot_id.value) return ["robot_id", "Choose a robot, or save it as a draft."];
+      return this.all.field_id.value ? null : ["field_id", "Choose a field, or save it as a draft."];
+    }
+
     // a template's wish into the inputs; what it does not say goes back to its usual value
     apply(wish) {
+      this.isFieldChosen ||= Boolean(wish.field_id);
       const usual = { row_speed_mps: "", headland_passes: "", row_bearing_deg: "", rows: "", plant_spacing_m: "", name: "", start_corner: "", pattern: "shortest", returns_home: true };
       const given = Object.fromEntries(Object.entries(wish).filter(([key]) => key in this.all).map(([key, value]) => [key, typeof value === "number" ? String(value) : value ?? ""]));
       const home = wish.starts_at === "field" ? AT_FIELD : wish.home_id ?? (this.all.returns_home.disabled ? "" : this.all.home_id.value);

@@ -101,15 +101,17 @@
       const name = el("button", { type: "button", class: "p-pick", disabled: state !== "planned", "aria-pressed": isShown ? "true" : "false", onclick: () => this.choose(pattern) }, NAMES[pattern]);
       const row = el("tr", { "data-testid": `plan-compare-${pattern}`, "data-state": state, "aria-current": isShown ? "true" : null });
       if (s) row.append(el("td", {}, name), ...[hours(s.duration_s), (s.length_m / 1000).toFixed(2), s.turns, kwh(s.energy_j)].map((value) => el("td", { class: "num" }, String(value))));
-      else row.append(el("td", { colspan: "5" }, name, el("div", { class: "p-why" }, why(answer))));
+      else row.append(el("td", { colspan: "5" }, name, el("div", { class: "p-why" }, why(answer, answers))));
       if (s) row.addEventListener("click", (event) => event.target.closest("button") || this.choose(pattern));
       attr(row, "data-value", s ? s.duration_s : null);
       return row;
     }
   }
 
-  function why(answer) {
+  // what all row orders are refused for is said once
+  function why(answer, answers) {
     if (!answer) return "planning";
+    if (answer.text && [...answers.values()].find((one) => one.text === answer.text) !== answer) return "for the same reason";
     return answer.state === "same" ? `the same path as ${NAMES[answer.as].toLowerCase()}` : answer.text;
   }
 

@@ -25,11 +25,13 @@
   const metres = (hook, label) => el("input", { class: "h-input", type: "number", inputmode: "decimal", min: "0", max: "10", step: "any", placeholder: "usual", "data-testid": hook, "aria-label": label });
 
   class Treatment {
-    // areas: features of the map that may have a dose of their own; actions: {draw(done, ended), changed()}
-    constructor(areas, actions) {
+    // areas: features of the map that may have a dose of their own; actions: {draw(done, ended), changed()};
+    // draft: of the server, kept there and not in this browser
+    constructor(areas, actions, draft = null) {
       this.areas = areas;
       this.actions = actions;
-      const kept = HL.draft.get(DRAFT) || {};
+      this.draft = draft;
+      const kept = (!draft && HL.draft.get(DRAFT)) || {};
       this.chosen = new Map(Object.entries(kept.chosen ?? {})); // by a person; the others stay as the map has them
       this.doses = new Map();
       this.drawn = kept.drawn ?? []; // [{outline, dose}], of this plan alone
@@ -73,7 +75,7 @@
     }
 
     keep() {
-      HL.draft.set(DRAFT, { drawn: this.drawn, chosen: Object.fromEntries(this.chosen), rest: this.rest.value, leadIn: this.leadIn.value, leadOut: this.leadOut.value });
+      if (!this.draft) HL.draft.set(DRAFT, { drawn: this.drawn, chosen: Object.fromEntries(this.chosen), rest: this.rest.value, leadIn: this.leadIn.value, leadOut: this.leadOut.value });
     }
 
     redrawn() {
@@ -83,7 +85,7 @@
     }
 
     forget() {
-      HL.draft.clear(DRAFT);
+      if (!this.draft) HL.draft.clear(DRAFT);
     }
 
     // those drawn in the field at hand

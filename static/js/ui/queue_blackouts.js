@@ -53,5 +53,5 @@
     changed();
   }
 
-  Object.assign(HL.queue, { blackouts: { list } });
+  Object.assign(HL.queue, { blackouts: { list }, minutes: time });
 })();

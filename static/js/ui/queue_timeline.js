@@ -49,9 +49,10 @@
         HL.queueDrag.keyed(node, (by) => actions.shift(bar.entry, by));
       }
     }
+    const later = row.bars.filter((bar) => bar.from >= scale.to).length;
     new ResizeObserver(() => placeNames(track)).observe(track);
     if (!row.bars.some((bar) => bar.entry?.state === "open" || bar.look === "other")) track.append(el("span", { class: "q-free h-t13 h-2", style: `left:calc(${scale.share(scale.now)} + 8px)` }, "Nothing in the queue"));
-    return el("div", { class: "q-robot", "data-testid": `queue-row-${robot.robot_id}` }, el("div", { class: "q-name" }, el("b", { class: "h-t16 h-ell" }, robot.name), armed(queue, robot, actions)), el("div", { class: "q-lane" }, track, reason(queue, robot, actions)));
+    return el("div", { class: "q-robot", "data-testid": `queue-row-${robot.robot_id}` }, el("div", { class: "q-name" }, el("b", { class: "h-t16 h-ell" }, robot.name), armed(queue, robot, actions), later ? el("span", { class: "h-t13 h-2", "data-testid": `queue-later-${robot.robot_id}` }, `${later} later, see Calendar`) : ""), el("div", { class: "q-lane" }, track, reason(queue, robot, actions)));
   }
 
   // a name that does not fit into its bar stands beside it, where the row is free; all in px along the row

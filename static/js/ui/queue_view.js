@@ -7,6 +7,8 @@
   const LEAST_FOLDED = 4; // fewer empty rows than that are no trouble
   const ABOUT = ["queue", "mission-status", "lease"];
 
+  const LOOKS = { timeline: "Timeline", calendar: "Calendar", list: "List" };
+
   class QueueView {
     constructor() {
       this.look = HL.keep.read("headland.queue.look", innerWidth < 900 ? "list" : "timeline");
@@ -17,7 +19,7 @@
       this.armButton = el("button", { type: "button", class: "h-btn pri", "data-testid": "queue-arm-open", onclick: () => this.arm() }, icon("autoplay", "m"), "Let it start by itself");
       this.armWhy = el("span", { class: "h-t13 h-2" });
       const windows = el("button", { type: "button", class: "h-btn", "data-testid": "queue-blackouts-open", onclick: () => this.queue && HL.queue.blackouts.list(this.queue, this.mayEdit, () => this.load()) }, icon("timer_off", "m"), "Blackout windows");
-      const seg = el("div", { class: "h-seg", role: "group", "aria-label": "Look" }, ...["timeline", "list"].map((one) => el("button", { type: "button", "data-look": one, "aria-pressed": String(one === this.look), "data-testid": `queue-look-${one}`, onclick: () => this.show(one) }, one === "timeline" ? "Timeline" : "List")));
+      const seg = el("div", { class: "h-seg", role: "group", "aria-label": "Look" }, ...Object.entries(LOOKS).map(([one, word]) => el("button", { type: "button", "data-look": one, "aria-pressed": String(one === this.look), "data-testid": `queue-look-${one}`, onclick: () => this.show(one) }, word)));
       this.seg = seg;
       this.hint = el("p", { class: "h-t13 h-2 q-hint" }, "Drag to reorder, or use ", el("kbd", { class: "h-key" }, "Alt"), " ", el("kbd", { class: "h-key" }, "↑"), ". Tap a mission to change it.");
       this.weather = el("span", { class: "h-t13 h-2", "data-testid": "queue-weather" });
@@ -87,7 +89,7 @@
       const refusal = HL.queue.arm.refusal(queue);
       attr(this.armButton, "disabled", Boolean(refusal));
       text(this.armWhy, queue.frozen ? "" : refusal);
-      attr(this.hint, "hidden", !this.mayEdit || !queue.entries.length);
+      attr(this.hint, "hidden", !this.mayEdit || !queue.entries.length || this.look === "calendar");
       text(this.weather, `${zoneWords(queue.zone)}${weatherWords(queue)}`);
       // the banner keeps its slide and the reason that was tapped
       const frozen = queue.frozen ? `${queue.frozen.by}${queue.frozen.utc}` : "";
@@ -106,6 +108,7 @@
     parts(queue) {
       const draw = (robots) => HL.queue[this.look]({ ...queue, robots }, this.actions());
       const [busy, idle] = HL.queue.split(queue);
+      if (this.look === "calendar") return [draw([...busy, ...idle])];
       if (!busy.length || idle.length < LEAST_FOLDED) return [draw([...busy, ...idle])];
       const fold = el("details", { class: "q-idle", "data-testid": "queue-idle", open: Boolean(this.isIdleOpen), ontoggle: () => (this.isIdleOpen = fold.open) }, el("summary", { class: "h-btn" }, `${idle.length} robots with nothing in the queue`), draw(idle));
       return [draw(busy), fold];
@@ -122,6 +125,7 @@
         move: (entry, index) => this.move(entry, index),
         shift: (entry, by) => this.shift(entry, by),
         changed: () => this.load(),
+        redraw: () => this.draw(),
         disarm: (robot) => HL.queue.arm.disarm([robot.robot_id], () => this.load()),
       };
     }

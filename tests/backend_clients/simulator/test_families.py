@@ -206,6 +206,19 @@ def test_a_uav_flies_home_by_itself_at_its_reserve_and_charges_there() -> None:
     assert not rig.robot.machine.is_airborne
 
 
+def test_a_uav_climbs_to_the_height_its_path_was_planned_for_before_it_moves_along_it() -> None:
+    rig = Rig(family="uav")
+    rig.start(small_mission(rows=3, length_m=200.0), is_supervised=False)
+    brain, machine = rig.boot.brain, rig.robot.machine
+    start, least_m = brain.place, 1000.0
+    for _ in range(200):
+        rig.run(0.2)
+        if math.dist(brain.place, start) > 1.0:
+            least_m = min(least_m, machine.height_m)
+    assert math.dist(brain.place, start) > 5.0
+    assert least_m > 29.0
+
+
 def uav(is_lean: bool) -> Rig:
     """Return a UAV on the first of its search lines, which takes it half a minute."""
     rig = Rig(family="uav", is_lean=is_lean)

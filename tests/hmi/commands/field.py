@@ -330,6 +330,9 @@ class Rules:
     def check(self, actor: SessionInfo, robot: Robot, order: MissionOrder, checklist_id: str | None) -> None:
         """Let it through."""
 
+    def check_flight(self, robot: Robot, order: MissionOrder) -> None:
+        """Let it through."""
+
     def is_supervised(self, robot: Robot, order: MissionOrder) -> bool:
         """Say so."""
         return self.supervised

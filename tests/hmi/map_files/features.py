@@ -33,23 +33,25 @@ keys = st.one_of(
 ).filter(lambda key: key not in {"id", "kind", "name"} and key not in OWN)
 
 OWN = {"crop", "species", "soil_type", "status", "seeded", "row_spacing_m", "row_bearing_deg", "headland_m", "category",
-       "type", "radius_m", "width_m", "speed_mps", "heading_deg", "robot", "parcel_id"}  # fmt: skip
+       "type", "radius_m", "width_m", "height_m", "speed_mps", "heading_deg", "robot", "parcel_id"}  # fmt: skip
 days = st.dates(date(1900, 1, 1), date(2199, 12, 31)).map(str)
 widths = st.floats(0.5, 20).map(lambda w: round(w, 3))
+heights = st.floats(0.01, 300).map(lambda h: round(h, 2))
 words = st.text(printable, max_size=60)
 OPTIONAL = {
     "parcel": {"crop": words, "species": words, "soil_type": words, "status": words, "seeded": days,
                "row_spacing_m": widths.map(lambda w: w / 2), "row_bearing_deg": st.integers(0, 360)},
     "road": {"width_m": widths},
-    "building": {"category": st.sampled_from(["barn", "greenhouse", "Scheune"])},
+    "building": {"category": st.sampled_from(["barn", "greenhouse", "Scheune"]), "height_m": heights},
+    "obstacle": {"height_m": heights},
     "home": {"heading_deg": st.integers(-180, 180), "type": st.sampled_from(["home", "garage", "charging"]),
              "robot": ids},
     "gate": {"width_m": widths},
     "slow": {"speed_mps": st.floats(0.1, 5)},
     "treatment": {"dose": st.floats(0, 2)},
     "rows": {"type": st.sampled_from(["a-b", "curve", "recorded"]), "parcel_id": ids},
-    "tree": {"width_m": widths},
-    "hedge": {"width_m": widths},
+    "tree": {"width_m": widths, "radius_m": widths, "height_m": heights},
+    "hedge": {"width_m": widths, "height_m": heights},
     "water": {"width_m": widths},
 }  # fmt: skip
 SHAPES = {

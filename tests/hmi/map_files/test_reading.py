@@ -325,3 +325,39 @@ def test_too_many_shapes_and_corners_are_refused() -> None:
         read("a.json", collection(*[shape("Point", [5, 52])] * 20_001))
     with pytest.raises(BadMapFile, match="1,000,000"):
         read("a.json", collection(shape("LineString", [[5, 52], [5, 53]] * 500_001)))
+
+
+SMALL = [[[4.0, 51.0], [4.001, 51.0], [4.001, 51.001], [4.0, 51.0]]]
+
+
+@pytest.mark.parametrize(
+    ("given", "height_m"),
+    [
+        ({"height": "12.5 m"}, 12.5),
+        ({"HEIGHT": 12}, 12),
+        ({"building:height": "9,5"}, 9.5),
+        ({"Tree Height (cm)": 850}, 8.5),
+        ({"height": "40 ft"}, None),
+        ({"height": 0}, None),
+        ({"ele": 12}, None),
+        ({"elevation": 12, "altitude": 12, "höhe": 12}, None),
+    ],
+)
+def test_the_height_of_a_building_is_taken_with_a_note_and_one_above_the_sea_is_not(
+    given: dict[str, object], height_m: float | None
+) -> None:
+    [item] = read("a.geojson", collection(shape("Polygon", SMALL, building="yes", **given))).items
+    assert (item.kind, item.properties.get("height_m")) == ("building", height_m)
+    said = [one for one in item.problems if "height above the ground" in one]
+    assert len(said) == (height_m is not None)
+    if height_m is None:
+        assert given.items() <= item.properties.items()
+
+
+def test_a_height_that_no_building_has_is_put_aside_and_a_field_has_none() -> None:
+    barn = shape("Polygon", SMALL, building="yes", height_m=450)
+    field = shape("Polygon", SMALL, landuse="farmland", height=0.8)
+    high, crop = read("a.geojson", collection(barn, field)).items
+    assert high.properties["height_m_as_given"] == 450
+    assert "Height is 450 m. It was put aside." in high.problems
+    assert crop.properties["height"] == 0.8

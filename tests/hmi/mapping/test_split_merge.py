@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 
 from hmi.mapping.feature import parse_feature
@@ -123,3 +125,18 @@ def test_merge_needs_two_of_one_kind() -> None:
     assert refused("merge", farm, ["nordfeld-12"]).code == "two_or_more"
     assert refused("merge", farm, ["nordfeld-12", "barn"]).code == "different_kinds"
     assert refused("merge", draft(LANE, line("b", [(0, 0), (9, 9)])), ["lane", "b"]).code == "not_a_polygon"
+
+
+@pytest.mark.parametrize(("heights", "after"), [((8, 20), 20), ((20, 8), 20), ((8, None), None), ((None, 20), None)])
+def test_merged_buildings_are_as_high_as_the_highest_and_unknown_if_one_is(heights: Any, after: float | None) -> None:
+    own = [{} if height is None else {"height_m": height} for height in heights]
+    large = area("large", box(0, 0, 30, 10), kind="building", category="Barn", **own[0])
+    small = area("small", box(30, 0, 40, 10), kind="building", category="Silo", **own[1])
+    [whole] = do("merge", draft(large, small), ["large", "small"]).values()
+    assert whole.properties == {"category": "Barn", **({} if after is None else {"height_m": after})}
+
+
+def test_a_split_building_keeps_its_height_in_both_halves() -> None:
+    barn = area("barn", box(0, 0, 30, 10), kind="building", height_m=8)
+    halves = do("split", draft(barn), ["barn"], line=degrees([(20, -5), (20, 15)]))
+    assert [one.properties for one in halves.values()] == [{"height_m": 8}] * 2

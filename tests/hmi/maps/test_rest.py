@@ -195,6 +195,54 @@ async def test_a_field_with_a_longer_name_of_before_is_still_changed_published_a
     assert mission.field_name == name[:80]
 
 
+def barn(**own: Any) -> dict[str, Any]:
+    """Return a building."""
+    one = parcel("barn", -200)
+    return {**one, "properties": {"id": "barn", "kind": "building", "name": "Barn", **own}}
+
+
+@pytest.mark.parametrize("height", [0, -1, 300.5, "12", True])
+async def test_a_height_that_is_none_is_refused_in_words(rig: MapRig, height: Any) -> None:
+    async with rig.browser(Role.PLANNER) as client:
+        await opened(client)
+        answer = await client.post("/map/draft/transactions", json=one_change("ref-barn", None, barn(height_m=height)))
+    assert (answer.status_code, answer.json()["code"]) == (422, "bad_height_m")
+    assert answer.json()["text"].startswith("Barn: Height is ")
+    assert answer.json()["text"].endswith("Give a number above 0, at most 300 m.")
+
+
+async def test_a_height_is_published_told_in_the_diff_and_kept_in_its_history(rig: MapRig) -> None:
+    async with rig.browser(Role.PLANNER) as client:
+        await without_bow_tie(client)
+        low, high = barn(height_m=8), barn(height_m=12.5)
+        await client.post("/map/draft/transactions", json=one_change("ref-low-1", None, low))
+        await client.post("/map/draft/publish", json={"is_shrinking_ok": True})
+        there = (await opened(client))["barn"]
+        answer = await client.post("/map/draft/transactions", json=one_change("ref-high-1", there, high))
+        assert answer.status_code == 200, answer.text
+        diff = (await client.get("/map/draft/diff")).json()["differences"]
+        assert [one["text"] for one in diff] == ["Height 8.00 to 12.50 m"]
+        await client.post("/map/draft/publish", json={"is_shrinking_ok": True})
+        [past] = [one for one in (await client.get("/map/features/barn/history")).json()["entries"] if one["before"]]
+        assert (past["label"], past["before"], past["after"]) == ("Height", 8, 12.5)
+        file = await client.get("/map/export?format=geojson")
+    assert [f["properties"].get("height_m") for f in file.json()["features"] if f["id"] == "barn"] == [12.5]
+
+
+async def test_a_map_of_before_with_some_other_height_in_it_is_still_changed_checked_and_exported(rig: MapRig) -> None:
+    rig.features.put([Feature("old", FARM, "building", "Old barn", parcel_geometry(), {"height_m": "two floors"})])
+    async with rig.browser(Role.PLANNER) as client:
+        there = (await opened(client))["old"]
+        after = {**there, "properties": {**there["properties"], "category": "Barn"}}
+        answer = await client.post("/map/draft/transactions", json=one_change("ref-use-1", there, after))
+        assert answer.status_code == 200, answer.text
+        for path in ("/map/draft/checks", "/map/draft/diff", "/map/export?format=kml"):
+            assert (await client.get(path)).status_code == 200, path
+        wrong = {**after, "properties": {**after["properties"], "height_m": "three floors"}}
+        answer = await client.post("/map/draft/transactions", json=one_change("ref-floors", after, wrong))
+        assert answer.status_code == 422
+
+
 async def test_a_discarded_draft_changes_nothing(rig: MapRig) -> None:
     async with rig.browser(Role.PLANNER) as client:
         await without_bow_tie(client)

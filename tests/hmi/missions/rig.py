@@ -13,8 +13,10 @@ from fastapi import FastAPI
 
 from hmi.api import errors
 from hmi.api.access import Access
+from hmi.api.drafts import draft_routes
 from hmi.api.missions import mission_routes
 from hmi.clock import FakeClock
+from hmi.commands.draft_book import DraftBook
 from hmi.commands.mission_book import MissionBook, MissionParts
 from hmi.domain.mission_plan import Candidate, PlannedMission, PlanWish, Tell, nobody
 from hmi.domain.robot import (
@@ -152,6 +154,7 @@ class Rig:
                 Maps(database, clock),
             )
         )
+        self.drafts = DraftBook(self.missions, self.features, database, self.audit, self.authorize, clock)
         self.features.put(farm_map())
 
     def person(self, role: Role, farm_id: str = FARM) -> SessionInfo:
@@ -168,6 +171,7 @@ class Rig:
             Door(None if role is None else self.person(role, farm_id)), NoTokens(), self.authorize
         )
         app.include_router(mission_routes(self.book, self.fleet))
+        app.include_router(draft_routes(self.drafts))
         errors.install(app)
         return httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://console.local")
 

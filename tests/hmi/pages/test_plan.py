@@ -116,6 +116,36 @@ def test_row_orders_are_compared_and_the_tapped_one_is_stored_and_sent(
     ]
 
 
+OFFERED = """() => {
+  const ring = (lon) => [[lon, 52], [lon + 0.002, 52], [lon + 0.002, 52.002], [lon, 52.002], [lon, 52]];
+  const field = ([id, lon]) => ({
+    id, name: id, properties: {}, geometry: { type: "Polygon", coordinates: [ring(lon)] },
+  });
+  const fields = [["a", 5], ["b", 5.004], ["c", 6]].map(field);
+  const lons = { "on-b": 5.005, "by-a": 4.999, "on-c": 6.001 };
+  const robots = Object.keys(lons).map((id) => ({ id, name: id }));
+  HL.port.fleet = () => Object.fromEntries(Object.entries(lons).map(([id, lon]) => [id, { lon, lat: 52.001 }]));
+  const inputs = new HL.planner.Inputs({ fields, homes: [], robots });
+  inputs.isKept = false;
+  const offered = (robot) => {
+    inputs.get("robot_id").value = robot;
+    inputs.offerField();
+    return inputs.get("field_id").value;
+  };
+  const first = ["on-b", "by-a"].map(offered);
+  inputs.isFieldChosen = true;
+  return [...first, offered("on-b"), offered("on-c")];
+}"""
+
+
+def test_the_field_where_the_robot_stands_is_offered_until_somebody_chooses_one(
+    plan: Callable[..., tuple[Page, PlayedPlans]],
+) -> None:
+    page, _ = plan()
+    # the last: a field that somebody chose on another site is of no use to the robot
+    assert page.evaluate(OFFERED) == ["b", "a", "a", "c"]
+
+
 @pytest.mark.long
 def test_a_home_without_a_way_can_be_left_out_with_one_tap(plan: Callable[..., tuple[Page, PlayedPlans]]) -> None:
     page, played = plan()
@@ -126,6 +156,9 @@ def test_a_home_without_a_way_can_be_left_out_with_one_tap(plan: Callable[..., t
     page.get_by_test_id("plan-preview").click()
     robot_step = page.get_by_test_id("plan-start-at-field").locator("xpath=..")
     expect(robot_step).to_contain_text("No known way leads from home to this field.")
+    compare = page.locator(".p-compare")
+    expect(compare.get_by_text("No known way leads")).to_have_count(1)
+    expect(compare.get_by_text("for the same reason")).to_have_count(3)
     played.candidates = good
     page.get_by_test_id("plan-start-at-field").click()
     expect(page.get_by_test_id("plan-compare-shortest")).to_have_attribute("data-state", "planned")

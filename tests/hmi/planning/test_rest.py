@@ -7,6 +7,7 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import msgspec
@@ -17,6 +18,7 @@ from hypothesis import assume, event, given, settings
 from hypothesis import strategies as st
 
 from backend_clients.edge import messages_down as down
+from hmi.domain.mission_document import mission_sha256
 from hmi.domain.mission_plan import PlannedMission, PlanRefused, PlanWish, Surroundings
 from hmi.domain.mission_rest import PlannedRest, Progress, RestWish, cut, is_work, length_m, pieces_of
 from hmi.planning.ground import Ground
@@ -274,3 +276,31 @@ def test_a_lap_goes_on_where_its_corner_is_turned_on_the_spot_and_another_lap_is
     corner = [lap(is_on=True, pivot=False), lap(is_on=False, pivot=True), lap(is_on=True, pivot=True)]
     pieces = pieces_of({"segments": [*corner, lap(is_on=True, pivot=True)]}, at(0, 0.0))
     assert [one.lap for one in pieces] == [1, 1, 2]
+
+
+def taken_up_at(row: int, s_m: float, **more: Any) -> PlannedRest:
+    """Return a rest of a mission that was taken up at the beginning of a row, where the robot stood."""
+    number = number_of(row)
+    document = {**planned().document, "segments": [dict(one) for one in segments()]}
+    document["segments"][number] |= {"jump": True, "pivot": False}
+    # whatever lay before: it ended elsewhere
+    points = [[x - 4.0, y] for x, y in document["segments"][number - 1]["points"]]
+    document["segments"][number - 1] = {**document["segments"][number - 1], "points": points}
+    sha256 = mission_sha256(document)
+    progress = Progress(sha256, number, s_m)
+    return plan_rest(
+        RestWish(base=document, base_sha256=sha256, progress=progress, surroundings=ways(), revision=3, **more)
+    )
+
+
+@pytest.mark.parametrize("s_m", [0.0, 3.0])
+@pytest.mark.parametrize("more", [{"is_reversed": True}, {"row_speed_mps": 0.3}, {"leave_out": "this"}, {}])
+def test_a_place_where_it_was_taken_up_stays_the_first_of_the_rest_or_goes(s_m: float, more: dict[str, Any]) -> None:
+    number = number_of(3)
+    made = taken_up_at(3, s_m, **({"leave_out": (number,)} if "leave_out" in more else more))
+    new = made.document["segments"][made.document["continues"]["segments"] :]
+    # only where nothing of it was driven does the new path begin away from the end of what was
+    assert [k for k, one in enumerate(new) if one.get("jump")] == ([0] if s_m == 0 else [])
+    assert new[0]["points"][0] == pytest.approx(cut(segments(), number, s_m)[1][0]["points"][0], abs=0.002)
+    for before, after in pairwise(new):
+        assert math.dist(before["points"][-1], after["points"][0]) < 0.003

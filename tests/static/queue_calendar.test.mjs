@@ -1,0 +1,30 @@
+// The week of the queue: a job comes again on the days that the console's own rule says.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import vm from 'node:vm';
+import { test } from 'node:test';
+
+const HL = { el: () => ({}), icon: () => ({}), queue: {} };
+vm.runInNewContext(fs.readFileSync(new URL('../../static/js/ui/queue_calendar.js', import.meta.url), 'utf8'), { HL });
+const { comesAgain } = HL.queue;
+const week = ['2026-06-15', '2026-06-16', '2026-06-17', '2026-06-18', '2026-06-19', '2026-06-20', '2026-06-21', '2026-06-22']; // from a Monday
+const again = (rule, first = '2026-06-15') => week.filter((date) => comesAgain(rule, first, date)).map((date) => Number(date.slice(8)));
+
+test('each rule names its days, never the first one again', () => {
+  assert.deepEqual(again({ kind: 'daily', days: [], every_days: 1, until: null }), [16, 17, 18, 19, 20, 21, 22]);
+  assert.deepEqual(again({ kind: 'workdays', days: [], every_days: 1, until: null }), [16, 17, 18, 19, 22]);
+  assert.deepEqual(again({ kind: 'weekly', days: [0, 5], every_days: 1, until: null }), [20, 22]);
+  assert.deepEqual(again({ kind: 'every_n_days', days: [], every_days: 3, until: null }), [18, 21]);
+  assert.deepEqual(again(null), []);
+});
+
+test('a rule ends with its last day, and nothing comes before its first', () => {
+  assert.deepEqual(again({ kind: 'daily', days: [], every_days: 1, until: '2026-06-17' }), [16, 17]);
+  assert.deepEqual(again({ kind: 'daily', days: [], every_days: 1, until: null }, '2026-06-20'), [21, 22]);
+});
+
+test('days are counted through a change of the clocks', () => {
+  const rule = { kind: 'every_n_days', days: [], every_days: 2, until: null };
+  assert.equal(comesAgain(rule, '2026-10-24', '2026-10-26'), true);
+  assert.equal(comesAgain(rule, '2026-10-24', '2026-10-25'), false);
+});
