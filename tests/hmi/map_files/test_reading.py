@@ -361,3 +361,31 @@ def test_a_height_that_no_building_has_is_put_aside_and_a_field_has_none() -> No
     assert high.properties["height_m_as_given"] == 450
     assert "Height is 450 m. It was put aside." in high.problems
     assert crop.properties["height"] == 0.8
+
+
+def called(*names: str) -> str:
+    return "".join(PLN.replace("<PLN ", f'<PLN B="{name}" ') for name in names)
+
+
+@pytest.mark.parametrize(
+    ("field", "names"),
+    [
+        (f'<PFD A="PFD1" C="Acre">{called("Boundary")}</PFD>', ["Acre"]),
+        (f'<PFD A="PFD1">{called("West")}</PFD>', ["West"]),
+        (f'<PFD A="PFD1" C="Acre">{called("N", "S")}</PFD>', ["Acre, N", "Acre, S"]),
+    ],
+)
+def test_a_field_of_task_data_has_the_name_of_the_field_and_not_of_its_boundary(field: str, names: list[str]) -> None:
+    assert [one.name for one in read("TASKDATA.XML", task(field)).items] == names
+
+
+def test_fields_of_task_data_without_a_boundary_are_named() -> None:
+    line = '<LSG A="5"><PNT A="6" C="51.9" D="4.6"/><PNT A="7" C="51.91" D="4.6"/></LSG>'
+    lines = f'<GGP A="GGP1"><GPN A="GPN1" B="AB" C="1">{line}</GPN></GGP>'
+    fields = f'<PFD A="PFD1" C="Drawn">{PLN}</PFD><PFD A="PFD2" C="Empty"/><PFD A="PFD3" C="Lines">{lines}</PFD>'
+    imported = read("TASKDATA.XML", task(fields))
+    assert [one.kind for one in imported.items] == ["parcel", "rows"]
+    assert {one.which: one.why for one in imported.skipped} == {
+        "field 2 (Empty)": "It has no boundary in the file; it is a name only.",
+        "field 3 (Lines)": "It has no boundary in the file; what lies in it was read.",
+    }
