@@ -44,6 +44,7 @@ def state_json(draft: MapDraft, session: SessionInfo) -> dict[str, Any]:
         "saved_utc": utc(draft.saved_at),
         "editor": {"user": draft.editor_id, "name": draft.editor_name},
         "until_utc": utc(draft.locked_until),
+        "left_s": round(draft.left_s, 1),
         "is_mine": draft.editor_id == session.user_id,
         "undo": undo.label if undo else None,
         "redo": redo.label if redo else None,

@@ -161,7 +161,9 @@
       if (document.hidden || this.client.isEditing || !this.client.published || document.querySelector(".h-scrim")) return;
       const [version, editor] = [this.client.published.version, this.client.draft?.until_utc];
       const answer = await HL.port.api("GET", "/map");
-      if (answer.ok && this.isConnected && !this.client.isEditing && (answer.version !== version || answer.draft?.until_utc !== editor)) this.load();
+      if (!answer.ok || !this.isConnected || this.client.isEditing) return;
+      if (answer.version !== version || answer.draft?.until_utc !== editor) this.load();
+      else this.client.state(answer.draft); // its lock may have run out
     }
 
     // somebody took the draft, threw it away or published

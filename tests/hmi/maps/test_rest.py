@@ -335,3 +335,12 @@ async def test_the_map_goes_out_as_a_file_and_comes_back(rig: MapRig, file_forma
         read = await client.post(f"/map/imports?name={name}", content=answer.content)
         assert read.status_code == 201, read.text
         assert "Home field" in {item["name"] for item in read.json()["items"]}
+
+
+async def test_a_draft_says_for_how_long_its_lock_holds_still(rig: MapRig) -> None:
+    async with rig.browser(Role.PLANNER) as planner, rig.browser(Role.VIEWER) as viewer:
+        assert (await planner.post("/map/draft", json={})).json()["left_s"] == 1800
+        rig.clock.advance(600)
+        assert (await viewer.get("/map")).json()["draft"]["left_s"] == 1200
+        rig.clock.advance(7200)
+        assert (await viewer.get("/map")).json()["draft"]["left_s"] == 0
