@@ -97,7 +97,10 @@ async def tried(work: Callable[[], Any], shown: Callable[[Any], Any]) -> Any:
         text = "The draft is not what was shown here any more. It is loaded again: look at it, then do it once more."
         return _with(409, "changed", text, ids=list(error.ids))
     except MapOutdated as error:
-        text = f"Version {error.number} was published meanwhile. Discard this draft or restore from it."
+        text = (
+            f"Version {error.number} was published meanwhile. See under Compare what it changed,"
+            " then discard this draft and do again on the new map what is still needed."
+        )
         return _with(409, "outdated", text, version=error.number)
     except MapBlocked as error:
         count = len(error.findings)

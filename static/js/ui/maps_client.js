@@ -47,6 +47,10 @@
     get baseVersion() {
       return this.draft?.base_version ?? this.published?.version ?? 0;
     }
+    // somebody published since the draft began: it cannot be published over that
+    get isOutdated() {
+      return this.isEditing && (this.published?.version ?? 0) > this.draft.base_version;
+    }
     get undoLabel() {
       return this.queue.last?.label ?? this.draft?.undo ?? null;
     }
