@@ -44,6 +44,7 @@ def state_json(draft: MapDraft, session: SessionInfo) -> dict[str, Any]:
         "saved_utc": utc(draft.saved_at),
         "editor": {"user": draft.editor_id, "name": draft.editor_name},
         "until_utc": utc(draft.locked_until),
+        "left_s": round(draft.left_s, 1),
         "is_mine": draft.editor_id == session.user_id,
         "undo": undo.label if undo else None,
         "redo": redo.label if redo else None,
@@ -96,7 +97,10 @@ async def tried(work: Callable[[], Any], shown: Callable[[Any], Any]) -> Any:
         text = "The draft is not what was shown here any more. It is loaded again: look at it, then do it once more."
         return _with(409, "changed", text, ids=list(error.ids))
     except MapOutdated as error:
-        text = f"Version {error.number} was published meanwhile. Discard this draft or restore from it."
+        text = (
+            f"Version {error.number} was published meanwhile. See under Compare what it changed,"
+            " then discard this draft and do again on the new map what is still needed."
+        )
         return _with(409, "outdated", text, version=error.number)
     except MapBlocked as error:
         count = len(error.findings)

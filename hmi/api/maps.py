@@ -125,9 +125,13 @@ def _add_reading(router: APIRouter, book: MapBook) -> None:
 
     @router.get("/map/draft/diff", summary="What the draft changes")
     async def diff(session: Watcher) -> dict[str, Any]:
-        base, found = await book.differences(session)
-        rows = [{"id": d.id, "name": d.name, "kind": d.kind, "what": d.what, "text": d.text} for d in found]
-        return {"base_version": base, "differences": rows}
+        found = await book.differences(session)
+        return {
+            "base_version": found.base_version,
+            "newest_version": found.newest_version,
+            "differences": [one.as_json() for one in found.differences],
+            "meanwhile": [one.as_json() for one in found.meanwhile],
+        }
 
 
 def _add_editing(router: APIRouter, book: MapBook) -> None:

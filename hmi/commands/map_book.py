@@ -47,6 +47,16 @@ class MapParts:
     width_of: Callable[[str], float | None] = lambda _robot_id: None
 
 
+@dataclass(frozen=True, slots=True)
+class Compared:
+    """What a draft changes of the version it began with, and what others published since, if anything."""
+
+    base_version: int
+    newest_version: int
+    differences: Sequence[Difference]
+    meanwhile: Sequence[Difference]
+
+
 class MapBlocked(Exception):
     """The draft has findings that keep it from being published."""
 
@@ -154,13 +164,18 @@ class MapBook:
         features = draft.features if draft is not None else (await self.published(session))[1]
         return await asyncio.to_thread(lambda: check(parsed(features).values(), width_m))
 
-    async def differences(self, session: SessionInfo) -> tuple[int, list[Difference]]:
+    async def differences(self, session: SessionInfo) -> Compared:
         """Return what the draft changes, and against which version; raises ``NotFound``."""
         self._parts.authorize(session, Permission.WATCH)
         draft = await self._needed(session)
+        newest = (await self._run(self._maps.published, session.farm_id)).number
         base = await self._run(self._maps.features_of, session.farm_id, draft.base_version)
         found = await asyncio.to_thread(lambda: compare(parsed(base).values(), parsed(draft.features).values()))
-        return draft.base_version, found
+        if newest == draft.base_version:
+            return Compared(newest, newest, found, ())
+        now = await self._run(self._maps.features_of, session.farm_id, newest)
+        meanwhile = await asyncio.to_thread(lambda: compare(parsed(base).values(), parsed(now).values()))
+        return Compared(draft.base_version, newest, found, meanwhile)
 
     async def publish(
         self, session: SessionInfo, note: str, *, is_shrinking_ok: bool, ref: str | None = None

@@ -15,16 +15,18 @@ from hmi.map_files import attributes
 from hmi.map_files.coordinate_system import WGS84, CoordinateSystem
 from hmi.map_files.errors import BadMapFile
 from hmi.map_files.imported import Geometry, Imported, MapItem, Skipped
-from hmi.map_files.kind_guess import ALL_KINDS, guess, possible
+from hmi.map_files.kind_guess import ALL_KINDS, guess, named, possible
 from hmi.map_files.limits import Allowance
 from hmi.map_files.own_words import settled
-from hmi.map_files.shape import BadShape, fit, lines_of, simple_parts
+from hmi.map_files.shape import BadShape, fit, lines_of, outline_of, simple_parts
 from hmi.map_files.source import Source, SourceFeature, SourceLayer
 from hmi.mapping.attributes import LONGEST_NAME
 
 _GEOD = Geod(ellps="WGS84")
 TOLD_EVERY = 50  # shapes
 FAR_DEG = 5.0  # about 500 km: no farm is that large
+OUTLINE_M2 = 500.0  # smaller than any field
+_OUTLINED = "The line ends where it began and was taken as an outline."
 _ASSUMED = "The file does not name its coordinate system; WGS84 was assumed. Check the place on the map."
 _EXCHANGED = "It lies far from the rest of the file: latitude and longitude may be exchanged."
 
@@ -102,9 +104,10 @@ class _Reaper:
         if name and len(name) > LONGEST_NAME:
             told.append(f"Its name is longer than {LONGEST_NAME} letters; the rest was left out.")
         shapes = [(one, problems) for shape, problems in found for one in _by_kind(shape, kind, layer, name, feature)]
-        for i, (shape, problems) in enumerate(shapes):
+        for i, (drawn, said_of_it) in enumerate(shapes):
+            shape, problems = _outlined(drawn, said_of_it, feature, [layer, name or ""])
             number = f" ({i + 1})" if name and len(shapes) > 1 else ""
-            named = name and f"{name[: LONGEST_NAME - len(number)]}{number}"
+            called = name and f"{name[: LONGEST_NAME - len(number)]}{number}"
             best = guess(shape["type"], kind, feature.properties, [layer, name or ""])
             kinds = (best, *(k for k in possible(shape["type"]) if k != best))
             if kind in ALL_KINDS and kind not in kinds:
@@ -118,11 +121,23 @@ class _Reaper:
             kept = settled(best, shape, own, said)
             n = len(self.items)
             is_named = feature.is_exact and name is not None
-            title = named if named or is_named else f"{best.capitalize()} {n + 1}"
+            title = called if called or is_named else f"{best.capitalize()} {n + 1}"
             own_id = feature.id if len(shapes) == 1 else None
             said = list(dict.fromkeys(said))
             area, site = _area_m2(shape), feature.site
             self.items.append(MapItem(n, title or "", best, kinds, shape, kept, tuple(said), own_id, area, site))
+
+
+def _outlined(
+    shape: Geometry, problems: list[str], feature: SourceFeature, names: list[str]
+) -> tuple[Geometry, list[str]]:
+    """Take a line around a field, of which nothing says that it is a road or the like, as the field."""
+    if feature.is_exact or feature.kind or named(shape["type"], feature.properties, names):
+        return shape, problems
+    outline = outline_of(shape)
+    if outline is None or _area_m2(outline) < OUTLINE_M2:
+        return shape, problems
+    return outline, [*problems, _OUTLINED]
 
 
 def _area_m2(shape: Geometry) -> float:

@@ -28,6 +28,7 @@ KIND_OF_POLYGON = {"1": "parcel", "2": "parcel", "3": "water", "4": "building", 
 # tramline, drain, fence and obstacle; a sampling route (4) and a line of remarks (8) are no things on the ground
 KIND_OF_LINE = {"3": "road", "6": "water", "7": "hedge", "9": "tree"}
 KIND_OF_POINT = {"1": "obstacle", "2": "tree", "3": "gate", "4": "home", "5": "obstacle", "11": "home"}
+BOUNDARY = "1"  # attribute A of a PLN
 EXTERIOR, INTERIOR = "1", "2"  # attribute A of an LSG in a PLN
 GUIDANCE = "5"  # attribute A of an LSG in a GPN
 _EXTERNAL = re.compile(r"^[A-Z]{3}[0-9]{5}$")  # attribute A of XFR
@@ -113,7 +114,8 @@ def _partfield(
     title = pfd.get("C") or pfd.get("B") or f"Field {n}"
     layer = SourceLayer(f"field {n} ({title[:40]})", WGS84, [])
     for i, pln in enumerate(_readable(pfd, "PLN", "area", layer.name, skipped), start=1):
-        layer.features.append(isoxml_own.restore(_polygon(i, pln, title, _crop(pfd, names)), pln.get("E"), own))
+        area = _polygon(i, pln, _called(pfd, pln, title), _crop(pfd, names))
+        layer.features.append(isoxml_own.restore(area, pln.get("E"), own))
     for i, lsg in enumerate(_readable(pfd, "LSG", "line", layer.name, skipped), start=1):
         layer.features.append(isoxml_own.restore(_line(i, lsg), lsg.get("F"), own))
     for i, pnt in enumerate(_readable(pfd, "PNT", "point", layer.name, skipped), start=1):
@@ -125,7 +127,22 @@ def _partfield(
         layer.features += [isoxml_own.restore(one, told if len(rows) == 1 else None, own) for one in rows]
     for feature in layer.features:
         feature.site = n
+    if not own and next(children(pfd, "PLN"), None) is None:  # ours may have no field at all
+        why = "It has no boundary in the file; " + (
+            "what lies in it was read." if layer.features else "it is a name only."
+        )
+        skipped.append(Skipped(layer.name, why, "Draw its edge or walk it, or export it with its boundary."))
     return layer
+
+
+def _called(pfd: Element, pln: Element, title: str) -> str:
+    """Return what people call a field: its name; programs call boundaries "Boundary" or "1", of several both count."""
+    own = pln.get("B")
+    if not own or own == title:
+        return title
+    if not (pfd.get("C") or pfd.get("B")):
+        return own
+    return title if sum(one.get("A", BOUNDARY) == BOUNDARY for one in children(pfd, "PLN")) < 2 else f"{title}, {own}"
 
 
 def _readable(pfd: Element, name: str, word: str, layer: str, skipped: list[Skipped]) -> Iterator[Element]:
@@ -145,8 +162,8 @@ def _crop(pfd: Element, names: dict[str, str]) -> dict[str, str]:
 
 
 def _polygon(n: int, pln: Element, title: str, crop: dict[str, str]) -> SourceFeature:
-    told = pln.get("A", EXTERIOR)
-    name = pln.get("B") or (title if told in {"1", "9"} else None)
+    told = pln.get("A", BOUNDARY)
+    name = title if told in {BOUNDARY, "9"} else pln.get("B")
     feature = SourceFeature(f"area {n}", _rings(pln), name=name, kind=KIND_OF_POLYGON.get(told))
     if feature.kind == "parcel":
         feature.properties = dict(crop)

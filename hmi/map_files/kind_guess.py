@@ -71,6 +71,12 @@ def guess(geometry_type: str, told: str | None, attributes: Mapping[str, Any], n
     allowed = possible(geometry_type)
     if told in allowed:
         return str(told)
+    return named(geometry_type, attributes, names) or allowed[0]
+
+
+def named(geometry_type: str, attributes: Mapping[str, Any], names: Iterable[str]) -> str | None:
+    """Return the kind that attributes and names tell, of those that the geometry allows; ``None`` if they do not."""
+    allowed = possible(geometry_type)
     lowered = {key.lower(): value for key, value in attributes.items()}
     clues = [lowered[key] for key in TELLING if isinstance(lowered.get(key), str)]
     clues += [key for key in ("highway", "building", "waterway") if lowered.get(key)]
@@ -78,7 +84,7 @@ def guess(geometry_type: str, told: str | None, attributes: Mapping[str, Any], n
         kind = _named(str(clue), allowed)
         if kind is not None:
             return kind
-    return allowed[0]
+    return None
 
 
 def kind_named(text: str) -> str | None:

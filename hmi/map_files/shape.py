@@ -45,6 +45,8 @@ def simple_parts(raw: Any, depth: int = 0) -> list[Geometry]:
         raise BadShape("It has no shape.", "Draw it, or take it out of the file.")
     kind = raw.get("type") if isinstance(raw, dict) else None
     if kind == "GeometryCollection" and isinstance(raw.get("geometries"), list) and depth < limits.DEPTH:
+        if not raw["geometries"]:
+            raise BadShape("It has no shape.", "Draw it, or take it out of the file.")
         return [part for inner in raw["geometries"] for part in simple_parts(inner, depth + 1)]
     if not isinstance(kind, str) or kind not in _DEPTH_OF:
         raise BadShape("Its geometry is not one of GeoJSON's.", "Export it as point, line or polygon.")
@@ -70,7 +72,7 @@ def fit(part: Geometry, crs: CoordinateSystem, allowance: Allowance, problems: l
     if kind == "Point":
         return {"type": kind, "coordinates": lines[0][0]}
     if kind == "Polygon":
-        rings = [_ring(line, problems, is_hole=i > 0) for i, line in enumerate(lines)]
+        rings = [_ring(lines[0], problems, is_hole=False), *_holes(lines[1:], problems)]
         if not is_valid(Polygon(np.array(rings[0]), [np.array(ring) for ring in rings[1:]])):
             problems.append("An edge crosses or touches itself, or a hole leaves the outline. Look at it before use.")
         return {"type": kind, "coordinates": rings}
@@ -78,6 +80,17 @@ def fit(part: Geometry, crs: CoordinateSystem, allowance: Allowance, problems: l
         if all(position == line[0] for position in line):
             raise BadShape("It is a line of one place only.", "Draw it again with two points or more.")
     return {"type": kind, "coordinates": lines[0] if kind == "LineString" else lines}
+
+
+def outline_of(line: Geometry) -> Geometry | None:
+    """Return the polygon whose edge a fit line is; ``None`` if it does not end where it began or spans nothing."""
+    places = line["coordinates"]
+    if line["type"] != "LineString" or len(places) < 4 or places[0] != places[-1]:
+        return None
+    try:
+        return {"type": "Polygon", "coordinates": [_ring(places, [], is_hole=False)]}
+    except BadShape:
+        return None
 
 
 def lines_of(geometry: Geometry) -> list[Line]:
@@ -89,6 +102,8 @@ def _lines(coordinates: Any, depth: int) -> list[Any]:
     if depth == 0:
         return [[coordinates]]
     lines = [coordinates] if depth == 1 else coordinates
+    if lines == []:
+        raise BadShape("It has no coordinates.", "Draw it, or take it out of the file.")
     if not isinstance(lines, list) or not all(isinstance(line, list) and line for line in lines):
         raise BadShape("Its coordinates are not nested as its type wants.", "Export it again.")
     return lines
@@ -174,6 +189,17 @@ def _ring(line: Line, problems: list[str], *, is_hole: bool) -> Line:
         why = "its edge crosses itself" if _is_spread(ring) else "its corners lie in one line"
         raise BadShape(f"The polygon has no area: {why}.", "Draw it again.")
     return ring[::-1] if (area > 0) == is_hole else ring
+
+
+def _holes(lines: list[Line], problems: list[str]) -> list[Line]:
+    """Return the holes that are some; a field is not lost for one that is a line."""
+    kept = []
+    for line in lines:
+        try:
+            kept.append(_ring(line, problems, is_hole=True))
+        except BadShape:
+            problems.append("A hole without area was left out.")
+    return kept
 
 
 def _is_spread(ring: Line) -> bool:

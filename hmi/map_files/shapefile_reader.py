@@ -30,6 +30,13 @@ _ERRORS = (shapefile.ShapefileException, struct.error, ValueError, IndexError, K
            AttributeError, OverflowError, EOFError, OSError, RuntimeError, ArithmeticError)  # fmt: skip
 _CODE_PAGES = {"65001": "utf-8", "utf8": "utf-8", "1252": "cp1252", "ansi 1252": "cp1252", "ansi": "cp1252",
                "28591": "latin-1", "88591": "latin-1", "iso88591": "latin-1", "system": "cp1252"}  # fmt: skip
+# byte 29 of a .dbf, the language driver (dBase, Esri)
+_DRIVERS = {0x01: "cp437", 0x02: "cp850", 0x13: "cp932", 0x1F: "cp852", 0x22: "cp852", 0x23: "cp852", 0x26: "cp866",
+            0x4D: "cp936", 0x4E: "cp949", 0x4F: "cp950", 0x50: "cp874", 0x64: "cp852", 0x65: "cp866", 0x66: "cp865",
+            0x67: "cp861", 0x6A: "cp737", 0x6B: "cp857", 0x6C: "cp863", 0x78: "cp950", 0x79: "cp949", 0x7A: "cp936",
+            0x7B: "cp932", 0x7C: "cp874", 0x7D: "cp1255", 0x7E: "cp1256", 0xC8: "cp1250", 0xC9: "cp1251",
+            0xCA: "cp1254", 0xCB: "cp1253", 0xCC: "cp1257"}  # fmt: skip
+CUT_LETTERS = 10  # so many whole letters beyond ASCII for each that is cut: it is UTF-8
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,17 +168,20 @@ def _lists(coordinates: Any) -> Any:
 
 
 def _encoding(files: _Files) -> str:
+    """Return how the texts of the attributes are written: as the .cpg says, as UTF-8 if they are, as the .dbf says."""
     told = files.of.get(".cpg", b"").decode("ascii", "ignore").strip().lower()
-    told = _CODE_PAGES.get(told.replace("-", ""), told)
+    told = _CODE_PAGES.get(told.replace("-", ""), told.removeprefix("ansi ").removeprefix("oem "))
     try:
         return codecs.lookup(told).name
     except (LookupError, ValueError):
         pass
-    try:
-        files.of.get(".dbf", b"")[32:].decode("utf-8")
-    except UnicodeDecodeError:
-        return "cp1252"
-    return "utf-8"
+    table = files.of.get(".dbf", b"")
+    head = int.from_bytes(table[8:10], "little")  # before it stand the columns, whose lengths are no text
+    text = table[head:].decode("utf-8", "replace")
+    broken = text.count("\ufffd")  # a letter that the end of its column cuts in two
+    if CUT_LETTERS * broken <= sum(letter > "\x7f" for letter in text) - broken:
+        return "utf-8"
+    return _DRIVERS.get(int.from_bytes(table[29:30], "little"), "cp1252")
 
 
 def _fields(files: _Files) -> dict[str, list[str]]:

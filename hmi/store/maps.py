@@ -53,6 +53,7 @@ class MapDraft:
     """A draft as it is now.
 
     Args:
+        left_s: how much longer the lock holds, seconds; 0 once it ran out.
         log: oldest first; its changes tell what was changed, not how: without shapes, and the newest alone have any.
     """
 
@@ -62,6 +63,7 @@ class MapDraft:
     editor_id: str
     editor_name: str
     locked_until: datetime
+    left_s: float
     saved_at: datetime
     log: tuple[Transaction, ...]
 
@@ -254,6 +256,7 @@ class Maps:
             row.editor_id,
             row.editor_name,
             row.locked_until,
+            max((row.locked_until - self._clock.utc()).total_seconds(), 0.0),
             row.saved_at,
             self._log(session, row.farm_id),
         )

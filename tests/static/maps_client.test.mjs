@@ -75,6 +75,7 @@ class Server {
 class Page {
   constructor(server, store) {
     this.timers = [];
+    this.nowMs = 5000;
     this.said = [];
     this.refused = [];
     const HL = {
@@ -84,8 +85,10 @@ class Page {
     };
     const later = (run, ms) => this.timers[this.timers.push({ run, ms }) - 1];
     const window = { headland: { uuid: () => `step-${String((Page.ids = (Page.ids ?? 0) + 1)).padStart(4, '0')}` } };
-    const context = vm.createContext({ HL, window, setTimeout: later, clearTimeout: (timer) => (this.timers = this.timers.filter((one) => one !== timer)) });
-    for (const name of ['maps_queue', 'maps_client']) vm.runInContext(fs.readFileSync(new URL(`../../static/js/ui/${name}.js`, import.meta.url), 'utf8'), context);
+    const context = vm.createContext({ HL, window, performance: { now: () => this.nowMs }, setTimeout: later, clearTimeout: (timer) => (this.timers = this.timers.filter((one) => one !== timer)) });
+    Object.assign(HL, { words: {}, maps: { count: String } });
+    for (const name of ['maps_queue', 'maps_client', 'maps_chips']) vm.runInContext(fs.readFileSync(new URL(`../../static/js/ui/${name}.js`, import.meta.url), 'utf8'), context);
+    this.maps = HL.maps;
     this.client = new HL.maps.MapClient({ changed() {}, replaced() {}, patched() {}, refused: (labels, why) => this.refused.push(...labels, why), looked: (words) => this.said.push(words) });
   }
   get shown() { return json([...this.client.features.values()]); }
@@ -368,4 +371,22 @@ test('a version begins a draft though changes wait since the last one was taken'
   page.client.draft = { ...page.client.draft, is_mine: false };
   server.isDown = false;
   assert.ok((await page.client.restore(1)).ok);
+});
+
+test('whether somebody else holds the draft goes by what the server says is left, not by the clock of the tablet', async () => {
+  const server = new Server(zone('well'));
+  const state = server.state.bind(server);
+  let leftS = 600;
+  server.state = () => ({ ...state(), is_mine: false, editor: { name: 'Jonas' }, until_utc: '2001-01-01T06:00:00Z', left_s: leftS });
+  const page = await opened(server);
+  const isLocked = () => page.maps.isLocked(page.client.draft);
+  assert.equal(isLocked(), true, 'though this clock is years past its end');
+  page.nowMs += 599_000;
+  assert.equal(isLocked(), true);
+  page.nowMs += 2_000;
+  assert.equal(isLocked(), false);
+  leftS = 1800;
+  page.client.state(server.state());
+  assert.equal(isLocked(), true, 'he goes on');
+  assert.equal(page.maps.isLocked(null), false);
 });

@@ -13,10 +13,10 @@ from hmi.domain.map_ground import FLOWN_OVER_KINDS, object_height_m
 from hmi.mapping.attributes import HEIGHT
 from hmi.mapping.errors import OperationRefused
 from hmi.mapping.feature import MapFeature
-from hmi.mapping.ground import GRID_M, Shape, areas_in, frame_of, polygon_geometry, polygons_in, sound
+from hmi.mapping.ground import GRID_M, Shape, areas_in, frame_of, polygons_in, sound
 from hmi.mapping.operations.arguments import Arguments
 from hmi.mapping.operations.outcome import Outcome, changed
-from hmi.mapping.operations.pieces import CRUMB_M2, rows_that_follow
+from hmi.mapping.operations.pieces import CRUMB_M2, clean_geometry, rows_that_follow
 from hmi.mapping.operations.selection import Selection, sound_polygon, title, titles
 
 GAP_M = 0.5
@@ -53,7 +53,7 @@ def merge(selection: Selection, arguments: Arguments) -> Outcome:
         raise OperationRefused(
             "apart", f"{titles(chosen)} lie {max(apart_m, 0.1):.1f} m apart. Move them together, or allow a wider gap."
         )
-    geometry = polygon_geometry(_without_crumbs(parts[0]), frame)
+    geometry = clean_geometry(_without_crumbs(parts[0]), frame)
     if geometry is None:
         raise OperationRefused("vanishes", f"{titles(chosen)} are too thin to merge. Draw one outline around them.")
     keeper = max(zip(shapes, chosen, strict=True), key=lambda pair: pair[0].area)[1]

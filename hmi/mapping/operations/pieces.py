@@ -7,10 +7,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from hmi.mapping.attributes import LONGEST_NAME
-from hmi.mapping.coordinates import Geometry
+from hmi.mapping.coordinates import Geometry, paths, with_paths
 from hmi.mapping.errors import OperationRefused
 from hmi.mapping.feature import MapFeature
 from hmi.mapping.ground import Shape, frame_of, polygon_geometry, shape_of
+from hmi.mapping.operations.edges import needless
 from hmi.mapping.operations.outcome import Change, added, changed
 from hmi.mapping.operations.selection import title
 from hmi.planning.projection import LocalFrame
@@ -46,8 +47,26 @@ def changes_for_pieces(
 
 def polygon_pieces(pieces: Sequence[Shape], frame: LocalFrame) -> list[Geometry]:
     """Return polygons of ``frame`` in degrees, in their order, without crumbs."""
-    found = (polygon_geometry(piece, frame) for piece in pieces if piece.area > CRUMB_M2)
+    found = (clean_geometry(piece, frame) for piece in pieces if piece.area > CRUMB_M2)
     return [geometry for geometry in found if geometry is not None]
+
+
+def clean_geometry(piece: Shape, frame: LocalFrame) -> Geometry | None:
+    """Return a polygon of ``frame`` in degrees; ``None`` if nothing is left.
+
+    Where edges of two features lie on each other, overlays leave double corners and spikes: those are taken away.
+    """
+    geometry = polygon_geometry(piece, frame)
+    if geometry is None:
+        return None
+    rings = []
+    for ring in paths(geometry):
+        corners = ring[:-1]
+        gone = set(needless(frame.to_local(corners), is_closed=True))
+        left = [place for n, place in enumerate(corners) if n not in gone]
+        rings.append([*left, list(left[0])] if len(left) > 2 else ring)
+    clean = with_paths(geometry, rings)
+    return clean if shape_of(clean, frame).is_valid else geometry
 
 
 def rows_that_follow(changes: Sequence[Change], draft: Mapping[str, MapFeature]) -> tuple[Change, ...]:

@@ -7,7 +7,7 @@
   const RETRY_MS = 2000;
   const KEPT = "headland.map.kept";
   const MOST_KEPT = 1500000; // characters; browsers keep 5 MB for a whole site
-  const STATE = ["base_version", "saved_utc", "editor", "until_utc", "is_mine", "undo", "redo", "undo_id", "redo_id", "log"];
+  const STATE = ["base_version", "saved_utc", "editor", "until_utc", "left_s", "is_mine", "undo", "redo", "undo_id", "redo_id", "log"];
   const NO_LINK = "No connection. Your changes are kept here and go out when it is back.";
   const UNSURE = "An answer was lost: the last step may be done or not. The map is loaded again when the link is back.";
   const LOOKED = "An answer was lost, so the map was loaded again. Look at it, then go on.";
@@ -15,6 +15,8 @@
   const isUnknown = (answer) => answer.status === 0 || answer.status >= 500; // the server may have done it
   const isLost = (answer) => isUnknown(answer) || answer.status === 429;
   const byId = (collection) => new Map((collection?.features ?? []).map((one) => [one.id ?? one.properties.id, one]));
+
+  const held = (draft) => ({ ...draft, heldMs: performance.now() + 1000 * (draft.left_s ?? 0) }); // until when its lock holds
 
   // whether a step of the log, of which only the newest are told, is done: others may have gone out since
   const hasStep = ({ undo_id: newest, log }, id) => newest === id || log.some((one) => one.id === id && !one.is_undone);
@@ -44,6 +46,10 @@
     }
     get baseVersion() {
       return this.draft?.base_version ?? this.published?.version ?? 0;
+    }
+    // somebody published since the draft began: it cannot be published over that
+    get isOutdated() {
+      return this.isEditing && (this.published?.version ?? 0) > this.draft.base_version;
     }
     get undoLabel() {
       return this.queue.last?.label ?? this.draft?.undo ?? null;
@@ -86,7 +92,7 @@
 
     // a whole draft, or none: what is not saved yet goes on top
     take(draft) {
-      this.draft = draft ?? null;
+      this.draft = draft ? held(draft) : null;
       this.revision += 1;
       this.features = new Map(draft?.is_mine && draft.features ? byId(draft.features) : this.base);
       if (this.isEditing) for (const one of this.queue.items) this.apply(one.changes);
@@ -96,7 +102,7 @@
 
     state(draft) {
       if (!draft) return;
-      this.draft = { ...this.draft, ...Object.fromEntries(STATE.filter((key) => key in draft).map((key) => [key, draft[key]])) };
+      this.draft = held({ ...this.draft, ...Object.fromEntries(STATE.filter((key) => key in draft).map((key) => [key, draft[key]])) });
       this.on.changed();
     }
 

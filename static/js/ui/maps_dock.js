@@ -28,15 +28,15 @@
     }
 
     // state: {isEditing, reason, isBlocked, next, base, edit: {label, reason, isOff}, canTake}
-    paint({ isEditing, reason, isBlocked, next, base, edit, canTake }) {
+    paint({ isEditing, reason, isBlocked, next, base, isOutdated, edit, canTake }) {
       for (const one of [this.publish, this.compare, this.discard]) attr(one.node, "hidden", !isEditing);
       attr(this.edit.node, "hidden", isEditing || !edit.label);
       attr(this.take.node, "hidden", isEditing || !canTake);
-      attr(this.compare.node, "hidden", !isEditing || !base);
+      attr(this.compare.node, "hidden", !isEditing || !(base || isOutdated));
       attr(this.publish.node, "disabled", Boolean(reason));
       attr(this.edit.node, "disabled", edit.isOff);
       text(this.publish.word, `Publish v${next}`);
-      text(this.compare.word, `Compare with v${base}`);
+      text(this.compare.word, base ? `Compare with v${base}` : "Compare");
       text(this.edit.word, edit.label);
       text(this.take.word, "Take");
       attr(this.sign, "hidden", !(isEditing && isBlocked));

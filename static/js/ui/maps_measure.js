@@ -88,10 +88,20 @@
     return features.filter((one) => Math.hypot(...flat(first(one))) < SITE_M).map((one) => one.id);
   }
 
+  // ground around the robots, most of them together: where a farm that has no map begins to be drawn
+  const AROUND_M = 150;
+  const MOST_LOOKED_AT = 100;
+  function robotSite(robots) {
+    const places = robots.filter(({ lon, lat }) => Number.isFinite(lon) && Number.isFinite(lat)).slice(0, MOST_LOOKED_AT).map(({ lon, lat }) => [lon, lat]);
+    const near = (one) => { const { flat } = plane(one); return places.filter((other) => Math.hypot(...flat(other)) < SITE_M); };
+    const site = places.map(near).sort((a, b) => b.length - a.length)[0] ?? [];
+    return site.length ? site.map((one) => { const { round } = plane(one); return { geometry: { type: "LineString", coordinates: [round([-AROUND_M, -AROUND_M]), round([AROUND_M, AROUND_M])] } }; }) : null;
+  }
+
   const words = ({ text, unit }) => `${text} ${unit}`;
   const area = (m2) => (m2 < 1000 && HL.units.area(0).unit === "ha" ? { text: m2.toFixed(0), unit: "m²" } : HL.units.area(m2));
   const length = (m) => (m >= 100 && HL.units.length(0).unit === "m" ? { text: m.toFixed(0), unit: "m" } : HL.units.length(m));
   const place = ([lon, lat]) => `${Math.abs(lat).toFixed(5)}° ${lat < 0 ? "S" : "N"}, ${Math.abs(lon).toFixed(5)}° ${lon < 0 ? "W" : "E"}`;
 
-  Object.assign(HL.maps, { areaM2, lengthM, rowsThatFit, corners, holes, count, moved, area, length, words, place, plane, mainSite, isInRing });
+  Object.assign(HL.maps, { areaM2, lengthM, rowsThatFit, corners, holes, count, moved, area, length, words, place, plane, mainSite, robotSite, isInRing });
 })();

@@ -161,7 +161,9 @@
       if (document.hidden || this.client.isEditing || !this.client.published || document.querySelector(".h-scrim")) return;
       const [version, editor] = [this.client.published.version, this.client.draft?.until_utc];
       const answer = await HL.port.api("GET", "/map");
-      if (answer.ok && this.isConnected && !this.client.isEditing && (answer.version !== version || answer.draft?.until_utc !== editor)) this.load();
+      if (!answer.ok || !this.isConnected || this.client.isEditing) return;
+      if (answer.version !== version || answer.draft?.until_utc !== editor) this.load();
+      else this.client.state(answer.draft); // its lock may have run out
     }
 
     // somebody took the draft, threw it away or published
@@ -211,6 +213,7 @@
       const isNew = (client.draft?.log ?? []).some((one) => !one.is_undone);
       if (client.queue.length && !client.isSending) return `Not saved yet: ${M.count(client.queue.length, "change")}.`;
       if (client.unsure) return "An answer was lost. The map is loaded again first.";
+      if (client.isOutdated) return `v${client.published.version} was published meanwhile: see Compare.`;
       if (checks?.blocks) return M.blockedWords(checks.blocks);
       if (!isNew && !client.queue.length) return "Nothing is changed yet.";
       return checks?.error ? "Not checked yet." : "";
@@ -332,7 +335,7 @@
       this.checkList.paint(this.checks, client.isEditing, (id) => { const one = client.features.get(id); return one ? M.nameOf(one) : ""; });
       this.changes.paint(client.draft?.log, client.queue.items);
       this.dock.paint({
-        isEditing: client.isEditing, reason: client.isEditing ? this.publishReason() : "", isBlocked: Boolean(this.checks?.blocks), next: client.nextVersion, base: client.baseVersion,
+        isEditing: client.isEditing, reason: client.isEditing ? this.publishReason() : "", isBlocked: Boolean(this.checks?.blocks), next: client.nextVersion, base: client.baseVersion, isOutdated: client.isOutdated,
         edit: this.may.edit ? { label: client.draft && !lock ? "Continue draft" : "Edit map", reason: client.isKept ? "Not without the server." : lock, isOff: Boolean(lock) || Boolean(client.isKept) } : { label: "", reason: this.dataset.noEdit, isOff: true },
         canTake: this.may.edit && this.may.take && Boolean(lock),
       });

@@ -55,6 +55,7 @@
         const features = this.on.features();
         editor.setFeatures(features);
         editor.fit(this.focus ?? HL.maps.mainSite(features));
+        if (!features.length) this.fitRobots(turn);
         this.on.onReady();
         const drawn = () => (turn !== this.turn || editor.isDrawn ? wait.remove() : requestAnimationFrame(drawn));
         drawn();
@@ -63,6 +64,12 @@
         if (turn === this.turn) this.fail();
       }
       return undefined;
+    }
+
+    // nothing is drawn yet: a field as drawn on half a continent would be larger than any
+    async fitRobots(turn) {
+      const answer = await HL.port.api("GET", "/robots");
+      if (turn === this.turn && answer.ok && !this.on.features().length) this.editor?.fit(HL.maps.robotSite(answer.robots ?? []) ?? []);
     }
 
     fail() {

@@ -24,10 +24,17 @@
   function showDifferences(version, act) {
     const place = el("div", { class: "m-items" });
     const close = HL.sheet({ title: `Compare with v${version}`, hook: "compare", body: [place], buttons: [["Close", (done) => done(), true]] });
+    const line = (one) => [el("div", { class: "h-sp" }, el("div", { class: "h-t16 h-b" }, one.name || label(one.kind)), el("div", { class: "h-t13 h-2" }, `${label(one.kind)}, ${one.text || one.what}`))];
+    const mine = (one) => el("button", { type: "button", class: "m-item m-diff", "data-testid": `difference-${one.id}`, "data-state": one.what, onclick: () => (close(), act.show(one)) }, icon(WHAT[one.what] ?? "edit"), ...line(one), icon("chevron_right"));
+    const theirs = (one) => el("div", { class: "m-item m-diff", "data-testid": `meanwhile-${one.id}`, "data-state": one.what }, icon(WHAT[one.what] ?? "edit"), ...line(one));
     HL.records.load(place, "The comparison", "/map/draft/diff", (answer) => {
-      const rows = answer.differences ?? [];
-      if (!rows.length) return [HL.records.empty("No difference", `The draft is what v${version} is.`)];
-      return rows.map((one) => el("button", { type: "button", class: "m-item m-diff", "data-testid": `difference-${one.id}`, "data-state": one.what, onclick: () => (close(), act.show(one)) }, icon(WHAT[one.what] ?? "edit"), el("div", { class: "h-sp" }, el("div", { class: "h-t16 h-b" }, one.name || label(one.kind)), el("div", { class: "h-t13 h-2" }, `${label(one.kind)}, ${one.text || one.what}`)), icon("chevron_right")));
+      const rows = (answer.differences ?? []).map(mine);
+      const shown = rows.length ? rows : [HL.records.empty("No difference", `The draft is what v${version} is.`)];
+      const { base_version: base, newest_version: newest = base, meanwhile = [] } = answer;
+      if (newest === base) return shown;
+      const told = el("p", { class: "h-t16 h-b", role: "alert", "data-testid": "compare-outdated" }, `v${newest} was published since this draft began on v${base}. The draft cannot be published over it: discard it and do again on v${newest} what is still needed.`);
+      const head = (words) => el("h3", { class: "h-t16 h-b" }, words);
+      return [told, head("What this draft changes"), ...shown, head(`What changed up to v${newest} meanwhile`), ...(meanwhile.length ? meanwhile.map(theirs) : [HL.records.empty("Nothing", `v${newest} is what v${base} was.`)])];
     });
   }
 

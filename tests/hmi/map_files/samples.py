@@ -31,13 +31,18 @@ def packed(files: Mapping[str, bytes]) -> bytes:
 
 
 def layer(
-    name: str, shapes: list[Any], records: list[dict[str, Any]], epsg: int | None = None, encoding: str = "utf-8"
+    name: str,
+    shapes: list[Any],
+    records: list[dict[str, Any]],
+    epsg: int | None = None,
+    encoding: str = "utf-8",
+    size: int = 60,
 ) -> dict[str, bytes]:
     """Return the files of a layer of polygons; rings run clockwise, as shapefiles want. None is a null shape."""
     streams = {suffix: io.BytesIO() for suffix in ("shp", "shx", "dbf")}
     writer = shapefile.Writer(**streams, shapeType=shapefile.POLYGON, encoding=encoding)
     for key in records[0]:
-        writer.field(key, "C", size=60)
+        writer.field(key, "C", size=size)
     for rings, record in zip(shapes, records, strict=True):
         if rings is None:
             writer.null()

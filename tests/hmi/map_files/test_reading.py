@@ -361,3 +361,73 @@ def test_a_height_that_no_building_has_is_put_aside_and_a_field_has_none() -> No
     assert high.properties["height_m_as_given"] == 450
     assert "Height is 450 m. It was put aside." in high.problems
     assert crop.properties["height"] == 0.8
+
+
+def called(*names: str) -> str:
+    return "".join(PLN.replace("<PLN ", f'<PLN B="{name}" ') for name in names)
+
+
+@pytest.mark.parametrize(
+    ("field", "names"),
+    [
+        (f'<PFD A="PFD1" C="Acre">{called("Boundary")}</PFD>', ["Acre"]),
+        (f'<PFD A="PFD1">{called("West")}</PFD>', ["West"]),
+        (f'<PFD A="PFD1" C="Acre">{called("N", "S")}</PFD>', ["Acre, N", "Acre, S"]),
+    ],
+)
+def test_a_field_of_task_data_has_the_name_of_the_field_and_not_of_its_boundary(field: str, names: list[str]) -> None:
+    assert [one.name for one in read("TASKDATA.XML", task(field)).items] == names
+
+
+def test_fields_of_task_data_without_a_boundary_are_named() -> None:
+    line = '<LSG A="5"><PNT A="6" C="51.9" D="4.6"/><PNT A="7" C="51.91" D="4.6"/></LSG>'
+    lines = f'<GGP A="GGP1"><GPN A="GPN1" B="AB" C="1">{line}</GPN></GGP>'
+    fields = f'<PFD A="PFD1" C="Drawn">{PLN}</PFD><PFD A="PFD2" C="Empty"/><PFD A="PFD3" C="Lines">{lines}</PFD>'
+    imported = read("TASKDATA.XML", task(fields))
+    assert [one.kind for one in imported.items] == ["parcel", "rows"]
+    assert {one.which: one.why for one in imported.skipped} == {
+        "field 2 (Empty)": "It has no boundary in the file; it is a name only.",
+        "field 3 (Lines)": "It has no boundary in the file; what lies in it was read.",
+    }
+
+
+ROUND = [[4.0, 51.0], [4.002, 51.0], [4.002, 51.001], [4.0, 51.001], [4.0, 51.0]]
+
+
+def test_an_empty_part_of_a_shape_does_not_spoil_the_file() -> None:
+    shapes = [
+        shape("MultiPolygon", [[ROUND], []], name="Two parts"),
+        shape("Polygon", [], name="Empty"),
+        {"type": "Feature", "properties": {}, "geometry": {"type": "GeometryCollection", "geometries": []}},
+        shape("Polygon", [ROUND], name="Whole"),
+    ]
+    imported = read("a.geojson", collection(*shapes))
+    assert [one.name for one in imported.items] == ["Two parts", "Whole"]
+    assert [one.why for one in imported.skipped] == ["It has no coordinates."] * 2 + ["It has no shape."]
+
+
+def test_a_field_is_not_lost_for_a_hole_that_is_a_line() -> None:
+    line = [[4.0005, 51.0005], [4.001, 51.0005], [4.0015, 51.0005], [4.0005, 51.0005]]
+    hole = [[4.0005, 51.0006], [4.0005, 51.0008], [4.001, 51.0008], [4.0005, 51.0006]]
+    [item] = read("a.geojson", collection(shape("Polygon", [ROUND, line, hole], name="Acre"))).items
+    assert len(item.geometry["coordinates"]) == 2
+    assert item.problems == ("A hole without area was left out.",)
+
+
+@pytest.mark.parametrize(
+    ("own", "kind"),
+    [({"name": "Acre"}, "parcel"), ({"name": "Ring road"}, "road"), ({"barrier": "hedge"}, "hedge"), ({}, "parcel")],
+)
+def test_a_line_around_a_field_is_the_field_unless_it_is_called_something_else(
+    own: dict[str, object], kind: str
+) -> None:
+    [item] = read("a.geojson", collection(shape("LineString", ROUND, **own))).items
+    assert (item.kind, item.geometry["type"]) == (kind, "Polygon" if kind == "parcel" else "LineString")
+    told = "The line ends where it began and was taken as an outline."
+    assert (told in item.problems) == (kind == "parcel")
+
+
+def test_a_line_that_is_open_or_goes_around_next_to_nothing_stays_a_line() -> None:
+    small = [[4 + (x - 4) / 100, 51 + (y - 51) / 100] for x, y in ROUND]
+    items = read("a.geojson", collection(shape("LineString", ROUND[:-1]), shape("LineString", small))).items
+    assert [one.geometry["type"] for one in items] == ["LineString"] * 2

@@ -115,3 +115,30 @@ def test_a_layer_that_is_cut_off_does_not_take_the_other_along() -> None:
     imported = read_map(packed(files), "a.zip")
     assert [item.name for item in imported.items] == ["A"]
     assert imported.skipped
+
+
+@pytest.mark.parametrize(
+    ("name", "encoding", "driver", "cpg"),
+    [
+        ("Żółta łąka", "cp1250", 0xC8, None),
+        ("Поле за лесом", "cp1251", 0xC9, None),
+        ("Поле за лесом", "cp1251", 0x00, b"ANSI 1251"),
+        ("Großer Acker", "cp850", 0x02, None),
+        ("Großer Acker", "cp850", 0x00, b"OEM 850"),
+        ("Großer Acker", "cp1252", 0x57, None),
+        ("Поле за лесом", "utf-8", 0x57, None),  # as programs write that set no driver
+    ],
+)
+def test_names_are_read_in_the_code_page_of_the_table(name: str, encoding: str, driver: int, cpg: bytes | None) -> None:
+    files = layer("a", [DEGREES], [{"name": name}], 4326, encoding, size=254)
+    table = files["a.dbf"]
+    files["a.dbf"] = table[:29] + bytes([driver]) + table[30:]
+    imported = read_map(packed(files | ({"a.cpg": cpg} if cpg else {})), "a.zip")
+    assert [item.name for item in imported.items] == [name]
+
+
+def test_a_letter_that_its_column_cuts_in_two_does_not_spoil_the_others() -> None:
+    names = ["Поле за лесом", "Поле у реки", "Жёлтое поле"]
+    files = layer("a", [DEGREES] * 3, [{"name": one, "note": "я" * 12} for one in names], 4326, "utf-8")
+    files["a.dbf"] = files["a.dbf"].replace("я".encode() * 12, "я".encode() * 11 + b"\xd1 ", 1)
+    assert [item.name for item in read_map(packed(files), "a.zip").items] == names

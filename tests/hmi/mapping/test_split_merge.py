@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
 
+from hmi.mapping.checks import check
 from hmi.mapping.feature import parse_feature
-from tests.hmi.mapping.farms import area, box, degrees, do, draft, line, metres, point, raw
+from tests.hmi.mapping.farms import XY, area, box, degrees, do, draft, line, metres, point, raw
 from tests.hmi.mapping.small_farm import FARM, HOLED, LANE, NORTH, label, refused
 
 
@@ -140,3 +142,18 @@ def test_a_split_building_keeps_its_height_in_both_halves() -> None:
     barn = area("barn", box(0, 0, 30, 10), kind="building", height_m=8)
     halves = do("split", draft(barn), ["barn"], line=degrees([(20, -5), (20, 15)]))
     assert [one.properties for one in halves.values()] == [{"height_m": 8}] * 2
+
+
+@pytest.mark.parametrize("turned_deg", [0, 11.3, 37, 64.5])
+@pytest.mark.parametrize("apart_m", [-9.3, 0, 0.2])
+def test_what_is_merged_or_cut_back_has_no_double_corners_and_no_spikes(turned_deg: float, apart_m: float) -> None:
+    def turned(ring: list[XY]) -> list[XY]:
+        c, s = math.cos(math.radians(turned_deg)), math.sin(math.radians(turned_deg))
+        return [(x * c - y * s + 3000, x * s + y * c + 500) for x, y in ring]
+
+    pair = draft(area("a", turned(box(0, 0, 100, 100))), area("b", turned(box(100 + apart_m, 0, 160, 60))))
+    results = [do("merge", pair, ["a", "b"])]
+    if apart_m < 0:
+        results.append(do("clip", pair, ["a"], others=["b"]))
+    for after in results:
+        assert [one.text for one in check(after.values()) if one.code == "needless_corner"] == []

@@ -11,6 +11,7 @@ import pytest
 from hmi.commands.plan_wish import PlanOrder
 from hmi.domain.role import Role
 from hmi.store.features import Feature
+from hmi.store.map_tables import MapVersionRow
 from tests.hmi.maps.conftest import MapRig
 from tests.hmi.missions.rig import FARM, OTHER_FARM, lon_lat, parcel_geometry
 
@@ -335,3 +336,30 @@ async def test_the_map_goes_out_as_a_file_and_comes_back(rig: MapRig, file_forma
         read = await client.post(f"/map/imports?name={name}", content=answer.content)
         assert read.status_code == 201, read.text
         assert "Home field" in {item["name"] for item in read.json()["items"]}
+
+
+async def test_a_draft_says_for_how_long_its_lock_holds_still(rig: MapRig) -> None:
+    async with rig.browser(Role.PLANNER) as planner, rig.browser(Role.VIEWER) as viewer:
+        assert (await planner.post("/map/draft", json={})).json()["left_s"] == 1800
+        rig.clock.advance(600)
+        assert (await viewer.get("/map")).json()["draft"]["left_s"] == 1200
+        rig.clock.advance(7200)
+        assert (await viewer.get("/map")).json()["draft"]["left_s"] == 0
+
+
+async def test_a_draft_on_an_older_version_is_told_what_was_published_meanwhile(rig: MapRig) -> None:
+    async with rig.browser(Role.PLANNER) as client:
+        await without_bow_tie(client)
+        whole = (await client.get("/map/draft/diff")).json()
+        assert (whole["base_version"], whole["newest_version"], whole["meanwhile"]) == (1, 1, [])
+        there = rig.maps.features_of(FARM, 1)
+        there["field-1"]["properties"]["crop"] = "Oats"
+        row = MapVersionRow(farm_id=FARM, number=2, by="Ben", note="Oats", published_at=rig.clock.utc(), features=there)
+        with rig.database.write() as session:  # by another way than through this draft
+            session.add(row)
+        whole = (await client.get("/map/draft/diff")).json()
+        assert (whole["base_version"], whole["newest_version"]) == (1, 2)
+        assert [(one["id"], one["what"]) for one in whole["differences"]] == [("bow-tie", "removed")]
+        assert [(one["id"], one["text"]) for one in whole["meanwhile"]] == [("field-1", "Crop set to Oats")]
+        refused = await client.post("/map/draft/publish", json={"is_shrinking_ok": True})
+        assert (refused.status_code, refused.json()["code"]) == (409, "outdated")
