@@ -356,7 +356,7 @@ async def test_a_joint_that_the_model_does_not_move_makes_no_picture_wrong(still
 async def test_a_robot_that_is_silent_stands_where_the_console_heard_it_last(still: Studio) -> None:
     Planter(still.intake).introduce()
     now_s = now(still)
-    still.set_last(ROBOT, Last(7.0, 2.0, 0.0, now_s - 300, {"slew": 1.0, "stick": -1.0}, now_s - 301, 0.5))
+    still.set_last({ROBOT: Last(7.0, 2.0, 0.0, now_s - 300, {"slew": 1.0, "stick": -1.0}, now_s - 301, 0.5)})
     still.tick()
     assert still.world.robots() == [], "nobody looks at it"
     box = still.enter("k", ROBOT, may_replay=True)
@@ -383,7 +383,7 @@ async def test_what_was_left_from_an_earlier_look_does_not_hide_what_the_console
     assert told(still)["pose_age_s"] == 0.0
     still._clock.advance(60.0)  # type: ignore[attr-defined]
     at_s = now(still) - 20
-    still.set_last(ROBOT, Last(9.0, 0.0, 0.0, at_s, {"slew": 1.0, "stick": -1.0}, at_s))
+    still.set_last({ROBOT: Last(9.0, 0.0, 0.0, at_s, {"slew": 1.0, "stick": -1.0}, at_s)})
     said = told(still)
     assert (said["pose_age_s"], said["ages_s"]["machine"]) == (20.0, 20.0)
     assert still.world.mover.place(f"/machine/{ROBOT}").xyz[0] == 9.0
