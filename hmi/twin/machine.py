@@ -83,12 +83,12 @@ class MachineView:
             scene.add_glb(self.skin(link), data, cast_shadow=not is_ghost, receive_shadow=not is_ghost)
 
     def skin(self, link: str) -> str:
-        """Return the name of what is seen of a link while it is known."""
-        return f"{self._frame(link)}/skin"
+        """Return the name of what is seen of a link while it is known; a link may be called skin."""
+        return f"{self._frame(link)}/:skin"
 
     def shade(self, link: str) -> str:
         """Return the name of what is seen of a link while it is not."""
-        return f"{self._frame(link)}/shade"
+        return f"{self._frame(link)}/:shade"
 
     def doubt(self, doubt: Doubt) -> None:
         """Draw as shades what is not known, and nothing else so."""

@@ -17,8 +17,12 @@ from hmi.media import orders
 from hmi.media.intake import Intake
 from hmi.media.status import status_of
 from hmi.media.studio import Studio
+from hmi.twin.doubt import EVERYTHING
 from hmi.twin.farm import Farm, FarmRobot, Last
-from hmi.twin.machine import MachineView
+from hmi.twin.machine import Form, MachineView
+from hmi.twin.mesh_files import MeshFolder
+from hmi.twin.skin import skin_of
+from hmi.twin.urdf import parse_urdf
 from tests.hmi.media.studio_stage import OTHER, ROBOT, SECRET, Picture, Planter, connect
 
 JOINTS = {"slew": 1.0, "stick": -1.0}
@@ -180,3 +184,20 @@ async def test_the_record_is_solid_though_the_robot_is_silent_now(still: Studio)
     root = view.form.model.root
     assert past.skins[view.skin(root)] == view.form.solid[root]
     assert past.skins[view.shade(root)] is None
+
+
+async def test_a_link_may_be_called_as_what_is_drawn_is(still: Studio) -> None:
+    links = "".join(
+        f'<link name="{name}"><visual><geometry><box size="1 1 1"/></geometry></visual></link>'
+        for name in ("base", "skin", "shade")
+    )
+    joints = "".join(
+        f'<joint name="{name}" type="fixed"><parent link="base"/><child link="{name}"/></joint>'
+        for name in ("skin", "shade")
+    )
+    model = parse_urdf(f'<robot name="r">{links}{joints}</robot>'.encode())
+    form = Form.of(model, skin_of(model, MeshFolder(Path()).read))
+    view = MachineView(still.server.scene, still.world.mover, "/machine/r", form)
+    view.doubt(EVERYTHING)
+    drawn_as = [still.server.scene.get_handle_by_name(name) for name in ("/machine/r/skin", "/machine/r/shade")]
+    assert [type(node).__name__ for node in drawn_as] == ["FrameHandle", "FrameHandle"]
