@@ -49,6 +49,7 @@ class TwinNews:
         self._missions, self._features, self._history = missions, features, history
         self._database, self._farm_id, self._clock = database, farm_id, clock
         self._born_s = clock.mono_s()
+        self._points: dict[str, PosturePoint | None] = {}  # a robot that was not heard since is where it was recorded
         self._told_farm: tuple[Farm, int] | None = None
         self._told: dict[str, tuple[Any, ...]] = {}
 
@@ -85,18 +86,18 @@ class TwinNews:
         known = {robot_id: self._fleet.robot(robot_id) for robot_id in robot_ids}
         lasts = {robot_id: last for robot_id, robot in known.items() if robot and (last := last_of(robot)) is not None}
         missing = [robot_id for robot_id in robot_ids if robot_id not in lasts]
-        try:
-            recorded = await self._database.run(self._recorded, missing) if missing else {}
-        except StoreError as error:
-            log.info("no pose can be read from the record: %s", error)
-            recorded = {}
-        for robot_id, point in recorded.items():
-            lasts[robot_id] = recorded_last(point, known[robot_id], self._seen_s(point.at))
+        if unread := [robot_id for robot_id in missing if robot_id not in self._points]:
+            try:
+                self._points |= await self._database.run(self._recorded, unread)
+            except StoreError as error:
+                log.info("no pose can be read from the record: %s", error)
+        for robot_id in missing:
+            if (point := self._points.get(robot_id)) is not None:
+                lasts[robot_id] = recorded_last(point, known[robot_id], self._seen_s(point.at))
         return lasts
 
-    def _recorded(self, robot_ids: Sequence[str]) -> dict[str, PosturePoint]:
-        points = ((robot_id, self._history.last_posture(robot_id)) for robot_id in robot_ids)
-        return {robot_id: point for robot_id, point in points if point is not None}
+    def _recorded(self, robot_ids: Sequence[str]) -> dict[str, PosturePoint | None]:
+        return {robot_id: self._history.last_posture(robot_id) for robot_id in robot_ids}
 
     def _seen_s(self, at: datetime) -> float:
         """Return a recorded time on the monotonic clock; never fresh, whatever was done to the wall clock since."""

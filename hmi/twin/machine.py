@@ -84,11 +84,11 @@ class MachineView:
 
     def skin(self, link: str) -> str:
         """Return the name of what is seen of a link while it is known; a link may be called skin."""
-        return f"{self._frame(link)}/:skin"
+        return f"{self._frame(link)}/@skin"
 
     def shade(self, link: str) -> str:
         """Return the name of what is seen of a link while it is not."""
-        return f"{self._frame(link)}/:shade"
+        return f"{self._frame(link)}/@shade"
 
     def doubt(self, doubt: Doubt) -> None:
         """Draw as shades what is not known, and nothing else so."""

@@ -13,7 +13,7 @@ import numpy as np
 import viser
 
 from hmi.twin.camera import Camera
-from hmi.twin.ground import DARK, GROUND, draw_ground
+from hmi.twin.ground import DARK, GROUND, tint_ground
 from hmi.twin.groups import HIDDEN_AT_FIRST, Group
 from hmi.twin.kinematics import Place
 from hmi.twin.marks import draw_marks
@@ -182,7 +182,7 @@ class Viewer:
         """Darken the ground for this viewer."""
         self.is_dark = is_dark
         if self.client is not None:
-            draw_ground(self.client.scene, DARK if is_dark else GROUND)
+            tint_ground(self.client.scene, DARK if is_dark else GROUND)
 
     def _draw_touched(self) -> None:
         if self.client is not None:
