@@ -246,7 +246,8 @@ class Studio:
     def keep_out_m(self, robot_id: str, factsheet: up.Factsheet) -> float:
         """Return how far people must stay away."""
         known = self.farm.get(robot_id)
-        return keep_out_m(None if known is None else known.keep_out_m, factsheet.behaviour.keep_out_m)
+        told = factsheet.behaviour or up.Behaviour()
+        return keep_out_m(None if known is None else known.keep_out_m, told.keep_out_m)
 
     def site(self, robot_id: str) -> SiteView | None:
         """Return what is drawn around a watched robot."""
