@@ -198,7 +198,7 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Factsheet:
-    """What the robot says it is; numbers in SI. Times of its own behaviour are ``None`` where it tells nothing of it."""
+    """What the robot says it is; numbers in SI. Times of its own behaviour are ``None`` where it tells none."""
 
     family: Family
     name: str
