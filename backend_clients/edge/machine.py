@@ -43,13 +43,17 @@ class GaugeInfo(Struct, frozen=True, kw_only=True):
 
 
 class NodeInfo(Struct, frozen=True, kw_only=True):
-    """A software node the robot has: its usual rate, and which nodes must be started before it."""
+    """A software node the robot has: its usual rate, and which nodes must be started before it.
+
+    ``period_ms`` is what its reports will say of themselves, for the time before the first one.
+    """
 
     name: Id
     label: Name
     subsystem: Name = ""
     rate_hz: Positive | None = None
     starts_after: list[Id] = field(default_factory=list)
+    period_ms: Annotated[int, Meta(ge=100, le=600_000, description="longest time between two reports")] | None = None
 
 
 class ChartState(Struct, frozen=True, kw_only=True):

@@ -164,7 +164,7 @@ class Factsheet(Header, frozen=True, kw_only=True):
     nodes: Annotated[list[NodeInfo], Meta(max_length=64)] = field(default_factory=list)
     functions: list[Function] = field(default_factory=list)
     chart: Chart | None = None
-    behaviour: Behaviour = field(default_factory=Behaviour)
+    behaviour: Annotated[Behaviour | None, Meta(description="left out: nothing is quoted")] = None
     skips_by_name: Annotated[bool, Meta(description="understands the target of skip_target; left out: no")] = False
 
 

@@ -23,7 +23,7 @@ from hmi.twin.model import ModelJoint
 from hmi.twin.upload import load_kept, read_upload
 
 SWING_S = 2.0
-LAT_DEG, LON_DEG = 52.02, 5.66
+LAT_DEG, LON_DEG = 51.7858, 4.262  # on the demo farm
 
 
 class AnyRobot:

@@ -30,7 +30,7 @@ from backend_clients.edge.mqtt import MqttLink
 from backend_clients.edge.topics import Up, topic
 
 ROBOT = "berry-picker-1"
-LAT_DEG, LON_DEG = 52.02, 5.66
+LAT_DEG, LON_DEG = 51.7858, 4.262  # on the demo farm
 CYCLE_S = 6.0
 JOINTS = [
     Joint(name="turn", label="1 Turn", lower=-1.6, upper=1.6, soft_lower=-1.5, soft_upper=1.5, max_rate=1.0),

@@ -85,7 +85,7 @@ class Console:
             is_supervised=self.missions.start_rules.is_supervised,
         )
         self.chores = Chores(records, self.hub, self.keeper, clock)
-        self.twin = TwinDesk.of(settings, records, edge.fleet, self.authorize)
+        self.twin = TwinDesk.of(settings, records, edge.fleet, self.authorize, clock)
         self.cloud = CloudRoom(
             settings, clock, records, edge.fleet, lambda: edge.coordinator.tally.total, self._lane_event
         )

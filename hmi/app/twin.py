@@ -43,7 +43,9 @@ class TwinDesk:
         self._task: asyncio.Task[None] | None = None
 
     @classmethod
-    def of(cls, settings: Settings, records: Records, fleet: FleetReader, authorize: Authorize) -> TwinDesk:
+    def of(
+        cls, settings: Settings, records: Records, fleet: FleetReader, authorize: Authorize, clock: Clock
+    ) -> TwinDesk:
         """Make it from what the console has."""
         link = MediaLink(settings.data)
         news = TwinNews(
@@ -55,6 +57,7 @@ class TwinDesk:
             records.history,
             records.database,
             settings.farm_id,
+            clock,
         )
         return cls(link, records.sessions, authorize, news)
 

@@ -49,13 +49,14 @@ class GaugeInfo:
 
 @dataclass(frozen=True, slots=True)
 class NodeInfo:
-    """A software node the robot has, its usual rate, and what must be started before it."""
+    """A software node the robot has, its usual rate, what must be started before it, and how often it reports."""
 
     name: str
     label: str
     subsystem: str
     rate_hz: float | None
     starts_after: tuple[str, ...]
+    period_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

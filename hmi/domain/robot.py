@@ -198,7 +198,7 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Factsheet:
-    """What the robot says it is; numbers in SI."""
+    """What the robot says it is; numbers in SI. Times of its own behaviour are ``None`` where it tells none."""
 
     family: Family
     name: str
@@ -221,10 +221,10 @@ class Factsheet:
     tool_kind: str
     tool_label: str
     tool_width_m: float
-    drive_deadman_s: float
-    operator_lost_pause_s: float
-    link_lost_pause_s: float
-    start_horn_s: float
+    drive_deadman_s: float | None
+    operator_lost_pause_s: float | None
+    link_lost_pause_s: float | None
+    start_horn_s: float | None
     keep_out_m: float
     stop_effect: str
     functions: tuple[FunctionInfo, ...] = ()

@@ -88,7 +88,8 @@ def safety(m: up.Safety, stamp: domain.Stamp, to_console_s: ToConsole) -> domain
 
 
 def factsheet(m: up.Factsheet) -> domain.Factsheet:
-    """What the robot says it is."""
+    """What the robot says it is; what it does not say of its own behaviour is not made up."""
+    told = m.behaviour
     return domain.Factsheet(
         family=domain.Family(m.family),
         name=m.name,
@@ -113,12 +114,12 @@ def factsheet(m: up.Factsheet) -> domain.Factsheet:
         tool_kind=m.tool.kind if m.tool else "",
         tool_label=m.tool.label if m.tool else "",
         tool_width_m=m.tool.width_m if m.tool else 0.0,
-        drive_deadman_s=m.behaviour.drive_deadman_s,
-        operator_lost_pause_s=m.behaviour.operator_lost_pause_s,
-        link_lost_pause_s=m.behaviour.link_lost_pause_s,
-        start_horn_s=m.behaviour.start_horn_s,
-        keep_out_m=m.behaviour.keep_out_m,
-        stop_effect=m.behaviour.stop_effect,
+        drive_deadman_s=told.drive_deadman_s if told else None,
+        operator_lost_pause_s=told.operator_lost_pause_s if told else None,
+        link_lost_pause_s=told.link_lost_pause_s if told else None,
+        start_horn_s=told.start_horn_s if told else None,
+        keep_out_m=(told or up.Behaviour()).keep_out_m,  # people stay away as from any other machine
+        stop_effect=told.stop_effect if told else "",
         functions=translate_machine.functions(m),
         nodes=translate_machine.nodes(m),
         joints=translate_machine.joints(m),

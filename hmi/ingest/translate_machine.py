@@ -17,7 +17,17 @@ def functions(m: Factsheet) -> tuple[domain.FunctionInfo, ...]:
 
 def nodes(m: Factsheet) -> tuple[domain.NodeInfo, ...]:
     """Its software nodes."""
-    return tuple(domain.NodeInfo(n.name, n.label, n.subsystem, n.rate_hz, tuple(n.starts_after)) for n in m.nodes)
+    return tuple(
+        domain.NodeInfo(
+            n.name,
+            n.label,
+            n.subsystem,
+            n.rate_hz,
+            tuple(n.starts_after),
+            None if n.period_ms is None else n.period_ms / 1000,
+        )
+        for n in m.nodes
+    )
 
 
 def joints(m: Factsheet) -> tuple[domain.JointInfo, ...]:

@@ -39,7 +39,7 @@ def control_app(studio: Studio, shelf: ModelShelf, secret: str) -> ASGIApp:
         Route("/status", _status(studio)),
         Route("/farm", _put_farm(studio), methods=["PUT"]),
         Route("/plans/{robot}", _put_plan(studio), methods=["PUT"]),
-        Route("/last/{robot}", _put_last(studio), methods=["PUT"]),
+        Route("/last", _put_last(studio), methods=["PUT"]),
         Route("/pictures/{robot}/{camera}", _put_picture(studio), methods=["PUT"]),
         Route("/models/{robot}", _model(shelf), methods=["GET", "PUT", "DELETE"]),
     ]
@@ -113,7 +113,7 @@ def _put_plan(studio: Studio) -> Handler:
 
 def _put_last(studio: Studio) -> Handler:
     async def put(request: Request) -> Response:
-        studio.set_last(request.path_params["robot"], msgspec.json.decode(await request.body(), type=Last))
+        studio.set_last(msgspec.json.decode(await request.body(), type=dict[str, Last]))
         return Response(status_code=204)
 
     return put

@@ -50,6 +50,7 @@ def status_of(studio: Studio, viewer: Viewer, now_s: float) -> dict[str, Any]:
         "reach_m": None if site is None or site.reach is None else round(site.reach.radius_m, 2),
         "touched": None if viewer.touched is None else where_is(studio, viewer, viewer.touched),
         "is_past": viewer.past is not None,
+        "past_unheard": [] if viewer.past is None else sorted(viewer.past.basis.doubt.joints),
         "past_ms": None if viewer.past is None else viewer.past.basis.moment.at_ms,
         "view": viewer.view.value,
         "is_connected": viewer.client is not None,

@@ -100,9 +100,9 @@ class Studio:
         if robot_id in self._sites:
             self._sites[robot_id].set_plan(plan, self.frame)
 
-    def set_last(self, robot_id: str, last: Last) -> None:
-        """Take note of where a robot was before anybody listened here; the newest of that and what it says counts."""
-        self._last[robot_id] = last
+    def set_last(self, lasts: Mapping[str, Last]) -> None:
+        """Take note of where robots were before anybody listened here; the newest of that and what they say counts."""
+        self._last.update(lasts)
 
     def enter(self, key: str, robot_id: str, *, may_replay: bool) -> asyncio.Queue[dict[str, Any]]:
         """Let a page in; what it is told comes by the queue that is returned."""
@@ -129,7 +129,7 @@ class Studio:
         for robot_id in [one for one in self._sites if one not in self._watched()]:
             self._sites.pop(robot_id).remove()
         for robot_id in [one for one in self.world.robots() if self.posture(one) is None]:
-            self.world.remove(robot_id)  # drawn by what the console heard before, for the one who looked
+            self.world.remove(robot_id)  # drawn by what the console heard before, for those who looked
 
     def obey(self, key: str, order: orders.Order) -> None:
         """Do what a page asks of its own picture."""
@@ -208,15 +208,16 @@ class Studio:
         return posture_of(self, robot_id)
 
     def last(self, robot_id: str) -> Last | None:
-        """Return what the console heard of a robot that somebody looks at."""
-        return self._last.get(robot_id) if robot_id in self._watched() else None
+        """Return what the console heard of a robot before somebody looked at any."""
+        return self._last.get(robot_id) if self.viewers else None
 
     def _draw(self, robot_id: str, *, is_watched: bool) -> None:
         posture = self.posture(robot_id)
         factsheet = self.intake.newest(robot_id, Up.FACTSHEET, up.Factsheet)
         if posture is None or factsheet is None:
             return
-        self.world.show(robot_id, self.library.form(factsheet[0]), posture, has_ghost=is_watched)
+        form, now_s = self.library.form(factsheet[0]), self._clock.mono_s()
+        self.world.show(robot_id, form, posture, now_s, has_ghost=is_watched)
 
     def _details(self, robot_id: str) -> None:
         form, posture = self.world.form_of(robot_id), self.posture(robot_id)
@@ -245,7 +246,8 @@ class Studio:
     def keep_out_m(self, robot_id: str, factsheet: up.Factsheet) -> float:
         """Return how far people must stay away."""
         known = self.farm.get(robot_id)
-        return keep_out_m(None if known is None else known.keep_out_m, factsheet.behaviour.keep_out_m)
+        told = factsheet.behaviour or up.Behaviour()
+        return keep_out_m(None if known is None else known.keep_out_m, told.keep_out_m)
 
     def site(self, robot_id: str) -> SiteView | None:
         """Return what is drawn around a watched robot."""

@@ -117,6 +117,21 @@ class History:
             if lat_deg is not None and lon_deg is not None
         ]
 
+    def last_posture(self, robot_id: str) -> PosturePoint | None:
+        """Return the newest sample that says where a robot was, ``None`` where there is none."""
+        query = (
+            select(SampleRow.at, SampleRow.lat_deg, SampleRow.lon_deg, SampleRow.theta_rad, SampleRow.joints)
+            .where(SampleRow.farm_id == self._farm_id, SampleRow.robot_id == robot_id)
+            .where(SampleRow.lat_deg.is_not(None), SampleRow.lon_deg.is_not(None))
+            .order_by(SampleRow.at.desc())
+            .limit(1)
+        )
+        with self._database.read() as session:
+            row = session.execute(query).first()
+        if row is None or row.lat_deg is None or row.lon_deg is None:
+            return None
+        return _posture(row.at, row.lat_deg, row.lon_deg, row.theta_rad, row.joints)
+
     def events(
         self,
         robot_id: str | None = None,

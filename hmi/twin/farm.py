@@ -24,7 +24,8 @@ class Farm(Struct, frozen=True):
 class Last(Struct, frozen=True):
     """Where a robot was when it was heard last: ENU metres of its datum, radians, seconds of the machine's own clock.
 
-    ``joints_at_s`` is ``None`` where its joints were never heard; ``height_m`` is above the ground.
+    ``joints_at_s`` is ``None`` where its joints were never heard; ``height_m`` is above the ground. A record tells
+    ``lat_lon_deg``, which then counts in place of the metres.
     """
 
     x_m: float
@@ -34,6 +35,7 @@ class Last(Struct, frozen=True):
     joints: dict[str, float] = field(default_factory=dict)
     joints_at_s: float | None = None
     height_m: float = 0.0
+    lat_lon_deg: tuple[float, float] | None = None
 
 
 class Swath(Struct, frozen=True):

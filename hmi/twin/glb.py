@@ -12,6 +12,7 @@ from hmi.twin.solids import Floats
 
 _FLOAT, _BYTE, _INDEX = 5126, 5121, 5125
 GHOST_ALPHA = 0.34
+SHADE, SHADE_ALPHA = (0.22, 0.24, 0.25), 0.45  # linear light
 
 
 def glb_of(corners: Floats, colours: NDArray[np.uint8], *, alpha: float = 1.0) -> bytes:
@@ -50,6 +51,18 @@ def glb_of(corners: Floats, colours: NDArray[np.uint8], *, alpha: float = 1.0) -
         "buffers": [{"byteLength": len(body)}],
     }  # fmt: skip
     return _file(json.dumps(head, separators=(",", ":")).encode(), body)
+
+
+def shade_of(glb: bytes) -> bytes:
+    """Return a GLB made here as a see-through grey shade of itself: nothing of its own colours is left."""
+    size = int.from_bytes(glb[12:16], "little")
+    head = json.loads(glb[20 : 20 + size])
+    for mesh in head["meshes"]:
+        for primitive in mesh["primitives"]:
+            del primitive["attributes"]["COLOR_0"]
+    head["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = [*SHADE, SHADE_ALPHA]
+    head["materials"][0]["alphaMode"] = "BLEND"
+    return _file(json.dumps(head, separators=(",", ":")).encode(), glb[20 + size + 8 :])
 
 
 def _shared(corners: Floats, colours: NDArray[np.uint8]) -> tuple[Floats, NDArray[np.uint8], NDArray[np.uint32]]:

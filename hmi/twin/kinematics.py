@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from hmi.twin.model import Model, ModelJoint, Quaternion, Vector
@@ -50,6 +50,16 @@ class Kinematics:
         """
         for hinge in self._moving:
             yield hinge.joint.child, _place(hinge, _value(hinge.joint, values))
+
+    def moved_by(self, joints: Collection[str]) -> frozenset[str]:
+        """Return the links whose place these joints decide, also as those that others follow."""
+        found: set[str] = set()
+        for hinge in self._hinges:
+            joint = hinge.joint
+            leader = joint.name if joint.mimic is None else joint.mimic.joint
+            if joint.parent in found or (joint.moves and leader in joints):
+                found.add(joint.child)
+        return frozenset(found)
 
     def in_base(self, values: Mapping[str, float]) -> dict[str, Place]:
         """Return every link's place in the frame of the root."""

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import viser
 
+from hmi.twin.doubt import NOTHING, Doubt
+from hmi.twin.glb import shade_of
 from hmi.twin.kinematics import Kinematics, Place
 from hmi.twin.model import Model, Vector
 from hmi.twin.mover import Mover
@@ -25,6 +27,7 @@ class Form:
     ghost: dict[str, bytes]
     size_m: float
     tip: str
+    _shades: dict[str, bytes] = field(default_factory=dict)
 
     @classmethod
     def of(cls, model: Model, skin: Skin) -> Form:
@@ -37,6 +40,19 @@ class Form:
     def head(self, body: Place, joints: Mapping[str, float]) -> Vector | None:
         """Return where the tool's tip is in the site's plane; ``None`` for a machine of one piece."""
         return self.point(self.tip, body, joints)
+
+    def shade(self, link: str) -> bytes:
+        """Return how a link looks that is not known to stand there."""
+        if link not in self._shades:
+            self._shades[link] = shade_of(self.solid[link])
+        return self._shades[link]
+
+    def doubted(self, doubt: Doubt) -> frozenset[str]:
+        """Return the links of which something is to be seen and that are not known to stand where they are drawn."""
+        seen = frozenset(self.solid)
+        if doubt.is_everything:
+            return seen
+        return seen & self.kinematics.moved_by(doubt.joints) if doubt.joints else frozenset()
 
     def point(self, link: str, body: Place, joints: Mapping[str, float]) -> Vector | None:
         """Return where a link's frame is in the site's plane."""
@@ -56,13 +72,35 @@ class MachineView:
     """
 
     def __init__(self, scene: viser.SceneApi, mover: Mover, name: str, form: Form, *, is_ghost: bool = False) -> None:
-        self._mover, self.name, self.form = mover, name, form
+        self._scene, self._mover, self.name, self.form = scene, mover, name, form
+        self._doubt: Doubt = NOTHING
+        self.doubted: frozenset[str] = frozenset()
         self._frames = {joint.child: self._frame(joint.child) for joint in form.model.joints}
         mover.add(name, Place((0.0, 0.0, 0.0)), visible=not is_ghost)
         for link, place in form.kinematics.rest():
             mover.add(self._frame(link), place)
         for link, data in (form.ghost if is_ghost else form.solid).items():
-            scene.add_glb(f"{self._frame(link)}/skin", data, cast_shadow=not is_ghost, receive_shadow=not is_ghost)
+            scene.add_glb(self.skin(link), data, cast_shadow=not is_ghost, receive_shadow=not is_ghost)
+
+    def skin(self, link: str) -> str:
+        """Return the name of what is seen of a link while it is known; a link may be called skin."""
+        return f"{self._frame(link)}/@skin"
+
+    def shade(self, link: str) -> str:
+        """Return the name of what is seen of a link while it is not."""
+        return f"{self._frame(link)}/@shade"
+
+    def doubt(self, doubt: Doubt) -> None:
+        """Draw as shades what is not known, and nothing else so."""
+        if doubt == self._doubt:
+            return
+        links = self.form.doubted(doubt)
+        for link in links ^ self.doubted:
+            self._set(self.skin(link), is_seen=link not in links)
+            if self._scene.get_handle_by_name(self.shade(link)) is None:
+                draw_shade(self._scene, self.shade(link), self.form.shade(link))
+            self._set(self.shade(link), is_seen=link in links)
+        self._doubt, self.doubted = doubt, links
 
     def show(self, body: Place, joints: Mapping[str, float]) -> int:
         """Bring it to a place and posture; return how many frames moved."""
@@ -82,6 +120,16 @@ class MachineView:
 
     def _frame(self, link: str) -> str:
         return f"{self.name}{self.form.kinematics.path(link)}"
+
+    def _set(self, name: str, *, is_seen: bool) -> None:
+        node = self._scene.get_handle_by_name(name)
+        if node is not None:
+            node.visible = is_seen
+
+
+def draw_shade(scene: viser.SceneApi, name: str, glb: bytes) -> None:
+    """Draw a link that is not known to stand there."""
+    scene.add_glb(name, glb, cast_shadow=False, receive_shadow=False)
 
 
 def _size(model: Model, skin: Skin) -> float:

@@ -14,13 +14,14 @@ MOST_UNDONE = 200
 class Moment(Struct, frozen=True):
     """Where a robot was. What a robot may say of itself may be asked for again, so the limits are those of its wire.
 
-    ``undone`` are places that were worked at later, as far as the record tells; ``at_ms`` is the record's time, UTC.
+    ``height_m`` is ``None`` and a joint is left out where the record does not tell it. ``undone`` are places that were
+    worked at later, as far as the record tells; ``at_ms`` is the record's time, UTC.
     """
 
     lat_deg: LatDeg
     lon_deg: LonDeg
     theta_rad: Radians
     joints: dict[Name, float] = field(default_factory=dict)
-    height_m: Metres = 0.0
+    height_m: Metres | None = 0.0
     undone: Annotated[list[Name], Meta(max_length=MOST_UNDONE)] = field(default_factory=list)
     at_ms: Count | None = None

@@ -13,14 +13,14 @@ import numpy as np
 import viser
 
 from hmi.twin.camera import Camera
-from hmi.twin.ground import DARK, GROUND, draw_ground
+from hmi.twin.ground import DARK, GROUND, tint_ground
 from hmi.twin.groups import HIDDEN_AT_FIRST, Group
 from hmi.twin.kinematics import Place
 from hmi.twin.marks import draw_marks
 from hmi.twin.model import Vector
 from hmi.twin.moment import Moment
 from hmi.twin.mover import Mover
-from hmi.twin.past import NOT_RECORDED, Marks, Past
+from hmi.twin.past import NOT_RECORDED, Marks, Past, Skins
 from hmi.twin.touched import draw_touched
 
 SETTLE_S = 0.4  # a turned camera runs on a little after it was let go
@@ -67,12 +67,13 @@ class Viewer:
     _touched_from: Vector | None = None
     _height_m: float = 0.0
     _marks: Marks = field(default_factory=dict)
+    _skins: Skins = field(default_factory=dict)
 
     def join(self, client: viser.ClientHandle) -> None:
         """Take the picture that connected; it starts blank, so everything of this viewer is told again."""
         self.client, self._base, self.is_aimed = client, None, False
         self._mover, self._camera = Mover(client.scene), Camera(client)
-        self._overridden, self._marks = set(), {}
+        self._overridden, self._marks, self._skins = set(), {}, {}
         for group in Group:
             self._tell(group)
         if self.is_dark:
@@ -109,10 +110,11 @@ class Viewer:
         if self.client is None or self._mover is None:
             return
         if past is None:
+            self._show_marks({})
+            self._show_skins({})
             for name in self._overridden:
                 self._mover.remove(name)
             self._overridden = set()
-            self._show_marks({})
         else:
             self._override(past, self._mover)
         for group in NOT_RECORDED if is_turn else ():
@@ -180,7 +182,7 @@ class Viewer:
         """Darken the ground for this viewer."""
         self.is_dark = is_dark
         if self.client is not None:
-            draw_ground(self.client.scene, DARK if is_dark else GROUND)
+            tint_ground(self.client.scene, DARK if is_dark else GROUND)
 
     def _draw_touched(self) -> None:
         if self.client is not None:
@@ -198,6 +200,7 @@ class Viewer:
                 mover.add(name, place)
                 self._overridden.add(name)
         self._show_marks(past.marks)
+        self._show_skins(past.skins)
 
     def _show_marks(self, marks: Marks) -> None:
         """Show this viewer fewer marks than everybody; those of now again where nothing is said."""
@@ -212,6 +215,22 @@ class Viewer:
             else:
                 scene.add_frame(frame, show_axes=False, visible=False)
         self._marks = marks
+
+    def _show_skins(self, skins: Skins) -> None:
+        """Show this viewer some links otherwise than everybody; as everybody where nothing is said."""
+        if self.client is None:
+            return
+        scene = self.client.scene
+        for name in self._skins.keys() - skins.keys():
+            scene.remove_by_name(name)
+        for name, glb in skins.items():
+            if name in self._skins and self._skins[name] is glb:
+                continue
+            if glb is None:
+                scene.add_frame(name, show_axes=False, visible=False)
+            else:
+                scene.add_glb(name, glb, cast_shadow=False, receive_shadow=False)
+        self._skins = skins
 
     def _tell(self, group: Group) -> None:
         if self.client is None:

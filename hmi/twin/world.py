@@ -70,8 +70,11 @@ class World:
         shown = self._robots.get(robot_id)
         return None if shown is None else shown.solid
 
-    def show(self, robot_id: str, form: Form, posture: Posture, *, has_ghost: bool) -> int:
-        """Draw a robot; the ghost of where its joints are going only if somebody looks at it. Returns what moved."""
+    def show(self, robot_id: str, form: Form, posture: Posture, now_s: float, *, has_ghost: bool) -> int:
+        """Draw a robot; the ghost of where its joints are going only if somebody looks at it. Returns what moved.
+
+        What is old at ``now_s``, by this process's monotonic clock, is drawn as a shade.
+        """
         shown = self._robots.get(robot_id)
         if shown is None or shown.solid.form is not form:
             if shown is not None:
@@ -79,6 +82,7 @@ class World:
             solid = MachineView(self._scene, self.mover, Group.MACHINE.of(robot_id), form)
             shown = self._robots[robot_id] = _Shown(solid)
         moved = shown.solid.show(posture.body, posture.joints)
+        shown.solid.doubt(posture.doubt(now_s))
         shown.at_s, shown.unheard = posture.at_s, posture.unheard
         return moved + self._show_ghost(robot_id, shown, posture, is_wanted=has_ghost and bool(posture.planned))
 

@@ -146,6 +146,22 @@ test("the record is called shown when the picture says so, not when it was asked
   assert.equal(said(), "Loading the record", "nobody told for long");
 });
 
+test("a gap of the record and joints it does not have are said, and the picture of before is not called then", async () => {
+  const { page, link, replay, said } = screen();
+  replay.choose("replay");
+  await page.answer({ ...SHORT, t: [THEN, THEN + 1000, THEN + 61000], lat: [52, 52, 52], lon: [5, 5, 5], theta: [0, 0, 0], height: [null, null, null], joints: { slew: [0.1, 0.1, 0.1] }, events: [] });
+  page.status({ is_past: true, past_ms: THEN, past_unheard: ["slew"] });
+  assert.equal(replay.gap(), "");
+  assert.match(said(), /, joints not recorded$/);
+  replay.seek(THEN + 30000);
+  assert.equal(replay.past, null);
+  assert.match(replay.gap(), /^Nothing recorded from \d\d:\d\d:\d\d to \d\d:\d\d:\d\d$/);
+  replay.seek(THEN + 61000);
+  assert.equal(replay.gap(), "");
+  replay.choose("live");
+  assert.equal(replay.gap(), "");
+});
+
 test("a record without anything goes back to live and says so", async () => {
   const { page, replay, said } = screen();
   replay.choose("replay");
@@ -270,10 +286,10 @@ test("a machine that flies is not asked to drive", () => {
   assert.deepEqual([...details.slides.map(({ send }) => [send.action, send.button])], [["go_to", "Fly here"]]);
 });
 
-test("a moment has the height between two samples, and the ground where none was recorded", () => {
+test("a moment has the height between two samples, and none where none was recorded", () => {
   const { HL } = load();
   assert.equal(HL.replaySampleAt({ ...record, height: [4, 6, null, null] }, 500).height_m, 5);
-  assert.equal(HL.replaySampleAt(record, 500).height_m, 0);
+  assert.equal(HL.replaySampleAt(record, 500).height_m, null);
 });
 
 test("a picture in which the robot's shapes were not drawn yet is loading, however fresh its pose", () => {

@@ -8,11 +8,13 @@ from collections.abc import Callable, Mapping
 from hmi.domain.alarm.catalogue import AlarmType
 from hmi.domain.alarm.finding import MAX_TEXT, NOTHING, Finding, Findings, detail_of_id
 from hmi.domain.alarm.steady import Limit
+from hmi.domain.machine import NodeInfo
 from hmi.domain.node_health import RESTARTED_S, SILENT_PERIODS, NodeHealth, Trouble, judge
 from hmi.domain.robot import Node, Robot
 from hmi.ingest.supervision.view import View
 
 RESTARTS = 3  # so many within ten minutes are no chance
+PERIOD_S = 5.0  # docs/protocols/edge.md, where nothing else is said
 PAST_S = 0.01  # looked at when a limit is passed, not when it is met
 SAME_START_S = 0.1  # the robot's clock is mapped on ours anew with each message
 CODES = {"node-failed", "node-silent", "node-slow", "node-clock", "node-start-order", "node-restarting"}
@@ -88,9 +90,10 @@ class Nodes:
         else:
             found += [_finding("node-silent", one, f"{one.label} is not heard any more.", _heard_s(one))
                       for one in silent]  # fmt: skip
-        if len(silent) < len(healths) and now_s > self._missed_s(robot):
+        if len(silent) < len(healths):
             found += [_finding("node-silent", one, f"{one.label} was never heard.", self._online_s)
-                      for one in every if one.node is None]  # fmt: skip
+                      for one in every if one.info is not None and one.node is None
+                      and now_s > self._missed_s(one.info, robot)]  # fmt: skip
         for one in healths:
             if one not in silent:
                 found += self._wrong(one, now_s)
@@ -104,14 +107,19 @@ class Nodes:
         """Return from when on it is silent; after an outage of the link it has as long as after its last report."""
         return max(node.stamp.source_s, self._online_s or 0.0) + SILENT_PERIODS * node.period_s
 
-    def _missed_s(self, robot: Robot) -> float:
-        """Return from when on a declared node is missed that never reported; by the slowest of those that do."""
-        slowest_s = max((one.period_s for one in robot.nodes.values()), default=0.0)
-        return (self._online_s or 0.0) + SILENT_PERIODS * slowest_s
+    def _missed_s(self, info: NodeInfo, robot: Robot) -> float:
+        """Return from when on a declared node is missed that never reported.
+
+        By the period it declares, else by the slowest of those that do report: its own is not known yet.
+        """
+        period_s = info.period_s or max((PERIOD_S, *(one.period_s for one in robot.nodes.values())))
+        return (self._online_s or 0.0) + SILENT_PERIODS * period_s
 
     def _next_s(self, robot: Robot, now_s: float) -> float:
         """Return when the next node would be silent; a minute at most, for restarts are forgotten with time."""
-        times = (*map(self._silent_s, robot.nodes.values()), self._missed_s(robot))
+        infos = () if robot.factsheet is None else robot.factsheet.nodes
+        missed = (self._missed_s(info, robot) for info in infos if info.name not in robot.nodes)
+        times = (*map(self._silent_s, robot.nodes.values()), *missed)
         return min((one for one in times if one >= now_s), default=now_s + 60.0) + PAST_S
 
     def _wrong(self, health: NodeHealth, now_s: float) -> list[Finding]:

@@ -29,11 +29,13 @@
     "robot-lost": () => ({
       look: "p2",
       sign: "signal_disconnected",
-      head: `No link to ${HL.view.name()} for ${words.since(HL.port.age(HL.port.robot(HL.view.robot).link.t))}`,
+      head: `No link to ${HL.view.name()} ${lostFor(HL.port.age(HL.port.robot(HL.view.robot).link.t))}`,
       line: `All values are old. ${selfPause()} Look before you walk up to it.`,
       note: HL.port.robot(HL.view.robot).link.broker === "down" ? "Broker is down" : "Listening",
     }),
   };
+
+  const lostFor = (ms) => (ms < Infinity ? `for ${words.since(ms)}` : "since the console started");
 
   function selfPause() {
     const { body, mission } = HL.port.robot(HL.view.robot);

@@ -83,7 +83,7 @@
       const isLost = silentMs > HL.LOST_MS;
       const delayMs = HL.port.delayMs(HL.view.robot);
       text(this.sign, isLost ? "signal_disconnected" : "network_cell");
-      text(this.word, isLost ? `no link ${words.since(silentMs)}` : delayMs === null ? "–" : `${Math.round(delayMs)} ms`);
+      text(this.word, isLost ? `no link${silentMs < Infinity ? ` ${words.since(silentMs)}` : ""}` : delayMs === null ? "–" : `${Math.round(delayMs)} ms`);
       this.style.color = isLost ? "var(--hl-p2-text)" : "";
       attr(this, "title", server.silentMs > HL.LOST_MS ? "Server lost" : HL.view.robot ? "Delay to the robot" : "Delay to the server");
     }

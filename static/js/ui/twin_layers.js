@@ -69,7 +69,7 @@
         ...(status?.is_drawn && (status.ages_s.machine === null || status.unheard?.length) ? { machine: "joints not heard" } : {}),
         ...(status && !this.hidden.has("cameras") && status.ages_s.cameras === null ? { cameras: "no picture" } : {}),
       };
-      if (isPast) Object.assign(said, { machine: "recorded", trees: "as then" }, ...NOT_RECORDED.map((key) => ({ [key]: "not recorded" })), ...OF_NOW.map((key) => ({ [key]: "as now" })));
+      if (isPast) Object.assign(said, { machine: status.past_unheard?.length ? "joints not recorded" : "recorded", trees: "as then" }, ...NOT_RECORDED.map((key) => ({ [key]: "not recorded" })), ...OF_NOW.map((key) => ({ [key]: "as now" })));
       for (const [key, row] of this.rows) {
         const age = !isPast && ["machine", "planned", "scan", "cameras"].includes(key) ? this.link.ageOf(key) : null;
         text(row.value, said[key] ?? (age === null ? "" : HL.words.age(age * 1000)));

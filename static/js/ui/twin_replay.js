@@ -30,7 +30,7 @@
       const value = mix(values[low], values[high], share);
       if (value !== null) joints[name] = value;
     }
-    return { lat_deg: mix(samples.lat[low], samples.lat[high], share), lon_deg: mix(samples.lon[low], samples.lon[high], share), theta_rad: mixAngle(samples.theta[low] ?? 0, samples.theta[high] ?? 0, share), joints, height_m: mix(samples.height?.[low], samples.height?.[high], share) ?? 0, at: ms };
+    return { lat_deg: mix(samples.lat[low], samples.lat[high], share), lon_deg: mix(samples.lon[low], samples.lon[high], share), theta_rad: mixAngle(samples.theta[low] ?? 0, samples.theta[high] ?? 0, share), joints, height_m: mix(samples.height?.[low], samples.height?.[high], share), at: ms };
   }
 
   class TwinReplay {
@@ -112,6 +112,13 @@
       return this.isReplay && Boolean(this.samples) && !isMissing(shownMs) && (!this.past || Math.abs(this.past.at - shownMs) <= LAG_MS * this.speed);
     }
 
+    // the stretch of the record without any sample that the moment lies in, in words; the picture is that from before it
+    gap() {
+      if (!this.isReplay || !this.samples || this.past) return "";
+      const next = this.samples.t.findIndex((t) => t > this.moment);
+      return next > 0 ? `Nothing recorded from ${clock(this.samples.t[next - 1])} to ${clock(this.samples.t[next])}` : "Nothing recorded";
+    }
+
     step() {
       if (!this.isPlaying) return;
       this.seek(this.moment + STEP_MS * this.speed);
@@ -133,7 +140,8 @@
     paint() {
       attr(this.node, "data-state", this.isReplay ? "replay" : "live");
       if (this.isReplay) {
-        text(this.said, this.isShown() ? `${clock(this.moment)}, ${this.past ? "recorded" : "nothing recorded"}` : "Loading the record");
+        const word = !this.past ? "nothing recorded" : this.link.status?.past_unheard?.length ? "joints not recorded" : "recorded";
+        text(this.said, this.isShown() ? `${clock(this.moment)}, ${word}` : "Loading the record");
         return;
       }
       if (this.link.isPast()) {

@@ -54,7 +54,9 @@
     paint() {
       if (!this.link) return;
       const isPast = this.link.isPast();
-      const { state, text: words } = this.link.judge(isPast);
+      const gap = isPast ? this.replay.gap() : "";
+      const now = this.link.judge(isPast);
+      const { state, text: words } = gap && now.state === "live" ? { state: "stale", text: gap } : now;
       attr(this, "data-state", state);
       const age = this.link.poseAge();
       attr(this, "data-age-ms", age === null ? null : Math.round(age * 1000));

@@ -181,3 +181,29 @@ async def test_a_node_that_was_never_heard_is_missed_by_the_slowest_period_of_th
         assert rig.states() == {}
         live(rig, 20, "camera", guidance={"period_ms": 30_000})
         assert set(rig.states()) == {"node-silent.weeder-01.camera"}
+
+
+async def test_a_node_that_declares_a_long_period_is_missed_by_its_own_and_not_by_that_of_the_others() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        rig.clock.advance(100.0)
+        rig.beat(ROBOT)
+        slow = wire.NodeInfo(name="camera", label="Rear camera", period_ms=60_000)
+        rig.say(rig.wire().factsheet(nodes=[*NODES[:2], slow]))
+        live(rig, 175, "camera")
+        assert rig.states() == {}
+        live(rig, 15, "camera")
+        assert rig.one("node-silent.weeder-01.camera").alarm.text == "Rear camera was never heard."
+
+
+async def test_a_node_that_says_nothing_of_its_period_has_the_usual_one_though_the_others_report_more_often() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        begin(rig)
+        often = {name: {"period_ms": 1000} for name in ("gnss", "guidance")}
+        for _ in range(14):
+            tell(rig, "camera", **often)
+            rig.run(1, ROBOT)
+        assert rig.states() == {}
+        for _ in range(10):
+            tell(rig, "camera", **often)
+            rig.run(1, ROBOT)
+        assert set(rig.states()) == {"node-silent.weeder-01.camera"}

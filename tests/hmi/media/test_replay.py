@@ -127,7 +127,7 @@ async def test_a_replay_shows_nothing_of_the_other_robots_and_no_trail_to_its_vi
         studio.obey("mine", orders.Replay(52.0, 5.001, 0.0, {}, at_ms=1000))
         owner = str(studio.viewers["mine"].client.client_id)  # type: ignore[union-attr]
         for frame in (f"/machine/{OTHER}", f"/keepout/{OTHER}", f"/trees/{OTHER}", f"/reach/{OTHER}", "/trail"):
-            node = await mine.until(f"{owner}:{frame}")
+            node = await mine.until(f"{owner}:{frame}", lambda said: "visible" in said)
             assert node["visible"] is False
         tapped_at = (9.0, 0.0, 20.0), (0.0, 0.0, -1.0)
         assert said_of(studio, "mine", *tapped_at)["what"] == "ground", "what is not seen is not there"

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import asyncio
 import importlib.util
+import json
 from collections.abc import AsyncIterator
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import pytest
 
 from backend_clients.edge import messages_up as up
-from backend_clients.edge.topics import Up, topic
+from backend_clients.edge.codec import decode_body
+from backend_clients.edge.topics import Up, parse, topic
 from hmi.clock import SystemClock
 from hmi.media.intake import Intake
 from hmi.media.studio import Studio
@@ -105,3 +108,46 @@ async def test_any_model_is_shown_swinging_its_joints_before_its_robot_can_speak
         for places, frame in zip(seen, ("post", "post/arm", "post/arm/tool"), strict=True):
             places.add(studio.world.mover.place(f"/machine/{robot.id}/{frame}"))
     assert all(len(places) > 3 for places in seen), "each of the three joints moved"
+
+
+async def test_a_robot_that_says_plain_json_keeps_its_chart_moves_its_mast_and_tells_how_long_each_state_took(
+    studio: Studio, tmp_path: Path
+) -> None:
+    script = example("mower")
+    mower, robot_id = script.Mower(), script.ROBOT
+    studio.set_farm(Farm([FarmRobot(robot_id, "Mower 7")]))
+
+    def take(said: tuple[str, dict[str, Any]], is_kept: bool = False) -> Any:
+        address, payload = topic(robot_id, Up(said[0])), json.dumps(said[1]).encode()
+        studio.intake.take(address, payload, is_kept)
+        return decode_body(parse(address), payload)
+
+    sheet = take(mower.factsheet(), is_kept=True)
+    assert [take(said, is_kept=True).name for said in mower.nodes(0.0)] == ["deck", "diary"]
+    script.write_model(tmp_path / "own.zip")
+    told = read_upload(tmp_path / "own.zip", tmp_path / "models" / robot_id)
+    assert (told["joints"], told["notices"]) == (["mast_lift", "head_pan"], [])
+    studio.tick()
+    await own_model_is_ready(studio, robot_id)
+    declared = {one.id: one for one in sheet.chart.states}
+    stood, left, path = set(), [], set()
+    for tenth in range(1, 300):
+        for said in mower.now(tenth / 10):
+            message = take(said)
+            if isinstance(message, up.State):
+                active = {one.id for one in message.active}
+                assert {"mow", "drive", "mast"} < active
+                assert all(declared[one].parent in (None, *active) for one in active)
+                assert len(active) == 5, "one leaf in each region"
+                path.add(tuple(message.path))
+            if isinstance(message, up.Event) and message.kind == "state_left":
+                left.append((message.data["state"], round(message.data["duration_ms"] / 1000)))
+        if tenth % 10 == 0:
+            studio.tick()
+            stood.add(studio.world.mover.place(f"/machine/{robot_id}/mast"))
+    assert {("row", 10), ("turn", 3), ("look", 4), ("low", 6)} <= set(left)
+    assert path == {("Mow", "Row"), ("Mow", "Turn")}
+    assert len(stood) > 10
+    posture = studio.posture(robot_id)
+    assert posture is not None
+    assert posture.unheard == ()

@@ -26,6 +26,7 @@ from hmi.media.status import status_of
 from hmi.media.studio import Studio
 from hmi.twin.camera import Camera
 from hmi.twin.farm import Farm, FarmRobot, Last
+from hmi.twin.ground import DARK
 from hmi.twin.groups import Group
 from tests.hmi.app.asgi_socket import AsgiSocket
 from tests.hmi.media.studio_stage import JOINTS, OTHER, ROBOT, SECRET, Picture, Planter, connect
@@ -356,7 +357,7 @@ async def test_a_joint_that_the_model_does_not_move_makes_no_picture_wrong(still
 async def test_a_robot_that_is_silent_stands_where_the_console_heard_it_last(still: Studio) -> None:
     Planter(still.intake).introduce()
     now_s = now(still)
-    still.set_last(ROBOT, Last(7.0, 2.0, 0.0, now_s - 300, {"slew": 1.0, "stick": -1.0}, now_s - 301, 0.5))
+    still.set_last({ROBOT: Last(7.0, 2.0, 0.0, now_s - 300, {"slew": 1.0, "stick": -1.0}, now_s - 301, 0.5)})
     still.tick()
     assert still.world.robots() == [], "nobody looks at it"
     box = still.enter("k", ROBOT, may_replay=True)
@@ -383,7 +384,7 @@ async def test_what_was_left_from_an_earlier_look_does_not_hide_what_the_console
     assert told(still)["pose_age_s"] == 0.0
     still._clock.advance(60.0)  # type: ignore[attr-defined]
     at_s = now(still) - 20
-    still.set_last(ROBOT, Last(9.0, 0.0, 0.0, at_s, {"slew": 1.0, "stick": -1.0}, at_s))
+    still.set_last({ROBOT: Last(9.0, 0.0, 0.0, at_s, {"slew": 1.0, "stick": -1.0}, at_s)})
     said = told(still)
     assert (said["pose_age_s"], said["ages_s"]["machine"]) == (20.0, 20.0)
     assert still.world.mover.place(f"/machine/{ROBOT}").xyz[0] == 9.0
@@ -408,3 +409,20 @@ async def test_a_robot_that_is_touched_is_told_where_it_stands_and_not_what_is_s
     for _ in range(5):
         said = told(still)
     assert (said["touched"]["x_m"], said["touched"]["distance_m"]) == (23.0, 23.0), "the mark goes with it"
+
+
+async def test_a_change_of_theme_tints_the_ground_in_place_for_one_viewer(studio: Studio) -> None:
+    studio.enter("k", ROBOT, may_replay=False)
+    async with await connect(studio, "k") as socket:
+        picture = Picture(socket)
+        await picture.look()
+        async with asyncio.timeout(5):
+            while (client := studio.viewers["k"].client) is None:  # noqa: ASYNC110 - viser's thread hands over
+                await asyncio.sleep(0.01)
+        studio.obey("k", orders.Theme(dark=False))
+        own = f"{client.client_id}:/ground"
+        await picture.until(own, lambda said: "props" in said)
+        picture.nodes[own] = {}
+        studio.obey("k", orders.Theme(dark=True))
+        tinted = await picture.until(own, lambda said: "props" in said or "updates" in said)
+        assert tinted.get("updates") == {"color": list(DARK)}, "a plane made anew costs its shader once more"

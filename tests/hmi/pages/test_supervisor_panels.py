@@ -198,7 +198,8 @@ def test_every_control_is_large_enough_and_nothing_is_cut(look: Look, machine: T
         assert box is not None, hook
         assert min(box["width"], box["height"]) >= 64
         assert node.evaluate("node => node.scrollWidth <= node.clientWidth + 1"), f"{hook} is cut"
-        assert box["x"] + box["width"] <= SIZES[size][0]
+        assert box["x"] >= 12, f"{hook} touches the edge of the screen"
+        assert box["x"] + box["width"] <= SIZES[size][0] - (12 if size == "portrait" else 0)
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
     row = page.get_by_test_id("node-crane").bounding_box()
     assert row is not None

@@ -181,6 +181,8 @@ def test_joints_are_recorded_once_a_second_unless_they_are_old(
     points = history.postures("weeder-01", start, clock.utc() + timedelta(seconds=1))
     assert [point.joints for point in points] == [{"slew": 0.0}, {"slew": 0.1}, {"slew": 0.2}, None]
     assert points[0].lat_deg == 52.5
+    assert history.last_posture("weeder-01") == points[-1]
+    assert history.last_posture("weeder-02") is None, "nothing of it is on record"
 
 
 def test_the_height_of_a_robot_that_flies_is_recorded_beside_its_joints(
