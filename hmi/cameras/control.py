@@ -22,7 +22,7 @@ from hmi.cameras.hub import Hub
 from hmi.cameras.jpeg_header import MAX_BYTES, BadPicture
 from hmi.cameras.page_socket import PageSockets
 from hmi.cameras.picture_wire import Piece
-from hmi.cameras.ring import Rings
+from hmi.cameras.ring import Rings, Span
 from hmi.cameras.whep import MAX_OFFER_BYTES, WhepDesk, WhepRefused
 from hmi.clock import Clock
 from hmi.domain.camera import Recording, Source
@@ -259,11 +259,11 @@ def _clip(parts: CameraParts) -> Handler:
         if parts.hub.get(wish.robot, wish.camera) is None:
             return refused(404, "unknown_camera", "There is no such camera.")
         ring = parts.rings.of(wish.robot, wish.camera)
-        pieces = [] if ring is None else ring.video.between(wish.from_m, wish.to_m)
-        if not pieces:
+        span = Span([]) if ring is None else ring.video.between(wish.from_m, wish.to_m)
+        if not span.pieces:
             return refused(409, "nothing_kept", "Nothing of this time was kept.")
         try:
-            return encoded(await write_clip(pieces, Path(wish.path), parts.data), 201)
+            return encoded(await write_clip(span, Path(wish.path), parts.data), 201)
         except ClipFailed as failed:
             return refused(failed.status, failed.code, failed.text)
 

@@ -11,9 +11,10 @@ import pytest
 from hmi.cameras import camera as camera_module
 from hmi.cameras import hub as hub_module
 from hmi.cameras.camera import SILENT_S, Camera
+from hmi.cameras.ring import Rings
 from hmi.clock import FakeClock
-from hmi.domain.camera import CameraInfo, Source, SourceKind
-from tests.hmi.cameras.fake_camera import jpeg
+from hmi.domain.camera import CameraInfo, Recording, Source, SourceKind
+from tests.hmi.cameras.fake_camera import FakeCamera, fake_camera, jpeg
 from tests.hmi.cameras.rig import CameraRig, camera_rig
 from tests.hmi.cameras.waiting import until
 
@@ -45,6 +46,23 @@ async def test_a_new_name_or_another_size_takes_no_picture_away() -> None:
         rig.hub.upload(rig.camera, jpeg())
         await rig.tell(camera=CameraInfo("front", "Over the door", 320, 240), period_s=60.0)
         assert rig.camera.newest_jpeg is not None
+
+
+@pytest.mark.slow
+async def test_what_is_kept_over_a_change_of_source_belongs_to_one_source_each() -> None:
+    async with camera_rig() as rig:
+        rings = Rings(rig.clock)
+        rings.set([Recording("weeder-01", "front", 15.0)], rig.hub.cameras)
+        ring = rings.of("weeder-01", "front")
+        assert ring is not None
+        with fake_camera(FakeCamera(320, 240)) as other:
+            await until(lambda: bool(ring.video.between(0, 1e15).pieces))
+            await rig.tell(url=other.url)
+            await until(lambda: ring.video.between(0, 1e15).has_before)
+            new = ring.video.between(0, 1e15)
+            old = ring.video.between(0, new.pieces[0].captured_ms - 0.001)
+            assert ({one.width for one in new.pieces}, {one.width for one in old.pieces}) == ({320}, {640})
+            assert not old.has_before
 
 
 @pytest.mark.slow
