@@ -310,6 +310,8 @@ class Camera:
         """End a worker that has had nothing new for long, whatever its camera goes on sending."""
         least_s = max(SILENT_S, PERIODS * self._period_s)
         patience_s = max(least_s, min(MOST_SILENT_S, least_s * 2**self._silences))
+        if self._news is not None and self._news[1].waits_key:
+            patience_s = max(patience_s, MOST_SILENT_S)  # opened anew it would wait anew
         now_s = self._clock.mono_s()
         if now_s - (self._arrived_s or self._began_s) <= patience_s:
             return
@@ -360,6 +362,8 @@ class Camera:
         self._news, self._mark = (now_s, news), news.mark
         if bad and not self._is_fresh():
             self.reason = f"{news.bad} pictures could not be used: {news.why}"
+        elif news.waits_key and self._arrived_s is None:
+            self.reason = "waiting for the camera's next key picture"
         self._tell()
 
     @property
