@@ -38,10 +38,12 @@ class FakeCamera:
         self.fps, self.age_ms = fps, 5.0
         self.waited_ms = 0.0  # in the send buffer, after the age was written
         self.waits_longer = 0.0  # by this share of the time between two pictures, with each of them
+        self.line_s = 0.0  # that everything it sends is under way
         self.pictures = [jpeg(width, height, number) for number in range(10)]
         self.narrow: list[bytes] | None = None  # for who asks for a width
         self.instead: bytes | None = None
         self.refusal: tuple[int, bytes] | None = None
+        self.says_asked = True
         self.is_frozen = False
         self.is_hung = False
         self.is_dripping = False  # line ends while it is frozen
@@ -109,7 +111,10 @@ def _handler(camera: FakeCamera) -> type[BaseHTTPRequestHandler]:
         def _stream(self, is_narrow: bool) -> None:
             self.send_response(200)
             self.send_header("Content-Type", "multipart/x-mixed-replace; boundary=frame")
+            if camera.says_asked:
+                self.send_header("X-Asked-Ms", f"{time.time() * 1000:.0f}")
             self.end_headers()
+            time.sleep(camera.line_s)
             self.close_connection = True
             camera.open += 1
             number = 0
@@ -130,7 +135,7 @@ def _handler(camera: FakeCamera) -> type[BaseHTTPRequestHandler]:
             pictures = camera.narrow if is_narrow and camera.narrow else camera.pictures
             body = camera.instead if camera.instead is not None else pictures[number % len(pictures)]
             camera.waited_ms += camera.waits_longer * 1000 / camera.fps
-            taken_ms = time.time() * 1000 - camera.age_ms - camera.waited_ms
+            taken_ms = time.time() * 1000 - camera.age_ms - camera.waited_ms - camera.line_s * 1000
             head = (
                 f"--frame\r\nContent-Type: image/jpeg\r\nContent-Length: {len(body)}\r\n"
                 f"X-Captured-Ms: {taken_ms:.0f}\r\nX-Age-Ms: {camera.age_ms}\r\n\r\n"

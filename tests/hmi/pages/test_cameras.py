@@ -97,6 +97,28 @@ def test_who_steers_by_a_frozen_picture_does_not_drive_and_reads_why(
     assert is_stop_on_top(page)
 
 
+@pytest.mark.parametrize("source", ["mjpeg", "rtsp"])
+def test_who_steers_by_a_camera_that_tells_no_time_creeps_whatever_its_pictures_look_like(
+    look: Look, theatre: Theatre, cameras: Callable[..., None], source: str
+) -> None:
+    cameras(cameras={"weeder-07/front": {"is_dated": False, "source": source}})
+    page = look("/operate/weeder-07")
+    page.get_by_test_id("pip-toggle").click()
+    pip = page.get_by_test_id("pip")
+    expect(pip).to_have_attribute("data-state", SHOWN)
+    expect(pip).to_contain_text("delay unknown")
+    theatre.play("manual")
+    page.get_by_test_id("drive-open").click()
+    pad = page.get_by_test_id("drive-forward")
+    expect(pad).to_have_attribute("data-state", "idle")
+    hold(page, pad)
+    expect(page.get_by_text("This camera tells no time: Creep only.")).to_be_visible()
+    page.mouse.up()
+    moved = [one for one in theatre.heard()["drives"] if one["v"]]
+    assert moved
+    assert all(one["v"] <= 0.2 and 500 < one["picture"] <= 1000 for one in moved)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("size", TABLETS)
 def test_the_wall_fits_every_size_and_its_buttons_can_be_hit(
