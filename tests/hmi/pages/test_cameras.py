@@ -97,6 +97,21 @@ def test_who_steers_by_a_frozen_picture_does_not_drive_and_reads_why(
     assert is_stop_on_top(page)
 
 
+@pytest.mark.parametrize("size", TABLETS)
+def test_a_console_whose_cameras_are_not_up_yet_says_so_on_operate_until_they_come(
+    look: Look, cameras: Callable[..., None], size: str
+) -> None:
+    cameras(down=True)
+    page = look("/operate/weeder-07", size=size)
+    note = page.get_by_test_id("cameras-starting")
+    expect(note).to_have_text("Cameras are starting")
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert covers(page, "[data-testid=cameras-starting]", ".h-overlay") == 0
+    cameras(anew=True)
+    expect(page.get_by_test_id("pip-toggle")).to_be_visible(timeout=8000)
+    expect(note).to_be_hidden()
+
+
 @pytest.mark.parametrize("source", ["mjpeg", "rtsp"])
 def test_who_steers_by_a_camera_that_tells_no_time_creeps_whatever_its_pictures_look_like(
     look: Look, theatre: Theatre, cameras: Callable[..., None], source: str
@@ -205,6 +220,11 @@ def test_the_screen_says_what_is_wrong_when_there_is_no_wall(look: Look, cameras
     page.reload()
     expect(page.get_by_test_id("cameras-notice")).to_contain_text("Video of this site is not shared with you.")
     cameras(anew=True, down=True)
+    page.reload()
+    expect(page.get_by_test_id("cameras-notice")).to_contain_text("Cameras are starting")
+    cameras(anew=True)
+    tile(page, "weeder-07/front")
+    cameras(anew=True, status=500)
     page.reload()
     expect(page.get_by_test_id("cameras-notice")).to_contain_text("Cameras do not answer")
     cameras(anew=True)
