@@ -68,6 +68,7 @@ class Camera:
         self.watches: set[Watch] = set()
         self._ways: dict[Watch, Way] = {}  # asked once: pictures are many
         self.hearers: set[Hearer] = set()
+        self.is_kept = False  # its last minute is
         self.newest: Piece | None = None
         self.newest_jpeg: Piece | None = None
         self._group: Group[Piece] = Group(MOST_IN_GROUP)
@@ -204,6 +205,7 @@ class Camera:
             "reason": self.reason,
             "restarts": self.restarts,
             "viewers": sum(watch.is_person for watch in self.watches),
+            "is_kept": self.is_kept and self.state is CameraState.LIVE,
             "fps": round(self.fps, 1),
             "period_s": round(self.source.expected_period_s, 3),
             "kbit_s": round(self.kbit_s),

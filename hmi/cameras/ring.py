@@ -116,7 +116,7 @@ class Rings:
             wanted = self._wanted.get(name)
             is_current = wanted == ring.recording and cameras.get(name) is ring.camera
             if ring.ended_s is None and not is_current:
-                ring.ended_s = now_s
+                ring.ended_s, ring.camera.is_kept = now_s, False
                 for tap in ring.taps:
                     ring.camera.leave(tap)
                 asyncio.get_running_loop().call_later(AFTERWARDS_S, self._forget, name, ring)
@@ -142,6 +142,7 @@ def _begun(camera: Camera, wanted: Recording, before: Ring | None) -> Ring:
         _Tap(Wish(Way.H264, wanted.width, wanted.fps), video, camera),
         _Tap(Wish(Way.JPEG, wanted.width, 1.0), stills, camera),
     )
+    camera.is_kept = True
     for tap in taps:
         camera.join(tap)
     return Ring(video, stills, taps, camera, wanted)

@@ -57,12 +57,15 @@ async def test_what_is_kept_over_a_change_of_source_belongs_to_one_source_each()
         assert ring is not None
         with fake_camera(FakeCamera(320, 240)) as other:
             await until(lambda: bool(ring.video.between(0, 1e15).pieces))
+            assert rig.camera.describe()["is_kept"]
             await rig.tell(url=other.url)
             await until(lambda: ring.video.between(0, 1e15).has_before)
             new = ring.video.between(0, 1e15)
             old = ring.video.between(0, new.pieces[0].captured_ms - 0.001)
             assert ({one.width for one in new.pieces}, {one.width for one in old.pieces}) == ({320}, {640})
             assert not old.has_before
+            rings.set([], rig.hub.cameras)
+            assert not rig.camera.describe()["is_kept"]
 
 
 @pytest.mark.slow

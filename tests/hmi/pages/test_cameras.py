@@ -263,6 +263,22 @@ def test_a_snapshot_is_kept_and_found_under_pictures(
 
 
 @pytest.mark.long
+def test_pictures_says_of_which_robots_the_minute_before_a_stop_is_kept(
+    look: Look, cameras: Callable[..., None]
+) -> None:
+    cameras(cameras={"weeder-07/front": {"is_kept": True}})
+    page = look("/cameras")
+    tile(page, "weeder-07/front")
+    page.get_by_test_id("cameras-pictures").click()
+    said = page.get_by_test_id("pictures-kept-now")
+    expect(said).to_contain_text("The minute before a STOP is being kept of Weeder 07. Not of ")
+    cameras(cameras={})
+    page.reload()
+    tile(page, "weeder-07/front")
+    page.get_by_test_id("cameras-pictures").click()
+    expect(said).to_contain_text("The minute before a STOP is kept of no robot now.")
+
+
 def test_an_admin_deletes_a_picture_by_a_second_tap(look: Look, theatre: Theatre, cameras: Callable[..., None]) -> None:
     page = look("/cameras", role="admin")
     tile(page, "weeder-07/front").click()

@@ -210,6 +210,19 @@ async def test_no_more_cameras_are_held_than_allowed_and_incidents_come_first(ma
     assert rig.recorder.wanted() == (("w4", "front"), FRONT)
 
 
+@pytest.mark.parametrize(("is_demo", "most"), [(False, 16), (True, 4)])
+async def test_a_whole_fleet_keeps_what_leads_to_a_stop_without_any_setting(
+    make_rig: MakeRig, most: int, *, is_demo: bool
+) -> None:
+    rig = await make_rig(record_cameras="driving", demo=is_demo)
+    rig.stand(speed_mps=1.0)
+    weeder = rig.fleet.robots[WEEDER]
+    for number in range(20):
+        rig.fleet.robots[f"w{number}"] = replace(weeder, id=f"w{number}")
+        rig.recorder.see(replace(rig.fleet.robots[WEEDER], id=f"w{number}"))
+    assert len(rig.recorder.wanted()) == most
+
+
 async def test_who_is_driven_by_hand_is_held_before_those_that_drive_longer(make_rig: MakeRig) -> None:
     rig = await make_rig(record_cameras="driving", record_most=1)
     rig.stand(speed_mps=1.0)
