@@ -3,6 +3,7 @@
   "use strict";
   const { el, icon, attr } = HL;
   const MOST = 40;
+  const MOST_NAMED = 6;
   const SURE_MS = 6000;
   const OLD_PLACE_S = 2;
   const KINDS = [["", "All"], ["snapshot", "Snapshots"], ["clip", "Clips"], ["mission", "Missions"]];
@@ -97,7 +98,8 @@
     const others = robots(false).filter((id) => !kept.includes(id));
     const named = (ids) => ids.map((id) => HL.port.fleet()[id]?.name ?? id).sort((a, b) => a.localeCompare(b)).join(", ");
     if (!kept.length && !others.length) return "";
-    const without = others.length ? ` Not of ${named(others)}: a camera keeps it while somebody watches it.` : "";
+    const rest = others.length > MOST_NAMED ? `${others.length}${kept.length ? " other" : ""} robots` : named(others);
+    const without = others.length ? ` Not of ${rest}: a camera keeps it while somebody watches it.` : "";
     return kept.length ? `The minute before a STOP is being kept of ${named(kept)}.${without}` : `The minute before a STOP is kept of no robot now.${without}`;
   }
 
