@@ -22,6 +22,7 @@ LINGER_S = 5.0  # a page that is loaded again finds the camera running
 TICK_S = 0.2
 SILENT_S = 5.0  # without a new picture for so long its source is opened anew
 PERIODS = 4  # for slower ones
+STARTS_S = 30.0  # so long a worker may take to say its first word; until then its camera is not called silent
 MOST_SILENT_S = 60.0  # opening it anew did not help: twice as long each time, for its scene may really stand still
 MOST_IN_GROUP = 300
 NEWEST_S = 1.0  # an older still gives way to a smaller one
@@ -80,6 +81,7 @@ class Camera:
         self._arrived_s: float | None = None
         self._began_s = self._looked_s = 0.0
         self._is_renewed = False  # the worker ends because it shall
+        self._has_spoken = True
         self._silences = 0  # workers in a row that were ended because nothing new came
         self._ending = ""
         self._news: tuple[float, News] | None = None
@@ -266,7 +268,7 @@ class Camera:
             worker = self._worker = await WorkerProcess.start(self.source, self._plan, self._mark)
         except OSError as error:
             return f"no worker could be started ({error.strerror})"
-        self._began_s = self._clock.mono_s()
+        self._began_s, self._has_spoken = self._clock.mono_s(), False
         self._order(self._plan)  # it may have changed while the worker started
         ended = crash = ""
         try:
@@ -279,10 +281,12 @@ class Camera:
         finally:
             self._worker = None
             crash = await asyncio.shield(worker.end())
-        return self._ending or ended or crash
+        return ended or self._ending or crash
 
     def _heard(self, message: Piece | News) -> str:
         """Take what a worker says; return why it ends, if it says that."""
+        if not self._has_spoken:
+            self._began_s, self._has_spoken = self._clock.mono_s(), True
         if isinstance(message, News):
             self._count(message)
             return message.ended
@@ -315,7 +319,11 @@ class Camera:
         if self._news is not None and self._news[1].waits_key:
             patience_s = max(patience_s, MOST_SILENT_S)  # opened anew it would wait anew
         now_s = self._clock.mono_s()
-        if now_s - (self._arrived_s or self._began_s) <= patience_s:
+        if now_s - (self._arrived_s or self._began_s) <= (patience_s if self._has_spoken else STARTS_S):
+            return
+        if not self._has_spoken:
+            self._ending = "it could not be opened in time: this machine is too busy"
+            worker.let_go()
             return
         self._silences = 1 if now_s - self._began_s > 2 * MOST_SILENT_S else self._silences + 1
         why = "" if self._news is None or not self._news[1].bad else f": {self._news[1].why}"

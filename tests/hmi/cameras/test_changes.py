@@ -11,6 +11,7 @@ import pytest
 from hmi.cameras import camera as camera_module
 from hmi.cameras import hub as hub_module
 from hmi.cameras.camera import SILENT_S, Camera
+from hmi.cameras.picture_wire import News
 from hmi.cameras.ring import Rings
 from hmi.clock import FakeClock
 from hmi.domain.camera import CameraInfo, Recording, Source, SourceKind
@@ -157,6 +158,21 @@ def test_a_scene_that_stands_still_is_opened_anew_ever_more_rarely() -> None:
             camera._end_silent(worker)
         waited.append(seconds)
     assert waited == [int(SILENT_S) + 1, 11, 21, 41, 61, 61]
+
+
+def test_a_busy_machine_that_has_not_opened_a_camera_yet_does_not_call_it_silent() -> None:
+    clock, worker = FakeClock(), PlayedWorker()
+    camera = Camera(Source("field", CameraInfo("gate", "Gate", 640, 480)), clock, 1280)
+    camera._began_s, camera._has_spoken = clock.mono_s(), False
+    clock.advance(3 * SILENT_S)
+    camera._end_silent(worker)  # type: ignore[arg-type]
+    camera._heard(News(why="the same picture again", bad=1))
+    clock.advance(SILENT_S - 1)
+    camera._end_silent(worker)  # type: ignore[arg-type]
+    assert worker.ends == 0
+    clock.advance(2)
+    camera._end_silent(worker)  # type: ignore[arg-type]
+    assert (worker.ends, camera._ending) == (1, "the camera sends nothing new: the same picture again")
 
 
 @pytest.mark.slow
