@@ -48,25 +48,30 @@ def camera_source_routes(book: CameraSourceBook) -> APIRouter:
 
     @router.get("/cameras/sources", summary="Every camera whose pictures do not come from its robot")
     async def every(session: SignedIn) -> dict[str, Any]:
+        """Return them by robot and camera; passwords are never among it."""
         return {"sources": [source_json(one, book) for one in book.all(session)]}
 
     @router.get("/cameras/{robot}/{camera}/source", summary="Where its pictures come from; no password is shown")
     async def get(robot: CameraRobot, camera: CameraId, session: SignedIn) -> dict[str, Any]:
+        """Return what is set, or that it is its robot; ``404`` for a field camera that is not there."""
         one = book.get(session, robot, camera)
         return source_json(one, book) if one is not None else _robot_json(robot, camera, book)
 
     @router.put("/cameras/{robot}/{camera}/source", summary="Set it; an upload's token is shown this once")
     async def put(robot: CameraRobot, camera: CameraId, body: SourceBody, session: SignedIn) -> dict[str, Any]:
+        """Set it from now on; an address that is not used is refused in words, and nothing changes."""
         made, token = await _put(book, session, robot, camera, body)
         shown = source_json(made, book)
         return {**shown, "token": token} if token else shown
 
     @router.delete("/cameras/{robot}/{camera}/source", status_code=204, summary="From the robot again")
     async def remove(robot: CameraRobot, camera: CameraId, session: SignedIn) -> None:
+        """Take pictures from the robot again, or forget a field camera; ``404`` if nothing was set."""
         await book.remove(session, robot, camera)
 
     @router.post("/cameras/{robot}/{camera}/source/test", summary="Ask for one picture; says what is in the way")
     async def test(robot: CameraRobot, camera: CameraId, session: SignedIn) -> dict[str, Any]:
+        """Return whether a picture came, in a sentence, and after how many ms; takes up to 12 s."""
         told = await book.test(session, robot, camera)
         size = {"width_px": told.width_px, "height_px": told.height_px} if told.width_px else {}
         return {"ok": told.is_ok, "text": told.text, "ms": round(told.took_s * 1000), **size}
@@ -85,6 +90,7 @@ def field_frame_routes(frames: FieldFrames) -> APIRouter:
         summary="Send a frame, JPEG or PNG, with the camera's token as Bearer; X-Age-Ms tells how old it is",
     )
     async def frame(name: FieldCamera, request: Request) -> JSONResponse | None:
+        """Take a frame of the camera that shows its token; ``401``, ``422``, and ``429`` with when to try again."""
         try:
             one = frames.admit(name, bearer(request))
             await frames.take(one, await request.body(), _age_s(request))

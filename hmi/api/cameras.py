@@ -114,6 +114,7 @@ def camera_routes(parts: CameraRoutes) -> APIRouter:
 def _add_watching(router: APIRouter, parts: CameraRoutes) -> None:
     @router.get("", summary="Cameras with how they do")
     async def cameras(session: Watcher, robot: Annotated[str, Query(max_length=64)] = "") -> dict[str, Any]:
+        """Return those this person may watch; ``503 cameras_down`` while the camera process is not up."""
         found = await _away_is_503(parts.cameras.all())
         mine = [one for one in found if not is_allowed(parts.authorize, session, Permission.WATCH, one["robot"])]
         return {"cameras": [one for one in mine if robot in ("", one["robot"])]}
@@ -122,6 +123,7 @@ def _add_watching(router: APIRouter, parts: CameraRoutes) -> None:
     async def whep(
         robot_id: RobotId, camera: CameraId, request: Request, session: SignedIn, watcher: WatcherToken = ""
     ) -> Response:
+        """Answer an offer for the page whose socket has this token; errors as in docs/protocols/cameras.md."""
         parts.authorize(session, Permission.WATCH, robot_id)
         if request.headers.get("content-type", "").partition(";")[0].strip() != "application/sdp":
             raise ApiError(415, "invalid", "Send the offer as application/sdp.")
@@ -134,6 +136,7 @@ def _add_watching(router: APIRouter, parts: CameraRoutes) -> None:
         session: SignedIn,
         watcher: WatcherToken = "",
     ) -> Response:
+        """End a stream of the page it was opened by; ``404`` for any other."""
         return await _passed_on(parts, session, "DELETE", f"/sessions/{session_id}", None, watcher)
 
     @router.get("/{robot_id}/{camera}/still", summary="Newest picture as JPEG")
@@ -143,6 +146,7 @@ def _add_watching(router: APIRouter, parts: CameraRoutes) -> None:
         session: SignedIn,
         fresh_s: Annotated[float | None, Query(ge=0.1, le=3600, description="at most this old, s")] = None,
     ) -> Response:
+        """Return a JPEG and when it was taken (ms, monotonic clock); ``404 no_picture`` says why there is none."""
         parts.authorize(session, Permission.WATCH, robot_id)
         query = "" if fresh_s is None else f"?fresh_s={fresh_s}"
         answer = await _passed_on(parts, session, "GET", f"/cameras/{robot_id}/{camera}/still{query}")
@@ -153,6 +157,7 @@ def _add_watching(router: APIRouter, parts: CameraRoutes) -> None:
 
     @router.get("/{robot_id}/{camera}/control", summary="How its robot says a camera is set; null is not known")
     async def setting(robot_id: RobotId, camera: CameraId, session: SignedIn) -> dict[str, Any]:
+        """Return lamp and zoom (times) as the robot tells them; ``504 no_answer`` if it says nothing."""
         parts.authorize(session, Permission.WATCH, robot_id)
         try:
             found = await parts.cameras.setting(robot_id, camera)
@@ -164,6 +169,7 @@ def _add_watching(router: APIRouter, parts: CameraRoutes) -> None:
 def _add_acting(router: APIRouter, parts: CameraRoutes) -> None:
     @router.post("/{robot_id}/{camera}/restart", status_code=202, summary="Open the source of a camera anew")
     async def restart(robot_id: RobotId, camera: CameraId, session: SignedIn) -> Response:
+        """Let go of what is open and open it again, now; it is no failure and is not counted."""
         parts.authorize(session, Permission.RESTART_CAMERA, None if robot_id == FIELD_ROBOT else robot_id)
         answer = await _passed_on(parts, session, "POST", f"/cameras/{robot_id}/{camera}/restart")
         if answer.status_code == 202:
@@ -172,6 +178,7 @@ def _add_acting(router: APIRouter, parts: CameraRoutes) -> None:
 
     @router.post("/{robot_id}/{camera}/control", status_code=204, summary="Lamp, zoom or trigger of a robot's camera")
     async def control(robot_id: RobotId, camera: CameraId, body: CameraControlBody, session: SignedIn) -> Response:
+        """Pass one order on for who controls the robot; ``409`` without control, while off, or as the robot says."""
         parts.authorize(session, Permission.LEASE, robot_id)
         if not parts.holds(session.session_id, robot_id):
             raise ApiError(409, "no_lease", "Take control of the robot first.")

@@ -91,7 +91,7 @@ class CameraCalls:
         try:
             return Clip(float(told["from"]) / 1000.0, float(told["to"]) / 1000.0, int(told["width_px"]),
                         int(told["height_px"]), told.get("has_gap") is True,
-                        told.get("is_dated") is not False)  # fmt: skip
+                        told.get("is_dated") is not False, told.get("has_before") is True)  # fmt: skip
         except (KeyError, TypeError, ValueError) as error:
             raise CamerasAway("its answer is not understood") from error
 

@@ -269,10 +269,11 @@ class Console:
             for robot_id in frame.each():
                 self.desk.pulse.here(session, robot_id, frame.tick)
             return
+        picture_s = None if frame.picture is None else frame.picture / 1000
         if isinstance(frame, Jog):
-            kind, verdict = "jog", self.desk.drive.jog(session, lane_id, JogFrame(frame.robot, frame.rates, frame.tick))
+            joints = JogFrame(frame.robot, frame.rates, frame.tick, picture_s)
+            kind, verdict = "jog", self.desk.drive.jog(session, lane_id, joints)
         else:
-            picture_s = None if frame.picture is None else frame.picture / 1000
             setpoint = DriveFrame(frame.robot, frame.v, frame.w, frame.tick, picture_s)
             kind, verdict = "drive", self.desk.drive.setpoint(session, lane_id, setpoint)
         if not verdict.is_forwarded and self._is_new_refusal(lane_id, verdict.code):

@@ -37,6 +37,7 @@ from hmi.store.picture_shelf import PictureShelf
 SWEEP_S = 60.0
 GB = 1_000_000_000
 FRONT = "front"
+USUAL_MOST, DEMO_MOST = 16, 4  # cameras held open for clips; simulated ones are drawn on the same machine
 log = logging.getLogger(__name__)
 
 
@@ -165,7 +166,7 @@ class PictureDesk:
         return CameraRecorder(
             RecorderParts(
                 process, clips, missions, clock, self.cameras_of, self.moment_of, lambda: self.shelf.health().is_ok,
-                mode, settings.record_most,
+                mode, settings.record_most or (DEMO_MOST if settings.demo else USUAL_MOST),
             )
         )  # fmt: skip
 

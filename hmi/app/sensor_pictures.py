@@ -34,6 +34,7 @@ class SensorPictures:
     ) -> None:
         self._board, self._stations, self._desk, self._database, self._clock = board, stations, desk, database, clock
         self._taking: dict[str, asyncio.Task[None]] = {}
+        self._following: set[asyncio.Task[None]] = set()
         desk.place_of = self.place_of
         self.counts = dict.fromkeys(("taken", "not_accepted", "too_many", "too_often", "bad", "not_kept", "busy"), 0)
 
@@ -50,6 +51,15 @@ class SensorPictures:
             task = asyncio.get_running_loop().create_task(self._take(station_id, jpeg), name="sensor-picture")
             self._taking[station_id] = task
             task.add_done_callback(lambda _task: self._taking.pop(station_id, None))
+
+    def announced(self, station_id: str) -> None:
+        """Follow what a station says of itself now; on the event loop, does not wait."""
+        known = self._board.get(station_id)
+        if known is None or not known.station.is_accepted or known.station.kind is not SensorKind.CAMERA:
+            return
+        task = asyncio.get_running_loop().create_task(self._follow(known.station), name="sensor-period")
+        self._following.add(task)
+        task.add_done_callback(self._following.discard)
 
     async def welcome(self, station: FieldStation, by: str) -> None:
         """Let an accepted station send its pictures; too many cameras are told in the log."""
@@ -81,7 +91,7 @@ class SensorPictures:
 
     async def stop(self) -> None:
         """Finish what is being taken."""
-        await asyncio.gather(*self._taking.values(), return_exceptions=True)
+        await asyncio.gather(*self._taking.values(), *self._following, return_exceptions=True)
 
     async def _take(self, station_id: str, jpeg: bytes) -> None:
         try:
@@ -114,8 +124,14 @@ class SensorPictures:
             log.warning("the pictures of %s today are counted in memory only: %s", station_id, error)
 
     async def _expect(self, station: FieldStation) -> None:
-        """A camera that was welcomed before its period counted is expected as often as its station says."""
-        await self._desk.sources.expect(station.id, max(LEAST_S, station.period_s), instead_of_s=LEAST_S)
+        """A camera is expected as often as its station says now, whatever it said when it was welcomed."""
+        await self._desk.sources.expect(station.id, max(LEAST_S, station.period_s))
+
+    async def _follow(self, station: FieldStation) -> None:
+        try:
+            await self._expect(station)
+        except StoreError as error:
+            log.warning("pictures of %s are expected as before: %s", station.id, error)
 
     def _today(self) -> str:
         return self._clock.utc().date().isoformat()

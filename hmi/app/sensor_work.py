@@ -21,7 +21,7 @@ from hmi.commands.treatment_notice import NoticeState, TreatmentNotices
 from hmi.domain.alarm.finding import Findings
 from hmi.domain.sensors.condition import StationCondition
 from hmi.domain.sensors.gate import Gate, gate
-from hmi.domain.sensors.station import StationAnswer
+from hmi.domain.sensors.station import Announcement, StationAnswer
 from hmi.ingest.field import FieldCoordinator, FieldListeners, field_link
 from hmi.ingest.supervision.stations import AtWork, condition_of, source_of, station_findings, work_findings
 from hmi.planning.side_process import SideProcess
@@ -154,13 +154,17 @@ class SensorWork:
 
     def _listeners(self) -> FieldListeners:
         return FieldListeners(
-            announced=self.board.announced,
+            announced=self._announced,
             gone=self.board.gone,
             reported=self.board.reported,
             pictured=self.pictures.take,
             answered=self._answered,
             linked=lambda _is_up: self._changed(""),
         )
+
+    def _announced(self, said: Announcement) -> None:
+        self.board.announced(said)
+        self.pictures.announced(said.station_id)
 
     def _answered(self, answer: StationAnswer) -> None:
         self.trigger.answered(answer)

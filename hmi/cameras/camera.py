@@ -22,6 +22,7 @@ LINGER_S = 5.0  # a page that is loaded again finds the camera running
 TICK_S = 0.2
 SILENT_S = 5.0  # without a new picture for so long its source is opened anew
 PERIODS = 4  # for slower ones
+STARTS_S = 30.0  # so long a worker may take to say its first word; until then its camera is not called silent
 MOST_SILENT_S = 60.0  # opening it anew did not help: twice as long each time, for its scene may really stand still
 MOST_IN_GROUP = 300
 NEWEST_S = 1.0  # an older still gives way to a smaller one
@@ -68,6 +69,7 @@ class Camera:
         self.watches: set[Watch] = set()
         self._ways: dict[Watch, Way] = {}  # asked once: pictures are many
         self.hearers: set[Hearer] = set()
+        self.is_kept = False  # its last minute is
         self.newest: Piece | None = None
         self.newest_jpeg: Piece | None = None
         self._group: Group[Piece] = Group(MOST_IN_GROUP)
@@ -79,6 +81,7 @@ class Camera:
         self._arrived_s: float | None = None
         self._began_s = self._looked_s = 0.0
         self._is_renewed = False  # the worker ends because it shall
+        self._has_spoken = True
         self._silences = 0  # workers in a row that were ended because nothing new came
         self._ending = ""
         self._news: tuple[float, News] | None = None
@@ -204,6 +207,7 @@ class Camera:
             "reason": self.reason,
             "restarts": self.restarts,
             "viewers": sum(watch.is_person for watch in self.watches),
+            "is_kept": self.is_kept and self.state is CameraState.LIVE,
             "fps": round(self.fps, 1),
             "period_s": round(self.source.expected_period_s, 3),
             "kbit_s": round(self.kbit_s),
@@ -264,7 +268,7 @@ class Camera:
             worker = self._worker = await WorkerProcess.start(self.source, self._plan, self._mark)
         except OSError as error:
             return f"no worker could be started ({error.strerror})"
-        self._began_s = self._clock.mono_s()
+        self._began_s, self._has_spoken = self._clock.mono_s(), False
         self._order(self._plan)  # it may have changed while the worker started
         ended = crash = ""
         try:
@@ -277,10 +281,12 @@ class Camera:
         finally:
             self._worker = None
             crash = await asyncio.shield(worker.end())
-        return self._ending or ended or crash
+        return ended or self._ending or crash
 
     def _heard(self, message: Piece | News) -> str:
         """Take what a worker says; return why it ends, if it says that."""
+        if not self._has_spoken:
+            self._began_s, self._has_spoken = self._clock.mono_s(), True
         if isinstance(message, News):
             self._count(message)
             return message.ended
@@ -310,8 +316,14 @@ class Camera:
         """End a worker that has had nothing new for long, whatever its camera goes on sending."""
         least_s = max(SILENT_S, PERIODS * self._period_s)
         patience_s = max(least_s, min(MOST_SILENT_S, least_s * 2**self._silences))
+        if self._news is not None and self._news[1].waits_key:
+            patience_s = max(patience_s, MOST_SILENT_S)  # opened anew it would wait anew
         now_s = self._clock.mono_s()
-        if now_s - (self._arrived_s or self._began_s) <= patience_s:
+        if now_s - (self._arrived_s or self._began_s) <= (patience_s if self._has_spoken else STARTS_S):
+            return
+        if not self._has_spoken:
+            self._ending = "it could not be opened in time: this machine is too busy"
+            worker.let_go()
             return
         self._silences = 1 if now_s - self._began_s > 2 * MOST_SILENT_S else self._silences + 1
         why = "" if self._news is None or not self._news[1].bad else f": {self._news[1].why}"
@@ -360,6 +372,8 @@ class Camera:
         self._news, self._mark = (now_s, news), news.mark
         if bad and not self._is_fresh():
             self.reason = f"{news.bad} pictures could not be used: {news.why}"
+        elif news.waits_key and self._arrived_s is None:
+            self.reason = "waiting for the camera's next key picture"
         self._tell()
 
     @property

@@ -11,7 +11,6 @@ import itertools
 import os
 import socket
 import struct
-from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -20,7 +19,7 @@ import msgspec
 from msgspec import Struct
 
 from hmi.cameras.picture_wire import Piece
-from hmi.cameras.ring import GAP_S
+from hmi.cameras.ring import GAP_S, Span
 from hmi.cameras.worker_process import context
 
 WRITE_S = 20.0
@@ -29,7 +28,7 @@ HEAD = struct.Struct("<IQHH?")
 
 
 class Written(Struct, frozen=True):
-    """What is in a clip; times on the machine's monotonic clock, ms."""
+    """What is in a clip; times on the machine's monotonic clock, ms. ``has_before``: see ``Span``."""
 
     path: str
     from_m: float = msgspec.field(name="from")
@@ -40,6 +39,7 @@ class Written(Struct, frozen=True):
     height_px: int
     has_gap: bool
     is_dated: bool
+    has_before: bool
 
 
 class ClipFailed(Exception):
@@ -50,9 +50,10 @@ class ClipFailed(Exception):
         self.status, self.code, self.text = status, code, text
 
 
-async def write_clip(pieces: Sequence[Piece], path: Path, data: Path) -> Written:
-    """Write ``pieces``, the first of them a key picture, to a new file below ``data``; raises ``ClipFailed``."""
-    size = await asyncio.to_thread(_write, list(pieces), path, data)
+async def write_clip(span: Span, path: Path, data: Path) -> Written:
+    """Write a span, its first a key picture, to a new file below ``data``; raises ``ClipFailed``."""
+    pieces = span.pieces
+    size = await asyncio.to_thread(_write, pieces, path, data)
     times = [one.captured_ms for one in pieces]
     return Written(
         path=str(path),
@@ -64,6 +65,7 @@ async def write_clip(pieces: Sequence[Piece], path: Path, data: Path) -> Written
         height_px=pieces[-1].height,
         has_gap=any(after - before > GAP_S * 1000 for before, after in itertools.pairwise(times)),
         is_dated=all(one.is_dated for one in pieces),
+        has_before=span.has_before,
     )
 
 

@@ -13,8 +13,8 @@ LEAST_FPS = 2.5  # fewer would be a slow camera, whose pictures freeze later
 class Congestion:
     """What share of the wanted pictures one line carries. Times in ms on one monotonic clock."""
 
-    def __init__(self) -> None:
-        self.share = 1.0
+    def __init__(self, share: float = 1.0) -> None:
+        self.share = share
         self.renewals = 0
         """Counts when the source is to be opened anew: that throws away what waits in the robot."""
         self._full_ms: float | None = None

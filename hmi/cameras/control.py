@@ -22,7 +22,7 @@ from hmi.cameras.hub import Hub
 from hmi.cameras.jpeg_header import MAX_BYTES, BadPicture
 from hmi.cameras.page_socket import PageSockets
 from hmi.cameras.picture_wire import Piece
-from hmi.cameras.ring import Rings
+from hmi.cameras.ring import Rings, Span
 from hmi.cameras.whep import MAX_OFFER_BYTES, WhepDesk, WhepRefused
 from hmi.clock import Clock
 from hmi.domain.camera import Recording, Source
@@ -114,6 +114,7 @@ def picture(piece: Piece | None, reason: str = "") -> Response:
 
 def _on_camera(parts: CameraParts, handler: CameraHandler) -> Handler:
     async def handle(request: Request) -> Response:
+        """Find the camera that is asked for; ``404`` if there is none."""
         camera = parts.hub.get(request.path_params["robot"], request.path_params["camera"])
         if camera is None:
             return refused(404, "unknown_camera", "There is no such camera.")
@@ -124,6 +125,7 @@ def _on_camera(parts: CameraParts, handler: CameraHandler) -> Handler:
 
 def _status(parts: CameraParts) -> Handler:
     async def status(_request: Request) -> Response:
+        """Count what is open; workers by camera with their process id."""
         cameras = parts.hub.cameras.values()
         return encoded({
             "pid": os.getpid(),
@@ -139,6 +141,7 @@ def _status(parts: CameraParts) -> Handler:
 
 def _put_sources(parts: CameraParts) -> Handler:
     async def put(request: Request) -> Response:
+        """Take the whole list of sources, and let go of everything that is no longer in it; ``422`` for no list."""
         try:
             body = msgspec.json.decode(await request.body(), type=SourceList)
         except msgspec.MsgspecError as error:
@@ -155,6 +158,7 @@ def _put_sources(parts: CameraParts) -> Handler:
 
 def _list(parts: CameraParts) -> Handler:
     async def cameras(_request: Request) -> Response:
+        """Return every camera as ``Camera`` of the protocol."""
         return encoded({"cameras": parts.hub.describe()})
 
     return cameras
@@ -162,6 +166,7 @@ def _list(parts: CameraParts) -> Handler:
 
 def _still(parts: CameraParts) -> CameraHandler:
     async def still(request: Request, camera: Camera) -> Response:
+        """Return the newest JPEG, or look for one of at most ``fresh_s`` seconds; see ``Hub.still``."""
         try:
             said = request.query_params.get("fresh_s")
             fresh_s = None if said is None else float(said)
@@ -175,6 +180,7 @@ def _still(parts: CameraParts) -> CameraHandler:
 
 def _whep(parts: CameraParts) -> CameraHandler:
     async def whep(request: Request, camera: Camera) -> Response:
+        """Answer an offer of a page whose socket is open; ``403`` without one, else as ``WhepRefused`` says."""
         page = parts.pages.of(request.headers.get(WATCHER_HEADER, ""), request.headers.get(VIEWER_HEADER, ""))
         if page is None:
             return refused(403, "not_allowed", "Open the socket of the page first.")
@@ -192,6 +198,7 @@ def _whep(parts: CameraParts) -> CameraHandler:
 
 def _end_session(parts: CameraParts) -> Handler:
     async def end(request: Request) -> Response:
+        """End a stream for the page that has it; one that has ended already is no error."""
         session = parts.whep.sessions.get(request.path_params["id"])
         page = parts.pages.of(request.headers.get(WATCHER_HEADER, ""), request.headers.get(VIEWER_HEADER, ""))
         if page is None or (session is not None and session.page is not page):
@@ -210,6 +217,7 @@ async def _restart(_request: Request, camera: Camera) -> Response:
 
 def _frame(parts: CameraParts) -> CameraHandler:
     async def frame(request: Request, camera: Camera) -> Response:
+        """Take a JPEG that is ``age_ms`` old; ``413`` and ``422`` for what cannot be shown."""
         data = bytearray()
         async for piece in request.stream():
             data += piece
@@ -228,6 +236,7 @@ def _frame(parts: CameraParts) -> CameraHandler:
 
 def _put_recording(parts: CameraParts) -> Handler:
     async def put(request: Request) -> Response:
+        """Take the whole list of cameras that keep their last minute; ``422`` for no list."""
         try:
             body = msgspec.json.decode(await request.body(), type=RecordingList)
         except msgspec.MsgspecError as error:
@@ -240,6 +249,7 @@ def _put_recording(parts: CameraParts) -> Handler:
 
 def _kept(parts: CameraParts) -> Handler:
     async def kept(request: Request) -> Response:
+        """Return the kept JPEG nearest to ``at`` (ms, monotonic clock); ``404`` if nothing is kept."""
         ring = parts.rings.of(request.path_params["robot"], request.path_params["camera"])
         try:
             at_ms = float(request.query_params["at"])
@@ -252,6 +262,7 @@ def _kept(parts: CameraParts) -> Handler:
 
 def _clip(parts: CameraParts) -> Handler:
     async def clip(request: Request) -> Response:
+        """Write what was kept of a span (ms, monotonic clock) to a file; errors as in docs/protocols/cameras.md."""
         try:
             wish = msgspec.json.decode(await request.body(), type=ClipWish)
         except msgspec.MsgspecError as error:
@@ -259,11 +270,11 @@ def _clip(parts: CameraParts) -> Handler:
         if parts.hub.get(wish.robot, wish.camera) is None:
             return refused(404, "unknown_camera", "There is no such camera.")
         ring = parts.rings.of(wish.robot, wish.camera)
-        pieces = [] if ring is None else ring.video.between(wish.from_m, wish.to_m)
-        if not pieces:
+        span = Span([]) if ring is None else ring.video.between(wish.from_m, wish.to_m)
+        if not span.pieces:
             return refused(409, "nothing_kept", "Nothing of this time was kept.")
         try:
-            return encoded(await write_clip(pieces, Path(wish.path), parts.data), 201)
+            return encoded(await write_clip(span, Path(wish.path), parts.data), 201)
         except ClipFailed as failed:
             return refused(failed.status, failed.code, failed.text)
 

@@ -33,11 +33,15 @@ class Group(Generic[T]):
 
     def add(self, one: T) -> None:
         """Keep the next picture."""
-        if one.is_key or len(self.row) >= self._most or self._size + len(one.data) > MOST_BYTES:
+        if one.is_key or self.is_full_for(one):
             self.clear()
         if one.is_key or self.row:
             self.row.append(one)
             self._size += len(one.data)
+
+    def is_full_for(self, one: T) -> bool:
+        """Whether one more that is no key picture would be too many."""
+        return len(self.row) >= self._most or self._size + len(one.data) > MOST_BYTES
 
     def clear(self) -> None:
         """Forget them."""

@@ -67,7 +67,8 @@ class News(Struct, frozen=True, kw_only=True):
 
     ``pictures`` and ``size`` (bytes) since it began; ``bad``: what came and could not be used, ``why`` the last reason;
     ``skipped``: pictures a newer one overtook. ``ended``: why the worker gives up, empty while it works. ``mark``: of
-    the last picture that came without a time, by which the next worker knows it again.
+    the last picture that came without a time, by which the next worker knows it again. ``waits_key``: what comes can
+    only be shown from the camera's next key picture on.
     """
 
     pictures: int = 0
@@ -77,6 +78,7 @@ class News(Struct, frozen=True, kw_only=True):
     skipped: int = 0
     ended: str = ""
     mark: str = ""
+    waits_key: bool = False
 
     def packed(self) -> bytes:
         """Return the bytes on the socket."""

@@ -19,7 +19,7 @@ from hmi.cameras.inbox import Inbox, Shot
 from hmi.cameras.jpeg_header import MAX_BYTES, BadPicture, checked_size
 from hmi.cameras.multipart import MultipartReader, Part, boundary_of
 from hmi.cameras.picture_wire import Plan
-from hmi.cameras.transit import Transit
+from hmi.cameras.transit import STEP_MS, Transit
 from hmi.clock import mono_s
 from hmi.domain.camera import Source, SourceKind
 
@@ -27,6 +27,7 @@ CONNECT_S = 4.0
 SILENT_S = 5.0  # a stream that says nothing for so long is opened anew
 PERIODS = 4  # for slower ones
 MAX_AGE_MS = 60_000.0  # an age beyond that is a broken clock
+ASK_AGAIN_MS = 5_000.0  # a request that was lost once and sent again makes the way look long: then it is asked anew
 
 
 class PullFailed(Exception):
@@ -45,6 +46,7 @@ class HttpPull:
         self._rtt_ms = float("inf")
         self._connect_ms = 0.0
         self._transit, self._congestion = Transit(), Congestion()
+        self._again_ms, self._patience_ms = 0.0, ASK_AGAIN_MS
 
     def run(self) -> None:
         """Pull until it fails; raises ``PullFailed``, ``BadAddress``, ``multipart.Refused`` or ``httpx.HTTPError``."""
@@ -90,6 +92,9 @@ class HttpPull:
         self._transit.asked(_now_ms())
         with client.stream("GET", target.url, params=limits or None, extensions=self._extensions(target)) as response:
             _check(response)
+            heard_ms = clock_ms_of(response.headers.get("x-asked-ms"))
+            if heard_ms is not None:
+                self._transit.heard(heard_ms)
             reader = MultipartReader(boundary_of(response.headers.get("content-type", "")))
             for data in response.iter_raw():
                 for part in reader.feed(data, _now_ms()):
@@ -97,6 +102,8 @@ class HttpPull:
                 self._count(reader)
                 if limits != self._limits() or renewals != self._congestion.renewals or self._transit.is_hidden:
                     return  # what waits in the robot goes with the connection
+                if self._is_to_be_asked_again():
+                    return
             raise PullFailed("the camera ended its stream")
 
     def _count(self, reader: MultipartReader) -> None:
@@ -119,15 +126,40 @@ class HttpPull:
                 self._inbox.refuse("the same picture again")
                 return
             self._inbox.mark = mark
-            self._inbox.put(Shot(part.body, part.began_ms, False))
+            stamp_s = clock_ms_of(part.headers.get("x-timestamp"))
+            waited_ms = 0.0 if stamp_s is None else self._waited_ms(stamp_s * 1000, part)
+            self._inbox.put(Shot(part.body, part.began_ms - waited_ms, False))
             return
-        way_ms = 0.0 if self._rtt_ms == float("inf") else self._rtt_ms / 2
         taken_ms = clock_ms_of(part.headers.get("x-captured-ms"))
-        if taken_ms is not None:
-            waited_ms = self._transit.waited_ms(taken_ms + age_ms, part.began_ms)
-            self._congestion.note(waited_ms, part.began_ms)
-            way_ms += waited_ms
-        self._inbox.put(Shot(part.body, part.began_ms - age_ms - way_ms, True))
+        waited_ms = 0.0 if taken_ms is None else self._waited_ms(taken_ms + age_ms, part)
+        self._inbox.put(Shot(part.body, part.began_ms - age_ms - self._way_ms - waited_ms, True))
+
+    def _waited_ms(self, begun_ms: float, part: Part) -> float:
+        """Return how much longer than the quickest a part was under way, and ask less of a line that is full."""
+        waited_ms = self._transit.waited_ms(begun_ms, part.began_ms)
+        self._congestion.note(self._way_ms + waited_ms, part.began_ms)
+        return waited_ms
+
+    @property
+    def _way_ms(self) -> float:
+        """The most that the quickest was under way: there and back, or what the robot's own word for it tells more."""
+        rtt_ms = 0.0 if self._rtt_ms == float("inf") else self._rtt_ms
+        return (self._transit.way_ms or 0.0) if self._is_far(rtt_ms) else rtt_ms
+
+    def _is_far(self, rtt_ms: float) -> bool:
+        """Whether the way is longer than its round trip tells: who answers there is not the robot, or it was lost."""
+        return self._transit.way_ms is not None and self._transit.way_ms - rtt_ms > STEP_MS
+
+    def _is_to_be_asked_again(self) -> bool:
+        if not self._is_far(self._rtt_ms):
+            self._again_ms = 0.0
+            return False
+        now_ms = _now_ms()
+        self._again_ms = self._again_ms or now_ms + self._patience_ms
+        if now_ms < self._again_ms:
+            return False
+        self._again_ms, self._patience_ms = 0.0, 4 * self._patience_ms
+        return True
 
     def _snapshots(self, client: httpx.Client, target: Target) -> None:
         period_s = max(self._source.expected_period_s, 1.0 / self._plan_of().fps)
@@ -147,8 +179,10 @@ class HttpPull:
         return {"sni_hostname": target.hostname, "trace": self._trace}
 
     def _trace(self, event: str, _info: Any) -> None:
-        """A connection takes one round trip to open."""
-        if event == "connection.connect_tcp.started":
+        """A connection takes one round trip to open; what is asked for is asked for when it is there."""
+        if event == "http11.send_request_headers.started":
+            self._transit.asked(_now_ms())
+        elif event == "connection.connect_tcp.started":
             self._connect_ms = _now_ms()
         elif event == "connection.connect_tcp.complete":
             self._rtt_ms = min(self._rtt_ms, _now_ms() - self._connect_ms)

@@ -7,10 +7,12 @@ from urllib.parse import quote, urlsplit, urlunsplit
 import av
 
 from hmi.cameras.addresses import target_of
+from hmi.cameras.congestion import LEAST_SHARE, Congestion
 from hmi.cameras.inbox import Inbox, Shot, Unit
 from hmi.cameras.jpeg_header import MAX_BYTES, BadPicture, checked_size
 from hmi.cameras.pull_http import PullFailed
 from hmi.cameras.rtsp_guard import OPEN_S, RtspGuard
+from hmi.cameras.sender_clock import SenderClock
 from hmi.clock import mono_s
 from hmi.domain.camera import Source
 
@@ -18,6 +20,7 @@ SILENT_S = 5.0
 CODECS = ("h264", "hevc", "mjpeg")
 OPTIONS = {
     "rtsp_transport": "tcp",
+    "allowed_media_types": "video",  # no sound is asked for
     "protocol_whitelist": "rtsp,rtp,tcp",
     "fflags": "nobuffer",
     "flags": "low_delay",
@@ -35,10 +38,14 @@ class RtspPull:
         self._source, self._inbox = source, inbox
         self.codec = ""
         self.can_pass = False
+        self._clock: SenderClock | None = None
+        self._congestion = Congestion(LEAST_SHARE)  # it cannot be asked for fewer pictures
+        self._taken_ms = 0.0
 
     def run(self) -> None:
         """Pull until it fails; raises ``PullFailed``, ``BadAddress`` or ``av.FFmpegError``."""
         with RtspGuard(target_of(self._source.url, self._source.kind, self._source.nets)) as guard:
+            self._clock = guard.clock
             try:
                 self._read(self._with_user(guard.url))
             except av.FFmpegError as error:
@@ -69,19 +76,24 @@ class RtspPull:
         if not packet.size:
             return
         now_ms = mono_s() * 1000
+        waited_ms = 0.0 if self._clock is None else self._clock.waited_ms
+        self._taken_ms = max(self._taken_ms + 1.0, now_ms - waited_ms)  # times never go back
+        self._congestion.note(waited_ms, now_ms)
+        if self._congestion.renewals:
+            raise PullFailed("its pictures waited too long on their way")  # opened anew, what waits is thrown away
         if packet.size > MAX_BYTES or packet.is_corrupt:
             self._inbox.refuse("a broken picture" if packet.is_corrupt else "larger than 8 MB")
             return
         data = bytes(packet)
         if self.codec != "mjpeg":
-            self._inbox.put_unit(Unit(data, now_ms, packet.is_keyframe))
+            self._inbox.put_unit(Unit(data, self._taken_ms, packet.is_keyframe))
             return
         try:
             checked_size(data)
         except BadPicture as error:
             self._inbox.refuse(str(error))
         else:
-            self._inbox.put(Shot(data, now_ms, False))
+            self._inbox.put(Shot(data, self._taken_ms, False))
 
     def _with_user(self, url: str) -> str:
         if not self._source.user:

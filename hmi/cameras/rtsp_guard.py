@@ -13,6 +13,8 @@ from types import TracebackType
 from urllib.parse import urlsplit, urlunsplit
 
 from hmi.cameras.addresses import SCHEMES, Target
+from hmi.cameras.sender_clock import SenderClock
+from hmi.clock import mono_s
 from hmi.domain.camera import SourceKind
 
 OPEN_S = 6.0
@@ -22,7 +24,10 @@ _ELSEWHERE = re.compile(rb"RTSP/1\S*\s+\+?0*3\d\d")  # as loosely as libav reads
 
 
 class RtspGuard:
-    """Serves one source while it is entered, from a thread of its own; ``why`` says what it could not do, in words."""
+    """Serves one source while it is entered, from a thread of its own.
+
+    ``why`` says what it could not do, in words; ``clock`` how long the newest picture waited on its way.
+    """
 
     def __init__(self, target: Target) -> None:
         self._target, self._parts = target, urlsplit(target.url)
@@ -30,6 +35,7 @@ class RtspGuard:
         self._server: asyncio.Server | None = None
         self._thread = threading.Thread(target=self._loop.run_forever, name="rtsp guard", daemon=True)
         self.why = ""
+        self.clock = SenderClock()
 
     def __enter__(self) -> RtspGuard:
         self._thread.start()
@@ -119,7 +125,9 @@ class _Relay:
     async def _down(self) -> None:
         reader, writer = self._camera[0], self._libav[1]
         while data := await reader.read(PIECE):
-            if not self._has_asked and not self._is_harmless(data):
+            if self._has_asked:
+                self._guard.clock.feed(data, mono_s() * 1000)
+            elif not self._is_harmless(data):
                 return
             writer.write(data)
             await writer.drain()

@@ -18,9 +18,16 @@ class Transit:
     That least is never forgotten: a line that is full for long would teach that waiting is normal. It rises by the
     drift of two clocks, a third of a second in an hour. A clock that is set back by more than the distance of two
     parts is seen by the next one; one that is set forward hides what waits now, and ``is_hidden`` says so.
+
+    How long the quickest itself was under way no surplus tells: on a line that is full from the first picture on even
+    that one waited. A robot that says when it heard the request cannot have heard it before it was sent, which tells
+    how far both clocks are apart at most. ``way_ms`` is the most that the quickest was under way by that, ``None``
+    where the robot does not say it.
     """
 
     def __init__(self) -> None:
+        self.way_ms: float | None = None
+        self._heard_ms: float | None = None
         self._least_ms: float | None = None
         self._came_ms = 0.0
         self._begun_ms = float("-inf")
@@ -30,7 +37,13 @@ class Transit:
 
     def asked(self, at_ms: float) -> None:
         """Note that pictures were asked for on a new connection, on which none waits yet."""
-        self._asked_ms, self.is_hidden = at_ms, False
+        if self.is_hidden:
+            self.way_ms = None  # the robot's clock is another one
+        self._asked_ms, self._heard_ms, self.is_hidden = at_ms, None, False
+
+    def heard(self, robot_ms: float) -> None:
+        """Note when the robot heard what was asked for last, by its clock; before the first part of its answer."""
+        self._heard_ms = robot_ms
 
     def waited_ms(self, begun_ms: float, came_ms: float) -> float:
         """Return how much longer than the quickest a part was under way.
@@ -40,6 +53,7 @@ class Transit:
             came_ms: when its first byte came on ours.
         """
         apart_ms, asked_ms, self._asked_ms = came_ms - begun_ms, self._asked_ms, None
+        heard_ms, self._heard_ms, before_ms = self._heard_ms, None, self._least_ms
         if self._least_ms is not None and begun_ms < self._begun_ms:
             # parts are begun one after the other: its clock was set back, and this one waited as the one before
             self._least_ms, self._came_ms = apart_ms - self._waited_ms, came_ms
@@ -53,4 +67,9 @@ class Transit:
                 least_ms = apart_ms  # begun before it was asked for? the robot's clock was set back
         self._least_ms, self._came_ms = min(least_ms, apart_ms), came_ms
         self._waited_ms = apart_ms - self._least_ms
+        if heard_ms is not None and asked_ms is not None:
+            most_ms = max(0.0, self._least_ms - (asked_ms - heard_ms))
+            self.way_ms = most_ms if self.way_ms is None else min(self.way_ms, most_ms)
+        elif self.way_ms is not None and before_ms is not None:
+            self.way_ms -= min(self.way_ms, max(0.0, before_ms - self._least_ms))  # this one was quicker
         return self._waited_ms

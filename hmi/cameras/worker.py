@@ -37,7 +37,7 @@ MEMORY_BYTES = 3 * 1024**3  # address space: 0.5 GB with everything loaded, and 
 NEWS_S = 1.0
 REPEAT_S = 15.0  # an older picture is not sent again for somebody who comes late; its age goes with it
 PR_SET_PDEATHSIG = 1
-MOST_READ_ANEW = 120  # decoded at once when somebody wants what nobody wanted before
+MOST_BETWEEN_KEYS = 300  # more, and who comes late would wait: then it is not passed on but encoded here
 BAD_IN_A_ROW = 30  # nothing but garbage: the source is opened anew
 
 
@@ -79,7 +79,7 @@ class Worker:
         self._source, self._link = source, link
         self._plan = plan
         self._inbox = Inbox(mark)
-        self._wants_key = True
+        self._wants_key, self._waits_key = True, False
         self._seq = 0
         self._last: tuple[VideoFrame, float, bool] | None = None
         self._last_item: Shot | Unit | None = None
@@ -87,7 +87,8 @@ class Worker:
         self._jpegs: dict[int, JpegEncoder] = {}
         self._paces: dict[JpegWish, Pace] = {}
         self._decoder: Decoder | None = None
-        self._group: Group[Unit] = Group(MOST_READ_ANEW)
+        self._group: Group[Unit] = Group(MOST_BETWEEN_KEYS)
+        self._is_remade = False
         self._pull: Pull = self._make_pull()
 
     def run(self) -> None:
@@ -125,7 +126,7 @@ class Worker:
         box = self._inbox
         return News(
             pictures=box.pictures, size=box.size, bad=box.bad, why=box.why, skipped=box.skipped, ended=ended,
-            mark=box.mark,
+            mark=box.mark, waits_key=self._waits_key,
         )  # fmt: skip
 
     def _make_pull(self) -> Pull:
@@ -199,31 +200,50 @@ class Worker:
             self._encode(frame, shot.captured_ms, smaller, plan, is_dated=shot.is_dated)
 
     def _handle_unit(self, unit: Unit, plan: Plan) -> None:
-        codec, can_pass = getattr(self._pull, "codec", "h264"), getattr(self._pull, "can_pass", True)
         due = self._due(plan.jpegs)
-        if can_pass and plan.has_h264:
+        if not unit.is_key and self._group.is_full_for(unit):
+            self._remake()
+        self._group.add(unit)
+        self._waits_key = not self._group.row and not self._is_remade
+        if self._waits_key:
+            self._pull.ask_key()  # nobody could show what comes before it
+            return
+        if self._can_pass and plan.has_h264:
             info = self._source.camera
             self._send(Kind.H264, unit.data, unit.captured_ms, info.width_px, info.height_px, False, is_key=unit.is_key)
-        self._group.add(unit)
-        needs_frames = plan.has_vp8 or bool(plan.jpegs) or (plan.has_h264 and not can_pass)
-        if not needs_frames:
+        needs_frames = plan.has_vp8 or bool(plan.jpegs) or (plan.has_h264 and not self._can_pass)
+        if not needs_frames and not self._is_remade:
             self._decoder = None  # it begins again with the last key picture
             return
         if self._decoder is None:
-            if not self._group.row:
-                self._pull.ask_key()
-                return
-            self._decoder = Decoder(codec)
-            for earlier in self._group.row[:-1]:
-                self._decoder.decode(earlier.data)
+            self._decoder = self._decoder_after(self._group.row[:-1])
         frame = self._decoder.decode(unit.data)
         if frame is None:
             return
         self._encode(frame, unit.captured_ms, due, self._to_encode(plan), is_dated=False)
 
+    @property
+    def _can_pass(self) -> bool:
+        """Whether a camera's own H.264 goes on as it came."""
+        return getattr(self._pull, "can_pass", True) and not self._is_remade
+
+    def _remake(self) -> None:
+        """Its key pictures are too far apart: from now on every picture is decoded, and encoded for who wants video."""
+        if self._is_remade:
+            return
+        if self._decoder is None:
+            self._decoder = self._decoder_after(self._group.row)
+        self._is_remade = self._wants_key = True
+
+    def _decoder_after(self, units: list[Unit]) -> Decoder:
+        decoder = Decoder(getattr(self._pull, "codec", "h264"))
+        for one in units:
+            decoder.decode(one.data)
+        return decoder
+
     def _to_encode(self, plan: Plan) -> Plan:
         """Return what of a plan is encoded here: never H.264 beside a camera's own, which goes on as it came."""
-        is_own = isinstance(self._last_item, Unit) and getattr(self._pull, "can_pass", True)
+        is_own = isinstance(self._last_item, Unit) and self._can_pass
         return msgspec.structs.replace(plan, has_h264=False) if is_own else plan
 
     def _encode(

@@ -34,7 +34,10 @@ class Still:
 
 @dataclass(frozen=True, slots=True)
 class Clip:
-    """What is in a clip that was written; times on the console's monotonic clock."""
+    """What is in a clip that was written; times on the console's monotonic clock.
+
+    ``has_before``: its source began in it, and there are pictures of the one before.
+    """
 
     begins_s: float
     ends_s: float
@@ -42,6 +45,7 @@ class Clip:
     height_px: int
     has_gap: bool = False
     is_dated: bool = True
+    has_before: bool = False
 
 
 class CameraProcess(Protocol):
@@ -67,7 +71,7 @@ class CameraProcess(Protocol):
         ...
 
     async def clip(self, robot_id: str, camera: str, from_s: float, to_s: float, path: Path) -> Clip:
-        """Write what was kept of a camera to a file that does not exist yet.
+        """Write what was kept of a camera, of its last source in that time, to a file that does not exist yet.
 
         Raises:
             NoPicture: nothing was kept.

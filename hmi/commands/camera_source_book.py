@@ -164,13 +164,11 @@ class CameraSourceBook:
             self._known[FIELD, camera] = made
         self._tell()
 
-    async def expect(self, camera: str, period_s: float, *, instead_of_s: float) -> None:
-        """Expect pictures of a field camera that came in by the broker so far apart, where nobody set another time."""
+    async def expect(self, camera: str, period_s: float) -> None:
+        """Expect pictures of a field camera that came in by the broker so far apart; one that a person set stays."""
         async with self._changing:
             one = self._known.get((FIELD, camera))
-            if one is None or one.kind is not SourceKind.UPLOAD or one.token_sha256:
-                return
-            if one.period_s != instead_of_s or period_s == instead_of_s:
+            if one is None or one.kind is not SourceKind.UPLOAD or one.token_sha256 or one.period_s == period_s:
                 return
             made = replace(one, period_s=period_s)
             await self._parts.database.run(self._parts.records.put, made)

@@ -19,6 +19,8 @@ from hmi.store.picture_shelf import PictureShelf
 VIDEO = "video/mp4"
 MOST_AT_ONCE = 2  # a clip is read and written whole; a STOP ALL asks for dozens
 END_S = 1.0
+MOST_SOURCES = 4  # of one camera within the two minutes of a clip
+JUST_BEFORE_S = 0.001
 LATE_S = 5.0  # a clip that begins so much later than it should, or ends so much earlier, says it
 log = logging.getLogger(__name__)
 _QUIET = ("nothing_kept", "unknown_camera", "no_picture")
@@ -58,7 +60,7 @@ class ClipKeeper:
         name = f"{incident.robot_id}/{camera}"
         try:
             async with self._few:
-                await self._kept(incident, camera)
+                await self._keep(incident, camera)
         except NoPicture as error:
             if error.code not in _QUIET:  # a camera that nobody had open has nothing
                 log.warning("no clip of %s: %s", name, error.text)
@@ -69,11 +71,20 @@ class ClipKeeper:
         except Exception:  # the end of a task: nobody above would say it
             log.exception("a clip of %s was not kept", name)
 
-    async def _kept(self, incident: Incident, camera: str) -> None:
+    async def _keep(self, incident: Incident, camera: str) -> None:
+        """Keep a clip of each source a camera had in that time, the last first: no clip shows two cameras."""
+        to_s = incident.ends_s
+        for _ in range(MOST_SOURCES):
+            clip = await self._kept(incident, camera, to_s)
+            if not clip.has_before:
+                return
+            to_s = clip.begins_s - JUST_BEFORE_S
+
+    async def _kept(self, incident: Incident, camera: str, to_s: float) -> Clip:
         picture_id = new_id()
         path = self._shelf.files.incoming(picture_id, VIDEO)
         try:
-            clip = await self._process.clip(incident.robot_id, camera, incident.from_s, incident.ends_s, path)
+            clip = await self._process.clip(incident.robot_id, camera, incident.from_s, to_s, path)
         except BaseException:
             await asyncio.to_thread(path.unlink, missing_ok=True)
             raise
@@ -82,14 +93,20 @@ class ClipKeeper:
             captured_at=incident.began_at + timedelta(seconds=clip.begins_s - incident.began_s),
             added_at=self._clock.utc(), media_type=VIDEO, width_px=clip.width_px, height_px=clip.height_px,
             size_bytes=0, sha256="", moment=incident.moment, duration_s=round(clip.ends_s - clip.begins_s, 3),
-            cause=" ".join(incident.causes), text=_text(incident, clip),
+            cause=" ".join(incident.causes), text=_text(incident, clip, is_old=to_s < incident.ends_s),
         )  # fmt: skip
         kept = await self._shelf.take(one)
         self._on_event({"kind": "picture", "what": "kept", "id": kept.id, "robot": kept.robot_id})
+        return clip
 
 
-def _text(incident: Incident, clip: Clip) -> str:
+def _text(incident: Incident, clip: Clip, *, is_old: bool) -> str:
+    """Return what a clip says of itself; ``is_old``: it is of a source the camera had before."""
     told = [one if one.endswith(".") else f"{one}." for one in incident.texts]
+    if clip.has_before:
+        told.append(f"The camera's source was changed {_when(incident, clip.begins_s)}: this is the new one.")
+    if is_old:
+        told.append("This is from the camera's source before it was changed.")
     if clip.begins_s - incident.from_s > LATE_S:
         told.append(f"Recorded from {_when(incident, clip.begins_s)}.")
     if incident.ends_s - clip.ends_s > LATE_S:

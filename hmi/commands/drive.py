@@ -49,11 +49,12 @@ class DriveFrame:
 
 @dataclass(frozen=True, slots=True)
 class JogFrame:
-    """One setpoint of joints from a browser, by name: rad/s or m/s."""
+    """One setpoint of joints from a browser, by name: rad/s or m/s; ``picture_s`` as of ``DriveFrame``."""
 
     robot_id: str
     rates: Mapping[str, float]
     tick_id: str
+    picture_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,7 +203,8 @@ class DriveRelay:
         if reason := jog_obstacle(robot):
             raise OrderRefused(FUNCTION_OFF, reason)
         self._check_hand(robot.id, connection)
-        is_slow = self._rules.is_slow_link(robot, frame.tick_id)
+        is_old = is_slow_picture(frame.picture_s)
+        is_slow = self._rules.is_slow_link(robot, frame.tick_id) or is_old
         return robot, lease, _clamp_joints(frame, robot, CREEP_SHARE if is_slow else SLOW_SHARE)
 
     def _refuse(self, actor: SessionInfo, robot_id: str, refused: OrderRefused) -> DriveVerdict:

@@ -85,6 +85,11 @@ class Source:
         return f"{self.robot}/{self.camera.id}"
 
     @property
+    def place(self) -> str:
+        """Where its pictures come from, in one word: those of two places are never pictures of one camera."""
+        return f"{self.kind.value} {self.url}"
+
+    @property
     def expected_period_s(self) -> float:
         """Seconds between two pictures when all is well."""
         return self.period_s if self.period_s is not None else 1.0 / self.camera.fps

@@ -64,11 +64,12 @@ class Drive(msgspec.Struct, frozen=True, tag_field="k", tag="drive", forbid_unkn
 
 
 class Jog(msgspec.Struct, frozen=True, tag_field="k", tag="jog", forbid_unknown_fields=True):
-    """One hold-to-run setpoint of joints by name: rad/s or m/s."""
+    """One hold-to-run setpoint of joints by name: rad/s or m/s; ``picture`` as of ``Drive``."""
 
     robot: RobotId
     rates: Annotated[dict[JointName, Speed], msgspec.Meta(min_length=1, max_length=MAX_JOINTS)]
     tick: TickId
+    picture: Annotated[float, msgspec.Meta(ge=0)] | None = None
 
 
 ClientFrame = Sub | Ping | Here | Drive | Jog

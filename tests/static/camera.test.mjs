@@ -218,8 +218,9 @@ test("words are honest about the way and about a camera without its own time", (
   assert.equal(says.hook(judged, { way: "jpeg", hasGivenUp: true }), "stills");
   assert.equal(says.hook(judged, { way: "jpeg", hasGivenUp: false }), "live");
   const undated = looked(3000, { isDated: false }).judge(3050, 3050, INFO, "jpeg");
-  assert.equal(says.corner(undated, { way: "direct" }), "over 110 ms, 15 fps");
-  assert.match(says.sentence("Front", undated, { way: "direct" }), /Delay without the camera's own$/);
+  assert.equal(says.corner(undated, { way: "direct" }), "delay unknown, 15 fps");
+  assert.equal(says.sentence("Front", undated, { way: "direct" }), "Front, delay unknown, 15 fps. The camera tells no time, over 110 ms");
+  assert.equal(says.corner(undated, { way: "still" }), "still pictures, delay unknown");
   assert.equal(says.reason({ state: "failed", reason: "Node camera_rear is in error", restarts: 3 }), "Node camera_rear is in error. Restarted 3 times.");
   assert.equal(says.corner({ ...judged, fps: 0.2 }, { way: "direct" }), "110 ms, 1 per 5 s");
 });

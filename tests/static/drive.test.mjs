@@ -141,6 +141,28 @@ for (const [screen, robot] of [['twin', ROBOT], ['supervisor', 'planter-02']]) {
   });
 }
 
+test('joints go by the picture that is open: slower when it is old, not at all when it is frozen', async () => {
+  const { world, HL } = page();
+  Object.assign(HL.view, { screen: 'operate', robot: ROBOT });
+  const asked = HL.jog.open(ROBOT);
+  world.answers[0]('accepted');
+  await asked;
+  HL.port.inside = () => ({ joints: { joints: [{ name: 'pan', max_rate: 1 }] } });
+  HL.jog.share = 0.5;
+  let ageMs = 300;
+  HL.picture = { ageMs: () => ageMs, why: () => 'Picture 1.2 s old' };
+  const held = () => (HL.jog.held.set('pad', { joint: 'pan', way: 1 }), world.pass().map((rates) => rates.pan));
+  assert.deepEqual(held(), [0.5]);
+  ageMs = 600;
+  assert.deepEqual(held(), [0.2]);
+  ageMs = Infinity;
+  assert.deepEqual(new Set(held()), new Set([0]));
+  assert.equal(HL.jog.blockedBy, 'Picture 1.2 s old');
+  assert.equal(HL.jog.held.size, 0);
+  ageMs = null;
+  assert.deepEqual(held(), [0.5]);
+});
+
 test('an answer for the robot before does not end driving of the robot that is shown', async () => {
   const { world, HL } = page();
   world.show('operate', ROBOT);

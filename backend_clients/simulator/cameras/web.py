@@ -104,6 +104,7 @@ class CameraWeb:
 
     async def stream(self, request: Request, robot: SimRobot, boot: Boot) -> Response:
         """``GET cameras/{id}/stream``."""
+        asked_ms = self._observer.wall_ms(robot)
         camera = _camera(request, robot)
         if camera is None:
             return _error(404, "unknown_camera", "The robot has no such camera.")
@@ -113,9 +114,8 @@ class CameraWeb:
         fps = min(max(_number(request, "fps", camera.fps or 15), 0.2), camera.fps or 15, MOST_FPS)
         width = _number(request, "width", camera.width_px)
         parts = self._parts(robot, boot, camera, fps, width)
-        return StreamingResponse(
-            parts, media_type=f"multipart/x-mixed-replace; boundary={BOUNDARY}", headers={"Cache-Control": "no-store"}
-        )
+        headers = {"Cache-Control": "no-store", "X-Asked-Ms": str(asked_ms)}
+        return StreamingResponse(parts, media_type=f"multipart/x-mixed-replace; boundary={BOUNDARY}", headers=headers)
 
     async def detections(self, request: Request, robot: SimRobot, _boot: Boot) -> Response:
         """``GET cameras/{id}/detections``: of the newest picture somebody pulled, none if nobody does."""

@@ -4,6 +4,7 @@
   "use strict";
   const { el, icon, attr, LiveElement, define } = HL;
   const AGAIN_MS = 10000;
+  const STARTS_MS = 2000; // the camera process comes up after the console
   const NONE_MS = 30000; // a robot that was just switched on says later what it has
   const FETCH_MS = 1000; // after the values are there: what the first tap needs comes beside, not before them
   const KEY = "headland.pip";
@@ -43,8 +44,11 @@
       const { robot } = this;
       const answer = await HL.port.api("GET", `/cameras?robot=${encodeURIComponent(robot)}`);
       if (!this.isConnected || this.robot !== robot) return;
+      const isStarting = answer.code === "cameras_down";
+      this.note ??= this.appendChild(el("span", { class: "h-t14 h-2 c-wait", role: "status", "data-testid": "cameras-starting" }, "Cameras are starting"));
+      attr(this.note, "hidden", !isStarting);
       if (answer.ok) this.has(answer.cameras ?? []);
-      if (!door.cameras.length && answer.status !== 403) this.timer = setTimeout(() => this.load(), answer.ok ? NONE_MS : AGAIN_MS);
+      if (!door.cameras.length && answer.status !== 403) this.timer = setTimeout(() => this.load(), answer.ok ? NONE_MS : isStarting ? STARTS_MS : AGAIN_MS);
     }
     has(cameras) {
       door.cameras = cameras;

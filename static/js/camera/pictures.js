@@ -3,6 +3,7 @@
   "use strict";
   const { el, icon, attr } = HL;
   const MOST = 40;
+  const MOST_NAMED = 6;
   const SURE_MS = 6000;
   const OLD_PLACE_S = 2;
   const KINDS = [["", "All"], ["snapshot", "Snapshots"], ["clip", "Clips"], ["mission", "Missions"]];
@@ -90,6 +91,18 @@
     return named.sort((a, b) => a[1].localeCompare(b[1])).map(([id, name]) => el("option", { value: id }, name));
   }
 
+  // of which robots a STOP would leave what led to it: those whose camera is recorded now; of the others only what follows
+  function keptNow(cameras) {
+    const robots = (is) => [...new Set(cameras.filter((one) => one.robot !== "field" && Boolean(one.is_kept) === is).map((one) => one.robot))];
+    const kept = robots(true);
+    const others = robots(false).filter((id) => !kept.includes(id));
+    const named = (ids) => ids.map((id) => HL.port.fleet()[id]?.name ?? id).sort((a, b) => a.localeCompare(b)).join(", ");
+    if (!kept.length && !others.length) return "";
+    const rest = others.length > MOST_NAMED ? `${others.length}${kept.length ? " other" : ""} robots` : named(others);
+    const without = others.length ? ` Not of ${rest}: a camera keeps it while somebody watches it.` : "";
+    return kept.length ? `The minute before a STOP is being kept of ${named(kept)}.${without}` : `The minute before a STOP is kept of no robot now.${without}`;
+  }
+
   class Drawer {
     constructor() {
       this.kind = "";
@@ -98,8 +111,14 @@
       this.room = el("p", { class: "h-error", role: "status" });
       this.kinds = KINDS.map(([key, word]) => el("button", { type: "button", "data-testid": `pictures-kind-${key || "all"}`, onclick: () => this.choose(key) }, word));
       this.robot = el("select", { class: "h-select c-group", "aria-label": "Robot", "data-testid": "pictures-robot", onchange: () => this.choose(this.kind) }, el("option", { value: "" }, "All robots"), ...robots());
-      this.body = [el("div", { class: "h-row c-filter" }, el("div", { class: "h-seg", role: "group", "aria-label": "Kind" }, ...this.kinds), this.robot), this.room, this.list, this.more];
+      this.kept = el("p", { class: "h-t14 h-2", role: "status", "data-testid": "pictures-kept-now" });
+      this.body = [el("div", { class: "h-row c-filter" }, el("div", { class: "h-seg", role: "group", "aria-label": "Kind" }, ...this.kinds), this.robot), this.room, this.kept, this.list, this.more];
       this.choose("");
+      this.sayKept();
+    }
+    async sayKept() {
+      const answer = await HL.port.api("GET", "/cameras");
+      this.kept.textContent = answer.ok ? keptNow(answer.cameras ?? []) : "";
     }
     choose(kind) {
       this.kind = kind;
@@ -131,5 +150,5 @@
 
   const open = () => HL.sheet({ title: "Pictures", hook: "pictures", body: new Drawer().body, buttons: [["Close", (close) => close(), true]] });
 
-  Object.assign(HL.camera, { pictures: { open } });
+  Object.assign(HL.camera, { pictures: { open, keptNow } });
 })();

@@ -4,19 +4,17 @@
   const { words } = HL;
   const DOWN_MS = 1000;
 
-  // "118 ms", "1.4 s"; a camera that tells no time of its own is later than what can be measured
-  function delay({ delayMs, isDated }) {
-    if (delayMs === null) return "delay unknown";
-    const measured = delayMs < DOWN_MS ? `${Math.round(delayMs)} ms` : words.age(delayMs);
-    return isDated ? measured : `over ${measured}`;
-  }
+  // "118 ms", "1.4 s"; how late a camera is that tells no time of its own nobody knows, only that it is later than measured
+  const measured = (ms) => (ms < DOWN_MS ? `${Math.round(ms)} ms` : words.age(ms));
+  const delay = ({ delayMs, isDated }) => (delayMs === null || !isDated ? "delay unknown" : measured(delayMs));
+  const least = ({ delayMs, isDated, isSlow }) => (isDated || isSlow || delayMs === null ? "" : `, over ${measured(delayMs)}`);
 
   const fps = (value) => (value === null ? "" : value < 1 ? `1 per ${words.age(1000 / value).replace(".0 ", " ")}` : `${value < 2 ? value.toFixed(1) : Math.round(value)} fps`);
   // between two pictures of a slow camera its delay says little: its age says what is shown
   const old = ({ isDated, ageMs }) => `${isDated ? "" : "over "}${words.since(ageMs)} old`;
   const rate = (judged) => [judged.isSlow && judged.ageMs !== null ? old(judged) : delay(judged), fps(judged.fps)].filter(Boolean).join(", ");
 
-  const still = (judged) => (judged.isSlow && judged.ageMs !== null ? old(judged) : judged.delayMs === null ? "delay unknown" : words.age(judged.delayMs));
+  const still = (judged) => (judged.isSlow && judged.ageMs !== null ? old(judged) : judged.delayMs === null || !judged.isDated ? "delay unknown" : words.age(judged.delayMs));
 
   // for how long there has been none: since the last one was taken, before the first one since it was asked for
   const goneMs = ({ ageMs, silentMs }) => ageMs ?? silentMs;
@@ -40,7 +38,7 @@
     if (judged.state === "late") return `${label}, late: ${judged.isSlow ? old(judged) : `${words.age(judged.delayMs)} old`}`;
     if (judged.state === "off") return `${label}: no picture for ${words.since(goneMs(judged))}`;
     if (judged.state === "connecting") return `${label}, starting`;
-    const undated = judged.isDated ? "" : ". Delay without the camera's own";
+    const undated = judged.isDated ? "" : `. The camera tells no time${least(judged)}`;
     if (how.way === "still") return `${label}. Still pictures, ${still(judged)}${undated}`;
     return `${label}, ${rate(judged)}${undated}${how.hasGivenUp ? `. Single pictures: ${(how.why || "no direct way").replace(/\.$/, "")}` : ""}`;
   }

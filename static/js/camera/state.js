@@ -4,10 +4,12 @@
   const { el } = HL;
   const LIST_MS = 10000; // cameras come and go with their robots
   const AGAIN_MS = 3000; // while the list cannot be had
+  const STARTS_MS = 30000; // the camera process comes up, and comes back, within this
+  const SOON_MS = 1000; // while it does
   const KEY = () => `headland.cameras.${HL.config.user?.id ?? "-"}`;
   const USUAL = { size: 3, mode: "attention", group: "", mine: [] };
 
-  const wall = { cameras: null, problem: null, current: null, asked: 0, choice: { ...USUAL, ...HL.keep.read(KEY(), {}) } };
+  const wall = { cameras: null, problem: null, current: null, asked: 0, downSince: null, choice: { ...USUAL, ...HL.keep.read(KEY(), {}) } };
 
   function choose(change) {
     wall.choice = { ...wall.choice, ...change };
@@ -21,14 +23,19 @@
     clearTimeout(timer);
     wall.asked ||= performance.now();
     const answer = await HL.port.api("GET", "/cameras");
-    if (answer.ok) Object.assign(wall, { cameras: answer.cameras ?? [], problem: null });
-    else wall.problem = { code: answer.code, status: answer.status, text: answer.text };
+    if (answer.ok) Object.assign(wall, { cameras: answer.cameras ?? [], problem: null, downSince: null });
+    else {
+      wall.problem = { code: answer.code, status: answer.status, text: answer.text };
+      wall.downSince = answer.code === "cameras_down" ? wall.downSince ?? performance.now() : null;
+    }
     HL.repaint();
-    if (isOpen && answer.status !== 403) timer = setTimeout(load, answer.ok ? LIST_MS : AGAIN_MS);
+    if (isOpen && answer.status !== 403) timer = setTimeout(load, answer.ok ? LIST_MS : isStarting() ? SOON_MS : AGAIN_MS);
   }
+  // the console is there and its camera process is not yet
+  const isStarting = () => wall.downSince !== null && performance.now() - wall.downSince < STARTS_MS;
   function begin() {
     isOpen = true;
-    wall.asked = 0;
+    Object.assign(wall, { asked: 0, downSince: null });
     load();
   }
   function end() {
@@ -51,5 +58,5 @@
     HL.sheet({ title: "My wall", hook: "my-wall", body: [el("p", { class: "h-2 h-t16" }, "These pictures, in the order you choose them. Kept on this device."), el("div", { class: "c-minelist" }, ...(rows.length ? rows : ["No camera yet."]))], buttons: [["Cancel", (close) => close()], ["Use these", (close) => (choose({ mine, mode: "mine" }), close()), true]] });
   }
 
-  Object.assign(HL.camera, { wall: Object.assign(wall, { choose, load, begin, end, items, arranged, chooseMine }) });
+  Object.assign(HL.camera, { wall: Object.assign(wall, { choose, load, begin, end, isStarting, items, arranged, chooseMine }) });
 })();

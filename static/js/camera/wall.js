@@ -187,7 +187,7 @@
     paintBlank(cameras, problem) {
       const said = this.said(cameras, problem);
       attr(this.strip, "hidden", !problem || !cameras?.length);
-      text(this.strip, problem ? `The list of cameras is old: ${problem.text}` : "");
+      text(this.strip, problem ? (HL.camera.wall.isStarting() ? "Cameras are starting. They come back by themselves." : `The list of cameras is old: ${problem.text}`) : "");
       attr(this.blank, "hidden", !said);
       attr(this.grid, "hidden", Boolean(said));
       if (!said) return;
@@ -204,6 +204,7 @@
     said(cameras, problem) {
       const { mode } = HL.camera.wall.choice;
       if (problem?.status === 403) return { sign: "lock", head: "Video of this site is not shared with you.", line: problem.text };
+      if (!cameras && HL.camera.wall.isStarting()) return { sign: "hourglass_top", head: "Cameras are starting", line: "They appear here by themselves." };
       if (!cameras && problem) return { sign: "videocam_off", head: "Cameras do not answer", line: `${problem.text} The console keeps trying.`, act: ["Try again", () => HL.camera.wall.load()] };
       if (!cameras) return { sign: "hourglass_top", head: performance.now() - (HL.camera.wall.asked || performance.now()) > LATE_MS ? "The server does not answer" : "Loading cameras", line: "" };
       if (!cameras.length) return { sign: "videocam_off", head: "No camera yet", line: "Cameras of robots appear here by themselves. An admin adds others." };

@@ -6,6 +6,8 @@
   const PERIOD_MS = 100; // 10 Hz: the robot's dead-man of 0.5 s is five missed pulses
   const LIMIT_MS = 300; // above this round trip nobody can steer by eye
   const IDLE_MS = 5 * 60 * 1000; // without input control ends
+  const PICTURE_SLOW_MS = 500; // as of driving: a picture of the robot that is open is what the hand goes by
+  const PICTURE_LIMIT_MS = 1000;
   const SETTLE_MS = 2000; // the robot says its mode twice a second; this long it may still say the old one
   const ENDS = ["pointerup", "pointercancel", "lostpointercapture", "pointerdown"];
   const STEPS = [["creep", "Creep", 0.2], ["slow", "Slow", 0.5]]; // shares of a joint's top rate; the console allows no more
@@ -18,8 +20,13 @@
 
   function send(rates) {
     const tick = window.headland.tick();
-    return tick !== null && window.headland.send({ k: "jog", robot: jog.robot, rates, tick });
+    const ageMs = pictureMs();
+    // what rests needs no picture
+    const picture = ageMs === null || !Object.values(rates).some(Boolean) ? {} : { picture: Math.round(ageMs) };
+    return tick !== null && window.headland.send({ k: "jog", robot: jog.robot, rates, tick, ...picture });
   }
+
+  const pictureMs = () => HL.picture?.ageMs(jog.robot) ?? null;
 
   // why nothing may move now; empty when it may
   function obstacle() {
@@ -28,14 +35,16 @@
     if (HL.offline(jog.robot)) return "No fresh link";
     if (delayMs === null) return "Delay unknown";
     if (delayMs > LIMIT_MS) return `Off, ${Math.round(delayMs)} ms`;
+    if (pictureMs() > PICTURE_LIMIT_MS) return HL.picture.why(PICTURE_LIMIT_MS);
     return document.hidden ? "Screen is hidden" : "";
   }
 
   function setpoint() {
     const rates = {};
+    const share = pictureMs() > PICTURE_SLOW_MS ? STEPS[0][2] : jog.share;
     for (const { joint, way } of jog.held.values()) {
-      const top = joints().find((one) => one.name === joint)?.max_rate ?? FASTEST / jog.share;
-      rates[joint] = Math.max(-FASTEST, Math.min(FASTEST, way * top * jog.share));
+      const top = joints().find((one) => one.name === joint)?.max_rate ?? FASTEST / share;
+      rates[joint] = Math.max(-FASTEST, Math.min(FASTEST, way * top * share));
     }
     return rates;
   }

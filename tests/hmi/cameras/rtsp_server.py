@@ -6,6 +6,7 @@ import asyncio
 import base64
 import random
 import ssl
+import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -41,6 +42,9 @@ class RtspServer:
         self.viewers = 0
         self.url = ""
         self.is_silent = False
+        self.has_reports = False
+        self.waits_s = 0.0  # how long what it sends has been in its send buffer, by its own reports
+        self.waits_longer = 0.0  # by this share of the time between two pictures, with each of them
         self.sends_to = ""
         self.heard = 0
 
@@ -98,6 +102,9 @@ class RtspServer:
         sequence, picture, offset = random.randrange(1000), 0, 0
         try:
             while True:
+                self.waits_s += self.waits_longer * PERIOD_S
+                if self.has_reports:
+                    writer.write(_report(time.time() - self.waits_s, offset))
                 if not self.is_silent:
                     unit = self.units[picture % len(self.units)]
                     payloads = H264Encoder._packetize(H264Encoder._split_bitstream(unit))
@@ -124,6 +131,13 @@ async def rtsp_server(*, asks_password: bool = False, trust: ssl.SSLContext | No
         yield served
     finally:
         server.close()
+
+
+def _report(taken_s: float, stamp: int) -> bytes:
+    """Return a sender report: what the camera's clock showed at a time stamp."""
+    ntp = int((taken_s + 2_208_988_800) * 2**32)
+    packet = b"\x80\xc8\x00\x06" + (7).to_bytes(4, "big") + ntp.to_bytes(8, "big") + stamp.to_bytes(4, "big") + bytes(8)
+    return b"$\x01" + len(packet).to_bytes(2, "big") + packet
 
 
 def _headers(head: str) -> dict[str, str]:

@@ -11,9 +11,11 @@ import pytest
 from hmi.cameras import camera as camera_module
 from hmi.cameras import hub as hub_module
 from hmi.cameras.camera import SILENT_S, Camera
+from hmi.cameras.picture_wire import News
+from hmi.cameras.ring import Rings
 from hmi.clock import FakeClock
-from hmi.domain.camera import CameraInfo, Source, SourceKind
-from tests.hmi.cameras.fake_camera import jpeg
+from hmi.domain.camera import CameraInfo, Recording, Source, SourceKind
+from tests.hmi.cameras.fake_camera import FakeCamera, fake_camera, jpeg
 from tests.hmi.cameras.rig import CameraRig, camera_rig
 from tests.hmi.cameras.waiting import until
 
@@ -45,6 +47,26 @@ async def test_a_new_name_or_another_size_takes_no_picture_away() -> None:
         rig.hub.upload(rig.camera, jpeg())
         await rig.tell(camera=CameraInfo("front", "Over the door", 320, 240), period_s=60.0)
         assert rig.camera.newest_jpeg is not None
+
+
+@pytest.mark.slow
+async def test_what_is_kept_over_a_change_of_source_belongs_to_one_source_each() -> None:
+    async with camera_rig() as rig:
+        rings = Rings(rig.clock)
+        rings.set([Recording("weeder-01", "front", 15.0)], rig.hub.cameras)
+        ring = rings.of("weeder-01", "front")
+        assert ring is not None
+        with fake_camera(FakeCamera(320, 240)) as other:
+            await until(lambda: bool(ring.video.between(0, 1e15).pieces))
+            assert rig.camera.describe()["is_kept"]
+            await rig.tell(url=other.url)
+            await until(lambda: ring.video.between(0, 1e15).has_before)
+            new = ring.video.between(0, 1e15)
+            old = ring.video.between(0, new.pieces[0].captured_ms - 0.001)
+            assert ({one.width for one in new.pieces}, {one.width for one in old.pieces}) == ({320}, {640})
+            assert not old.has_before
+            rings.set([], rig.hub.cameras)
+            assert not rig.camera.describe()["is_kept"]
 
 
 @pytest.mark.slow
@@ -136,6 +158,21 @@ def test_a_scene_that_stands_still_is_opened_anew_ever_more_rarely() -> None:
             camera._end_silent(worker)
         waited.append(seconds)
     assert waited == [int(SILENT_S) + 1, 11, 21, 41, 61, 61]
+
+
+def test_a_busy_machine_that_has_not_opened_a_camera_yet_does_not_call_it_silent() -> None:
+    clock, worker = FakeClock(), PlayedWorker()
+    camera = Camera(Source("field", CameraInfo("gate", "Gate", 640, 480)), clock, 1280)
+    camera._began_s, camera._has_spoken = clock.mono_s(), False
+    clock.advance(3 * SILENT_S)
+    camera._end_silent(worker)  # type: ignore[arg-type]
+    camera._heard(News(why="the same picture again", bad=1))
+    clock.advance(SILENT_S - 1)
+    camera._end_silent(worker)  # type: ignore[arg-type]
+    assert worker.ends == 0
+    clock.advance(2)
+    camera._end_silent(worker)  # type: ignore[arg-type]
+    assert (worker.ends, camera._ending) == (1, "the camera sends nothing new: the same picture again")
 
 
 @pytest.mark.slow

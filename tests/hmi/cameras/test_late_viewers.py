@@ -12,12 +12,14 @@ import pytest
 from aiortc.rtp import RtpPacket
 
 from hmi.cameras import pull_whep
+from hmi.cameras.camera import Camera
 from hmi.cameras.group import MOST_BYTES, Group
 from hmi.cameras.inbox import Inbox, Unit
 from hmi.cameras.packet_track import MOST_WAITING, PacketTrack, packet_of
-from hmi.cameras.picture_wire import HEAD, JpegWish, Kind, Piece, Plan, unpack_piece
+from hmi.cameras.picture_wire import HEAD, JpegWish, Kind, News, Piece, Plan, unpack_piece
 from hmi.cameras.pull_whep import ASK_KEY_S, KEY_EVERY_S, WhepPull
-from hmi.cameras.worker import Worker
+from hmi.cameras.worker import MOST_BETWEEN_KEYS, Worker
+from hmi.clock import FakeClock
 from hmi.domain.camera import CameraInfo, Source, SourceKind
 from tests.hmi.cameras.rtsp_server import encoded
 
@@ -130,3 +132,50 @@ def test_a_viewer_of_vp8_puts_nothing_into_a_cameras_own_h264() -> None:
         made = list(pieces(ours))
         assert [one.data for one in made if one.kind is Kind.H264] == units
         assert [one.is_key for one in made if one.kind is Kind.VP8] == [True, False, False, True]
+
+
+def test_a_camera_whose_key_pictures_are_too_far_apart_gets_key_pictures_here() -> None:
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        ours.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 8 * 1024 * 1024)
+        theirs.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 8 * 1024 * 1024)
+        worker, units = Worker(SOURCE, Plan(), theirs), encoded(MOST_BETWEEN_KEYS + 40)
+        now_ms = time.monotonic() * 1000
+        sent = [Unit(data, now_ms + number * 33.0, number == 0) for number, data in enumerate(units)]
+        for unit in sent[: MOST_BETWEEN_KEYS + 2]:
+            worker._handle_unit(unit, Plan())
+        for unit in sent[MOST_BETWEEN_KEYS + 2 :]:
+            worker._last_item = unit
+            worker._handle_unit(unit, Plan(has_h264=True))
+        theirs.shutdown(socket.SHUT_WR)
+        made = list(pieces(ours))
+        assert len(made) == 38, "also when nobody looked while it was found out"
+        assert made[0].is_key
+        assert sum(one.is_key for one in made) >= 2, "every two seconds from then on"
+        assert made[0].data not in units
+
+
+def test_what_comes_before_the_first_key_picture_is_not_called_a_picture() -> None:
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        worker, units = Worker(SOURCE, Plan(has_h264=True), theirs), encoded(3)
+        worker._handle(Unit(units[1], 1.0, False))
+        assert worker._news("").waits_key
+        worker._handle(Unit(units[0], 2.0, True))
+        assert not worker._news("").waits_key
+        theirs.shutdown(socket.SHUT_WR)
+        assert [one.data for one in pieces(ours)] == [units[0]]
+
+
+async def test_a_camera_that_waits_for_a_key_picture_says_so_and_is_not_opened_anew_for_a_minute() -> None:
+    clock = FakeClock()
+    camera, worker = Camera(SOURCE, clock, 1280), SimpleNamespace(ends=0)
+    worker.let_go = lambda: setattr(worker, "ends", worker.ends + 1)
+    camera._count(News(pictures=40, size=1000, waits_key=True))
+    camera._began_s = clock.mono_s()
+    clock.advance(50.0)
+    camera._end_silent(worker)  # type: ignore[arg-type]
+    assert (worker.ends, camera.reason) == (0, "waiting for the camera's next key picture")
+    clock.advance(20.0)
+    camera._end_silent(worker)  # type: ignore[arg-type]
+    assert worker.ends == 1

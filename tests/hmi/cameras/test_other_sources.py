@@ -13,9 +13,13 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
+from hmi.cameras import congestion
 from hmi.cameras.depacketizer import is_key_unit
+from hmi.cameras.inbox import Inbox
 from hmi.cameras.picture_wire import Kind, Piece
-from hmi.domain.camera import CameraInfo, SourceKind
+from hmi.cameras.pull_http import PullFailed
+from hmi.cameras.pull_rtsp import RtspPull
+from hmi.domain.camera import CameraInfo, Source, SourceKind
 from hmi.side_server import loopback_server
 from tests.hmi.cameras.rig import CameraRig, camera_rig
 from tests.hmi.cameras.rtsp_server import PASSWORD, USER, rtsp_server
@@ -67,6 +71,35 @@ async def test_h264_of_an_rtsp_camera_is_passed_on_bit_for_bit_and_a_viewer_sees
             assert (await late.frame()).width == 320
         await viewer.close()
         await late.close()
+
+
+@pytest.mark.slow
+async def test_pictures_that_wait_in_an_rtsp_camera_are_as_old_as_its_reports_tell() -> None:
+    async with rtsp_server() as server, camera_rig() as rig:
+        server.has_reports = True
+        await rig.tell(kind=SourceKind.RTSP, url=server.url, camera=INFO)
+        rig.watch()
+        await rig.until_pictures(3)
+        server.waits_longer = 0.8
+
+        def age_ms() -> float:
+            rig.read()
+            newest = rig.camera.newest
+            return 0.0 if newest is None else rig.clock.mono_s() * 1000 - newest.captured_ms
+
+        await until(lambda: age_ms() >= 1500.0)
+        assert rig.camera.state == "live", "it is the screen that calls it late"
+        assert rig.camera.describe()["is_dated"] is False, "how old the quickest was nobody knows"
+
+
+@pytest.mark.slow
+async def test_an_rtsp_camera_whose_pictures_go_on_waiting_is_opened_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(congestion, "AT_LEAST_MS", 300.0)
+    async with rtsp_server() as server:
+        server.has_reports, server.waits_longer = True, 0.9
+        pull = RtspPull(Source("weeder-01", INFO, SourceKind.RTSP, server.url), Inbox())
+        with pytest.raises(PullFailed, match="waited too long on their way"):
+            await asyncio.wait_for(asyncio.to_thread(pull.run), 20)
 
 
 @pytest.mark.slow

@@ -69,6 +69,41 @@ def test_a_line_that_was_full_when_it_was_opened_is_known_from_its_first_quick_p
     assert robot.part(600.0) == pytest.approx(600.0, abs=1.0)
 
 
+def asked_over(robot: Robot, there_ms: float, back_ms: float) -> None:
+    """Ask for pictures over a line that takes so long in each direction."""
+    robot.connect()
+    robot.transit.heard(WALL_MS + robot.at_ms + there_ms + robot.step_ms)
+    robot.part(back_ms - WAY_MS, after_ms=there_ms)
+
+
+def test_a_line_that_is_full_from_the_first_picture_on_is_known_from_when_the_robot_heard_the_request() -> None:
+    robot = Robot()
+    asked_over(robot, 20.0, 3000.0)
+    assert robot.transit.way_ms == pytest.approx(3020.0, abs=1.0)
+    assert robot.part(3000.0) == pytest.approx(0.0, abs=50.0)
+    robot.part(1000.0)
+    assert robot.transit.way_ms == pytest.approx(1040.0, abs=50.0), "the line is less full"
+    assert robot.part(3000.0) == pytest.approx(2000.0, abs=50.0)
+
+
+def test_a_request_that_was_lost_once_makes_pictures_old_only_until_it_is_asked_again() -> None:
+    robot = Robot()
+    asked_over(robot, 1000.0, 20.0)
+    assert robot.transit.way_ms == pytest.approx(1020.0, abs=1.0)
+    asked_over(robot, 20.0, 20.0)
+    assert robot.transit.way_ms == pytest.approx(40.0, abs=1.0)
+
+
+@pytest.mark.parametrize("step_ms", [-5000.0, 3_600_000.0])
+def test_a_robot_clock_that_is_set_makes_the_way_neither_long_nor_short(step_ms: float) -> None:
+    robot = Robot()
+    asked_over(robot, 20.0, 20.0)
+    robot.step_ms = step_ms
+    robot.part()
+    asked_over(robot, 20.0, 20.0)
+    assert robot.transit.way_ms == pytest.approx(40.0, abs=5.0)
+
+
 @pytest.mark.parametrize("ppm", [-60.0, 60.0])
 def test_two_clocks_that_part_by_their_drift_make_no_picture_old(ppm: float) -> None:
     robot = connected(ppm)
@@ -159,6 +194,21 @@ def test_a_picture_that_waited_in_the_robots_send_buffer_is_not_fresh() -> None:
         box.take(10.0)
         robot.waits_longer = 0.9
         assert any(age_ms(box.take(10.0)) >= 500.0 for _ in range(60))
+
+
+def test_a_picture_over_a_line_that_was_full_from_the_first_on_is_as_old_as_it_is() -> None:
+    with fake_camera(FakeCamera()) as robot:
+        robot.line_s = 1.5
+        with pulled(robot) as box:
+            assert age_ms(box.take(10.0)) >= 1500.0
+            assert age_ms(box.take(10.0)) >= 1500.0
+
+
+def test_a_picture_of_a_robot_that_does_not_say_when_it_heard_is_dated_as_well() -> None:
+    with fake_camera(FakeCamera()) as robot:
+        robot.says_asked = False
+        with pulled(robot) as box:
+            assert age_ms(box.take(10.0)) < 500.0
 
 
 def test_a_robot_on_a_full_line_is_asked_for_fewer_pictures(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -29,10 +29,11 @@ async def moving() -> Field:
 
 
 def push(
-    field: Field, *, actor: SessionInfo = MARTHA, lane: str = "lane-1", tick: str = "", **rates: float
-) -> DriveVerdict:
+    field: Field, *, actor: SessionInfo = MARTHA, lane: str = "lane-1", tick: str = "", picture_s: float | None = None,
+    **rates: float,
+) -> DriveVerdict:  # fmt: skip
     """Send one frame on a fresh picture."""
-    asked = JogFrame("weeder-01", rates or {"slew": 0.1}, tick or field.tick())
+    asked = JogFrame("weeder-01", rates or {"slew": 0.1}, tick or field.tick(), picture_s)
     return field.desk.drive.jog(actor, lane, asked)
 
 
@@ -52,6 +53,17 @@ async def test_each_frame_is_forwarded_once_and_nothing_without_one() -> None:
     numbers = [o.lease_seq for o in field.weeder.orders if isinstance(o, JogOrder)]
     assert numbers == sorted(set(numbers))
     assert field.weeder.rates == {"slew": 0.1}
+
+
+@pytest.mark.parametrize(("picture_s", "expected"), [(None, 0.25), (0.3, 0.25), (0.6, 0.1), (1.1, None)])
+async def test_joints_go_by_the_picture_that_is_open_as_wheels_do(
+    picture_s: float | None, expected: float | None
+) -> None:
+    field = await moving()
+    verdict = push(field, picture_s=picture_s, slew=0.5)
+    assert verdict.is_forwarded is (expected is not None)
+    assert verdict.code == ("ok" if expected is not None else "picture_old")
+    assert setpoints(field) == ([] if expected is None else [{"slew": expected}])
 
 
 @pytest.mark.parametrize(("actor", "code"), [(JONAS, "no_lease"), (VERA, "not_allowed")])

@@ -97,6 +97,43 @@ def test_who_steers_by_a_frozen_picture_does_not_drive_and_reads_why(
     assert is_stop_on_top(page)
 
 
+@pytest.mark.parametrize("size", TABLETS)
+def test_a_console_whose_cameras_are_not_up_yet_says_so_on_operate_until_they_come(
+    look: Look, cameras: Callable[..., None], size: str
+) -> None:
+    cameras(down=True)
+    page = look("/operate/weeder-07", size=size)
+    note = page.get_by_test_id("cameras-starting")
+    expect(note).to_have_text("Cameras are starting")
+    assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert covers(page, "[data-testid=cameras-starting]", ".h-overlay") == 0
+    cameras(anew=True)
+    expect(page.get_by_test_id("pip-toggle")).to_be_visible(timeout=8000)
+    expect(note).to_be_hidden()
+
+
+@pytest.mark.parametrize("source", ["mjpeg", "rtsp"])
+def test_who_steers_by_a_camera_that_tells_no_time_creeps_whatever_its_pictures_look_like(
+    look: Look, theatre: Theatre, cameras: Callable[..., None], source: str
+) -> None:
+    cameras(cameras={"weeder-07/front": {"is_dated": False, "source": source}})
+    page = look("/operate/weeder-07")
+    page.get_by_test_id("pip-toggle").click()
+    pip = page.get_by_test_id("pip")
+    expect(pip).to_have_attribute("data-state", SHOWN)
+    expect(pip).to_contain_text("delay unknown")
+    theatre.play("manual")
+    page.get_by_test_id("drive-open").click()
+    pad = page.get_by_test_id("drive-forward")
+    expect(pad).to_have_attribute("data-state", "idle")
+    hold(page, pad)
+    expect(page.get_by_text("This camera tells no time: Creep only.")).to_be_visible()
+    page.mouse.up()
+    moved = [one for one in theatre.heard()["drives"] if one["v"]]
+    assert moved
+    assert all(one["v"] <= 0.2 and 500 < one["picture"] <= 1000 for one in moved)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("size", TABLETS)
 def test_the_wall_fits_every_size_and_its_buttons_can_be_hit(
@@ -184,6 +221,11 @@ def test_the_screen_says_what_is_wrong_when_there_is_no_wall(look: Look, cameras
     expect(page.get_by_test_id("cameras-notice")).to_contain_text("Video of this site is not shared with you.")
     cameras(anew=True, down=True)
     page.reload()
+    expect(page.get_by_test_id("cameras-notice")).to_contain_text("Cameras are starting")
+    cameras(anew=True)
+    tile(page, "weeder-07/front")
+    cameras(anew=True, status=500)
+    page.reload()
     expect(page.get_by_test_id("cameras-notice")).to_contain_text("Cameras do not answer")
     cameras(anew=True)
     tile(page, "weeder-07/front")
@@ -221,6 +263,22 @@ def test_a_snapshot_is_kept_and_found_under_pictures(
 
 
 @pytest.mark.long
+def test_pictures_says_of_which_robots_the_minute_before_a_stop_is_kept(
+    look: Look, cameras: Callable[..., None]
+) -> None:
+    cameras(cameras={"weeder-07/front": {"is_kept": True}})
+    page = look("/cameras")
+    tile(page, "weeder-07/front")
+    page.get_by_test_id("cameras-pictures").click()
+    said = page.get_by_test_id("pictures-kept-now")
+    expect(said).to_contain_text("The minute before a STOP is being kept of Weeder 07. Not of ")
+    cameras(cameras={})
+    page.reload()
+    tile(page, "weeder-07/front")
+    page.get_by_test_id("cameras-pictures").click()
+    expect(said).to_contain_text("The minute before a STOP is kept of no robot now.")
+
+
 def test_an_admin_deletes_a_picture_by_a_second_tap(look: Look, theatre: Theatre, cameras: Callable[..., None]) -> None:
     page = look("/cameras", role="admin")
     tile(page, "weeder-07/front").click()

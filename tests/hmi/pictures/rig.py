@@ -54,6 +54,7 @@ class FakeCameras:
     age_s: float = 0.2
     is_away: bool = False
     is_dated: bool = True
+    changed_s: float | None = None  # when the source of every camera was changed
     held: tuple[tuple[str, str], ...] = ()
     told: list[tuple[tuple[str, str], ...]] = field(default_factory=list)
     asked: list[tuple[str, str, float | None]] = field(default_factory=list)
@@ -90,6 +91,8 @@ class FakeCameras:
         if (robot_id, camera) not in self.kept:
             raise NoPicture("nothing_kept", "Nothing was recorded.")
         await asyncio.to_thread(path.write_bytes, self.kept[(robot_id, camera)])
+        if self.changed_s is not None and from_s < self.changed_s < to_s:
+            return Clip(self.changed_s, to_s, 640, 480, is_dated=self.is_dated, has_before=True)
         return Clip(to_s - 60.0, to_s, 640, 480, is_dated=self.is_dated)
 
     async def frame(self, robot_id: str, camera: str, data: bytes, age_s: float) -> None:

@@ -92,6 +92,18 @@ async def test_a_clip_of_a_camera_that_tells_no_time_says_so(rig: PictureRig) ->
     assert clip.text.endswith("The camera tells no time: times are of arrival.")
 
 
+async def test_a_clip_over_a_change_of_its_source_is_two_clips_that_say_so(rig: PictureRig) -> None:
+    rig.cameras.kept = {FRONT: VIDEO}
+    rig.cameras.changed_s = rig.clock.mono_s() - 20.0
+    rig.recorder.stopped(WEEDER, "Martha Keller")
+    await rig.seconds(20)
+    new, old = sorted(await pictures(rig), key=lambda one: one.captured_at, reverse=True)
+    assert "source was changed 20 s before it: this is the new one." in new.text
+    assert old.text.startswith("Martha Keller pressed STOP. This is from the camera's source before it was changed.")
+    assert (old.cause, new.cause) == ("stop", "stop")
+    assert (old.captured_at.timestamp() + (old.duration_s or 0)) < new.captured_at.timestamp()
+
+
 async def test_press_and_the_robots_word_for_it_are_one_incident_that_is_found_by_the_press(rig: PictureRig) -> None:
     rig.cameras.kept = {FRONT: VIDEO}
     rig.latch()
@@ -196,6 +208,19 @@ async def test_no_more_cameras_are_held_than_allowed_and_incidents_come_first(ma
     assert rig.recorder.wanted() == (FRONT, ("w0", "front"))
     rig.recorder.stopped("w4", "Martha Keller")
     assert rig.recorder.wanted() == (("w4", "front"), FRONT)
+
+
+@pytest.mark.parametrize(("is_demo", "most"), [(False, 16), (True, 4)])
+async def test_a_whole_fleet_keeps_what_leads_to_a_stop_without_any_setting(
+    make_rig: MakeRig, most: int, *, is_demo: bool
+) -> None:
+    rig = await make_rig(record_cameras="driving", demo=is_demo)
+    rig.stand(speed_mps=1.0)
+    weeder = rig.fleet.robots[WEEDER]
+    for number in range(20):
+        rig.fleet.robots[f"w{number}"] = replace(weeder, id=f"w{number}")
+        rig.recorder.see(replace(rig.fleet.robots[WEEDER], id=f"w{number}"))
+    assert len(rig.recorder.wanted()) == most
 
 
 async def test_who_is_driven_by_hand_is_held_before_those_that_drive_longer(make_rig: MakeRig) -> None:

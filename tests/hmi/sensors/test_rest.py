@@ -11,6 +11,8 @@ from typing import Any
 import pytest
 
 from backend_clients.field.topics import Down, Up, topic
+from hmi.commands.camera_source_book import SourceWish
+from hmi.domain.camera import SourceKind
 from hmi.domain.mission import MissionStatus
 from hmi.domain.robot import OrderStatus
 from hmi.domain.role import Permission, Role, may
@@ -330,6 +332,24 @@ async def test_a_camera_from_before_its_period_counted_follows_it_from_the_next_
     await rig.restart()
     await rig.desk.sources.load()
     assert rig.desk.sources.field_cameras()[0].period_s == 3600.0, "and it is kept"
+
+
+async def test_a_camera_follows_its_station_that_reports_more_rarely_from_now_on(rig: SensorRig) -> None:
+    await camera(rig)
+    rig.says(rig.about("multispec-01", "camera", period_s=7200.0))
+    await rig.work.pictures.stop()
+    assert rig.desk.sources.field_cameras()[0].period_s == 7200.0
+    await rig.desk.sources.load()
+    assert rig.desk.sources.field_cameras()[0].period_s == 7200.0, "and it is kept"
+
+
+async def test_a_time_that_an_admin_set_stays_whatever_the_station_says(rig: SensorRig) -> None:
+    await camera(rig)
+    wish = SourceWish(SourceKind.UPLOAD, period_s=60.0)
+    await rig.desk.sources.put(rig.person(Role.ADMIN), "field", "multispec-01", wish)
+    rig.says(rig.about("multispec-01", "camera", period_s=7200.0))
+    await rig.work.pictures.stop()
+    assert rig.desk.sources.field_cameras()[0].period_s == 60.0
 
 
 async def test_a_snapshot_of_a_stations_camera_says_where_it_stands(rig: SensorRig) -> None:
