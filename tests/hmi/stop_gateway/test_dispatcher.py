@@ -90,3 +90,25 @@ async def test_the_heartbeat_tells_how_old_the_safety_report_is_beside_the_newes
     farm.hear("weeder-01")
     line = farm.gateway.heartbeat()["weeder-01"]
     assert (line["heard_ms"], line["safety_ms"], line["standstill"]) == (0, 12_000, True)
+
+
+async def test_a_report_that_does_not_count_for_the_presses_is_no_fresh_proof(farm: Farm) -> None:
+    def report(boot: str, *, standstill: bool) -> None:
+        now_s = farm.clock.mono_s()
+        said = SafetyReport(boot, now_s, True, standstill, True, False, 0.0 if standstill else 0.5, frozenset({"one"}))
+        farm.gateway.watch.reported("weeder-01", said, now_s)
+        farm.gateway.book.reported("weeder-01", said, now_s)
+
+    farm.hear("weeder-01")
+    farm.gateway.press("one", ["weeder-01"], MARTHA)
+    for boot in ("boot-1", "boot-2"):
+        report(boot, standstill=True)
+    states = set()
+    for _ in range(40):
+        farm.clock.advance(0.1)
+        report("boot-1", standstill=False)  # it says so itself: it moves
+        (step,) = farm.gateway.steps("one")
+        line = farm.gateway.heartbeat()["weeder-01"]
+        states.add(step["state"])
+        assert step["state"] == "not-confirmed" or (line["standstill"] and line["safety_ms"] > 0)
+    assert states == {"standstill", "not-confirmed"}
