@@ -12,7 +12,8 @@ from hmi.domain.stop import SafetyReport
 from hmi.domain.stop_book import MAX_STRANGERS
 from hmi.domain.stop_token import StopToken
 from hmi.stop_gateway.dispatcher import StopDispatcher
-from hmi.stop_gateway.registry import Registry
+from hmi.stop_gateway.http_path import HttpEvents, HttpPath
+from hmi.stop_gateway.registry import Registry, RobotEntry
 
 MARTHA = StopToken("tablet-3", "Tablet 3", "martha", "Martha Keller", "farm")
 
@@ -112,3 +113,15 @@ async def test_a_report_that_does_not_count_for_the_presses_is_no_fresh_proof(fa
         states.add(step["state"])
         assert step["state"] == "not-confirmed" or (line["standstill"] and line["safety_ms"] > 0)
     assert states == {"standstill", "not-confirmed"}
+
+
+async def test_an_address_or_token_that_cannot_be_used_keeps_http_from_no_other_robot() -> None:
+    every = [
+        RobotEntry("weeder-01", http_url="http://10.0.0.7:9000", token="gehölz"),
+        RobotEntry("weeder-02", http_url="http://10.0.0.7:x", token="t"),
+        RobotEntry("weeder-03", http_url="http://10.0.0.7:9000", token="t"),
+    ]
+    path = HttpPath(HttpEvents(lambda *_told: None, lambda *_told: None))
+    path.follow({one.id: one for one in every})
+    assert [one.id for one in every if path.has(one.id)] == ["weeder-03"]
+    await path.close()
