@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 from pathlib import Path
 
@@ -125,3 +126,22 @@ async def test_an_address_or_token_that_cannot_be_used_keeps_http_from_no_other_
     path.follow({one.id: one for one in every})
     assert [one.id for one in every if path.has(one.id)] == ["weeder-03"]
     await path.close()
+
+
+def test_a_list_that_could_not_be_read_is_read_at_the_next_look(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "robots.json").write_text('[{"id": "weeder-01"}]', "utf-8")
+    (tmp_path / "revoked.json").write_text('["tablet-9"]', "utf-8")
+    registry = Registry(tmp_path)
+
+    def too_many(_self: Path) -> bytes:
+        raise OSError(errno.EMFILE, "Too many open files")
+
+    with monkeypatch.context() as system:
+        system.setattr(Path, "read_bytes", too_many)
+        assert not registry.refresh()
+    assert registry.refresh()
+    assert list(registry.robots) == ["weeder-01"]
+    assert registry.is_revoked("tablet-9")
+    assert not registry.refresh()
