@@ -53,22 +53,28 @@ class RobotHttp:
         base_url: e.g. ``http://10.0.0.7:9000/weeder-01``.
         token: bearer token from the registry.
         transport: test seam, as in httpx.
+
+    Raises:
+        TransportError: address or token cannot be used at all.
     """
 
     def __init__(
         self, robot: str, base_url: str, token: str, *, transport: httpx.AsyncBaseTransport | None = None
     ) -> None:
         self.robot = check_id(robot)
-        self._client = httpx.AsyncClient(
-            base_url=base_url.rstrip("/") + "/",
-            headers={"Authorization": f"Bearer {token}"},
-            timeout=TIMEOUT_S,
-            follow_redirects=False,
-            trust_env=False,
-            verify=authorities(),
-            transport=transport,
-            limits=httpx.Limits(max_connections=8, max_keepalive_connections=4),
-        )
+        try:
+            self._client = httpx.AsyncClient(
+                base_url=base_url.rstrip("/") + "/",
+                headers={"Authorization": f"Bearer {token}"},
+                timeout=TIMEOUT_S,
+                follow_redirects=False,
+                trust_env=False,
+                verify=authorities(),
+                transport=transport,
+                limits=httpx.Limits(max_connections=8, max_keepalive_connections=4),
+            )
+        except (httpx.InvalidURL, UnicodeError) as error:  # neither is an HTTPError
+            raise TransportError(f"{robot}: its address or token cannot be used") from error
 
     async def close(self) -> None:
         """Close all connections."""

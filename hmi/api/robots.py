@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal, Protocol
-from urllib.parse import urlsplit
 
 from fastapi import APIRouter
 from pydantic import AfterValidator, Field
@@ -20,6 +19,7 @@ from hmi.commands.lease_service import LeaseService
 from hmi.commands.lease_words import asked_of, owner_of
 from hmi.commands.ports import AuditSink
 from hmi.domain.robot import Family, Robot
+from hmi.domain.robot_address import usable_address, usable_token
 from hmi.domain.role import Permission, may
 from hmi.presenters import fleet as fleet_rows
 from hmi.presenters.operate import Context, IsSupervised, MissionTitle, present
@@ -28,15 +28,7 @@ from hmi.security.session_info import SessionInfo
 from hmi.store.database import Database
 from hmi.store.robots import RegisteredRobot, Robots
 
-
-def _http_address(text: str) -> str:
-    parts = urlsplit(text)
-    if parts.scheme not in ("http", "https") or not parts.hostname or parts.username or parts.query or parts.fragment:
-        raise ValueError("use http://host:port/path, without user, query or fragment")
-    return text.rstrip("/")
-
-
-Address = Annotated[str, Field(max_length=300), AfterValidator(_http_address)]
+Address = Annotated[str, Field(max_length=300), AfterValidator(usable_address)]
 Limit = Annotated[float, Field(gt=0, le=60)]
 OPTIONAL = ("http_url", "http_token", "contact_name", "contact_phone")
 Phone = Annotated[str, Field(max_length=40, pattern=r"^[0-9+ ()/.-]*\z")]
@@ -48,7 +40,7 @@ class RobotChange(Body):
     name: Name | None = None
     family: Literal["weeder", "planter", "uav", "other"] | None = None
     http_url: Address | None = None
-    http_token: Annotated[Secret, Field(max_length=200)] | None = None
+    http_token: Annotated[Secret, Field(max_length=200), AfterValidator(usable_token)] | None = None
     contact_name: Name | None = None
     contact_phone: Phone | None = None
     ack_limit_s: Limit | None = None

@@ -10,6 +10,7 @@ import typer
 from hmi.clock import SystemClock
 from hmi.domain.family import Family
 from hmi.domain.ids import is_id
+from hmi.domain.robot_address import usable_address, usable_token
 from hmi.keeper.errors import StartError
 from hmi.stop_gateway.outbox import open_presses
 
@@ -33,6 +34,11 @@ def add(
     """Register a robot, so that it can be operated."""
     if not is_id(robot_id):
         raise StartError(f"{robot_id!r} is no robot id: lower-case letters, digits, - and _, at most 64.")
+    try:
+        address = http_url and usable_address(http_url)
+        token = http_token and usable_token(http_token)
+    except ValueError as error:
+        raise StartError(f"The HTTP of {robot_id} cannot be used: {error}.") from error
     with _opened() as robots:
         from hmi.store.robots import RegisteredRobot
 
@@ -43,8 +49,8 @@ def add(
             family=family,
             added_by="command line",
             added_at=SystemClock().utc(),
-            http_url=http_url,
-            http_token=http_token,
+            http_url=address or None,
+            http_token=token or None,
             decel_mps2=decel,
         )
         robots.registry.add(entry)

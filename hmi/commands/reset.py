@@ -23,6 +23,7 @@ from hmi.commands.service import TTL_MS
 from hmi.domain.command import ResetOrder
 from hmi.domain.robot import Press, Robot
 from hmi.domain.role import Permission
+from hmi.domain.stop import STANDING_MPS
 from hmi.security.session_info import SessionInfo
 
 MAX_REASON = 200  # what the edge contract carries
@@ -111,6 +112,9 @@ class ResetService:
             raise OrderRefused(HARDWARE_STOP, "Hardware button is pressed on the machine. Release it there first.")
         if not safety.standstill:
             raise OrderRefused(NOT_STANDING, f"{robot.name} has not confirmed standstill. Look before you reset.")
+        if not safety.tool_off or safety.speed_mps > STANDING_MPS:  # it contradicts itself: the worse word counts
+            text = f"{robot.name} says that it stands, and that its tool is on or that it moves. Look before you reset."
+            raise OrderRefused(NOT_STANDING, text)
         wanted = [p for p in safety.presses if not p.is_reset and p.stop_id in request.stop_ids]
         if not wanted:
             raise OrderRefused(NOTHING_TO_RESET, "This stop is not latched on the robot any more.")

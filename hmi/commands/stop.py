@@ -56,7 +56,7 @@ class StopService:
         clock: Clock,
         registry: StopRegistry,
         *,
-        on_press: Pressed | None = None,
+        on_press: Pressed = lambda _robot, _stop_id, _by: None,
         on_move: MovedOn = lambda _robots: None,
     ) -> None:
         self._sender = sender
@@ -107,9 +107,8 @@ class StopService:
             if attempt.is_open:
                 self._send(attempt, now_s)
         self._wake.set()
-        if self._on_press is not None:
-            for robot_id in fresh:
-                self._on_press(robot_id, stop_id, by)
+        for robot_id in fresh:
+            self._tell_pressed(robot_id, stop_id, by)
         return self.steps(stop_id)
 
     def steps(self, stop_id: str) -> list[dict[str, Any]]:
@@ -164,7 +163,11 @@ class StopService:
     async def run(self) -> None:
         """Repeat until cancelled."""
         while True:
-            self.pulse()
+            try:
+                self.pulse()
+            except Exception:  # a fault in one round must not end STOP for all that come after it
+                log.exception("a round of STOP failed; the next one comes")
+                await asyncio.sleep(IDLE_S)
             self._wake.clear()
             due_s = self._book.next_due_s()
             now_s = self._clock.mono_s()
@@ -191,7 +194,11 @@ class StopService:
 
     def _send(self, attempt: StopAttempt, now_s: float) -> None:
         order = StopOrder(attempt.robot_id, attempt.stop_id, attempt.by, attempt.device)
-        by_mqtt = self._sender.send(order)
+        by_mqtt = False
+        try:
+            by_mqtt = self._sender.send(order)
+        except Exception:  # one robot that cannot be sent to must not keep STOP from the others, nor its own HTTP
+            log.exception("STOP could not be handed to the broker for %s", attempt.robot_id)
         under_way = self._http.setdefault(attempt.robot_id, set())
         if attempt.count == 0 or len(under_way) < MAX_HTTP_REPEATS:
             task = asyncio.get_running_loop().create_task(self._send_by_http(order, now_s), name="stop-http")
@@ -204,6 +211,12 @@ class StopService:
         if ack is not None:
             self._book.carried_by_http(order.stop_id, order.robot_id, left_s)
             self.on_ack(ack)
+
+    def _tell_pressed(self, robot_id: str, stop_id: str, by: str) -> None:
+        try:
+            self._on_press(robot_id, stop_id, by)
+        except Exception:  # as below; and the lease of the next robot ends all the same
+            log.exception("somebody could not be told of a STOP at %s", robot_id)
 
     def _moved(self, attempts: Sequence[StopAttempt]) -> None:
         if not attempts:

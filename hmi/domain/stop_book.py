@@ -6,40 +6,49 @@ Every method that can change something returns the attempts that changed, newest
 
 from __future__ import annotations
 
-from collections import OrderedDict
+import contextlib
+from collections import OrderedDict, deque
 from collections.abc import Callable, Container, Iterable
 from dataclasses import replace
 from datetime import datetime
 from typing import Any
 
+from hmi.domain.freshness import LOST_S
 from hmi.domain.stop import SafetyReport, StopAnswer, StopAttempt, StopState, StopTarget
 
 MAX_OPEN_PER_ROBOT = 64  # as many as a robot lists; beyond, the oldest press is covered by 64 newer ones
 MAX_STRANGERS = 64  # robots that nobody registered or heard; more than that is not a farm
 STRANGER_S = 600.0  # a robot nobody ever heard of cannot be waited for without end: its alarm could never end
+BOOTS_REMEMBERED = 16  # earlier lives of a robot of which something may still arrive
 MAX_FINISHED = 256  # so that somebody who asks late still reads "reset"
 
 Key = tuple[str, str]
 
 
 class ReportOrder:
-    """Tells reports that arrive late, by whichever path, from new ones."""
+    """Tells reports that arrive late, by whichever path, from new ones.
+
+    Where nothing newer came for ``LOST_S`` the newest was wrong: forged, of a clock that jumped, or of a robot that
+    names each of its boots alike. Refusing on for ever would leave STOP without a word of that robot.
+    """
 
     def __init__(self) -> None:
         self._newest: dict[str, tuple[str, float]] = {}
-        self._gone: dict[str, set[str]] = {}
+        self._taken_s: dict[str, float] = {}
+        self._gone: dict[str, deque[str]] = {}
 
-    def is_new(self, robot_id: str, report: SafetyReport) -> bool:
+    def is_new(self, robot_id: str, report: SafetyReport, now_s: float) -> bool:
         """Say whether ``report`` is as new as any before it, and remember it if so."""
         boot, at_s = self._newest.get(robot_id, ("", float("-inf")))
-        if report.boot == boot:
-            if report.at_s < at_s:
-                return False
-        elif report.boot in self._gone.get(robot_id, ()):
+        gone = self._gone.setdefault(robot_id, deque(maxlen=BOOTS_REMEMBERED))
+        is_older = report.at_s < at_s if report.boot == boot else report.boot in gone
+        if is_older and now_s - self._taken_s[robot_id] < LOST_S:
             return False
-        elif boot:
-            self._gone.setdefault(robot_id, set()).add(boot)
-        self._newest[robot_id] = (report.boot, report.at_s)
+        if report.boot != boot:
+            with contextlib.suppress(ValueError):
+                gone.remove(report.boot)
+            gone.extend([boot] if boot else ())
+        self._newest[robot_id], self._taken_s[robot_id] = (report.boot, report.at_s), now_s
         return True
 
 
@@ -134,7 +143,7 @@ class StopBook:
 
     def reported(self, robot_id: str, report: SafetyReport, now_s: float) -> list[StopAttempt]:
         """Apply a safety report; one that is older than another already seen changes nothing."""
-        if not self._order.is_new(robot_id, report):
+        if not self._order.is_new(robot_id, report, now_s):
             return []
         return self._each(self._keys_at(robot_id), lambda attempt: attempt.reported(now_s, report))
 

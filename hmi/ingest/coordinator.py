@@ -320,7 +320,10 @@ class EdgeCoordinator:
     async def _watch(self) -> None:
         while True:
             await asyncio.sleep(WATCH_S)
-            self.look_after()
+            try:
+                self.look_after()
+            except Exception:  # who does not look any more never says that a robot is silent
+                log.exception("looking after the links failed; it comes round again")
 
     def look_after(self) -> None:
         """Judge silence and revive a dead network thread; called twice a second."""
@@ -333,7 +336,10 @@ class EdgeCoordinator:
     async def _ping(self) -> None:
         while True:
             await asyncio.sleep(PING_SLOT_S)
-            self.ping_due()
+            try:
+                self.ping_due()
+            except Exception:  # without a round trip nobody may drive
+                log.exception("a round of pings failed; the next one comes")
 
     def ping_due(self) -> None:
         """Ping the robots whose second is over; called every 50 ms."""

@@ -290,7 +290,10 @@ class FieldCoordinator:
     async def _watch(self) -> None:
         while True:
             await asyncio.sleep(WATCH_S)
-            self.look_after()
+            try:
+                self.look_after()
+            except Exception:  # a thread that cannot be started now may be a moment later
+                log.exception("looking after the connection to the stations failed; it comes round again")
 
 
 def _report(said: messages.Data) -> Report:

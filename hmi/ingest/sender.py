@@ -205,7 +205,11 @@ class EdgeSender:
             task.add_done_callback(self._closing.discard)
             known = None
         if known is None and address is not None:
-            known = (address.http_url, address.token), self._make_http(robot_id, address.http_url, address.token)
+            try:
+                known = (address.http_url, address.token), self._make_http(robot_id, address.http_url, address.token)
+            except ClientError as error:
+                log.warning("no HTTP: %s", error)
+                return None
             self._clients[robot_id] = known
         return known[1] if known is not None else None
 

@@ -28,11 +28,15 @@ def require_writable(data: Path) -> Path:
 
 
 def write_json(path: Path, value: Any) -> None:
-    """Replace ``path`` by the JSON of ``value`` in one step, so that readers never see half of it."""
+    """Replace ``path`` by JSON in one step, so that readers never see half of it; raises ``OSError``."""
     descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=path.name)
-    with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-        json.dump(value, file)
-    os.replace(name, path)
+    try:
+        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+            json.dump(value, file)
+        os.replace(name, path)
+    except OSError:
+        Path(name).unlink(missing_ok=True)
+        raise
 
 
 def read_json(path: Path) -> Any | None:

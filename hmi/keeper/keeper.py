@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+import math
 import os
 import signal
 import threading
@@ -20,7 +22,9 @@ WATCH_S = 0.1
 START_LIMIT_S = 60.0
 LATER_S = 5.0  # whoever waited for the start signs in now; what can wait leaves them the machine
 LATER_EACH_S = 10.0  # a part that can wait and does not come up holds up the next one no longer than this
+WRITE_AGAIN_S = 1.0
 END_LIMIT_S = 2.0  # with a second to spare for the promise of three
+log = logging.getLogger(__name__)
 
 
 class Keeper:
@@ -40,6 +44,7 @@ class Keeper:
         self._parts = [*self._first, *self._later]
         self._end = threading.Event()
         self._later_s = 0.0
+        self._write_again_s = math.inf
 
     def run(self, on_ready: Callable[[], None]) -> None:
         """Start everything, call ``on_ready`` once all parts serve, and watch until a signal or ``end``.
@@ -72,7 +77,7 @@ class Keeper:
         is_free = not begun or begun[-1].state == "ok"
         now_s = time.monotonic()
         if waiting and now_s >= self._later_s and (is_free or now_s >= self._later_s + LATER_EACH_S):
-            waiting[0].start()
+            waiting[0].start_if_possible()
             self._later_s = now_s
             self._write()
 
@@ -98,14 +103,20 @@ class Keeper:
     def _watch(self) -> None:
         # a part that was not started yet is "stopped" and is not missed
         changed = [part.watch() for part in self._parts if part.state != "stopped"]  # every part, no short cut
-        if any(changed):
+        if any(changed) or time.monotonic() >= self._write_again_s:
             self._write()
 
     def _write(self) -> None:
-        write_json(
-            self._data / "run" / "keeper.json",
-            {"pid": os.getpid(), "parts": {part.spec.name: part.describe() for part in self._parts}},
-        )
+        """Say how the parts are; a full disk must not end them."""
+        view = {"pid": os.getpid(), "parts": {part.spec.name: part.describe() for part in self._parts}}
+        try:
+            write_json(self._data / "run" / "keeper.json", view)
+        except OSError as error:
+            if self._write_again_s == math.inf:
+                log.error("keeper.json cannot be written, it is tried again: %s", error)
+            self._write_again_s = time.monotonic() + WRITE_AGAIN_S
+        else:
+            self._write_again_s = math.inf
 
     def _end_all(self) -> None:
         for part in reversed(self._parts):

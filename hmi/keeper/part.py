@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import logging
 import os
 import signal
 import subprocess
@@ -12,12 +13,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 BACKOFF_S = (0.2, 0.5, 1.0, 2.0, 5.0, 10.0)
 STEADY_S = 30.0  # a part that ran this long starts again with the shortest wait
 LOG_LIMIT_BYTES = 5 * 1024 * 1024
 PR_SET_PDEATHSIG = 1
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,10 +64,8 @@ class Part:
 
     def start(self) -> None:
         """Start the process; its output goes to its log."""
-        if self._log.exists() and self._log.stat().st_size > LOG_LIMIT_BYTES:
-            self._log.replace(self._log.with_suffix(".log.1"))
         dies = self.spec.dies_with_keeper and sys.platform == "linux"
-        with self._log.open("ab") as log:
+        with self._output() as log:
             # its own session: Ctrl+C reaches the keeper alone, which then ends the parts in order
             self._process = subprocess.Popen(  # noqa: S603 - our own programs
                 self.spec.argv,
@@ -78,6 +78,14 @@ class Part:
             )
         self._started_s = time.monotonic()
         self.state = "starting"
+
+    def start_if_possible(self) -> None:
+        """Start the process, later where the system has no room for one: the other parts, STOP first, go on."""
+        try:
+            self.start()
+        except (OSError, subprocess.SubprocessError) as error:
+            log.error("%s cannot be started, it is tried again: %s", self.spec.name, error)
+            self._process, self._started_s, self.state = None, time.monotonic(), "starting"
 
     def watch(self) -> bool:
         """Look at the process once, restart it when due; return whether anything changed."""
@@ -94,6 +102,15 @@ class Part:
                 self.down_since = None
         return before != (self.state, self.pid)
 
+    def _output(self) -> BinaryIO:
+        """Open its log, nothing where the disk is full: a part runs without one."""
+        try:
+            if self._log.exists() and self._log.stat().st_size > LOG_LIMIT_BYTES:
+                self._log.replace(self._log.with_suffix(".log.1"))
+            return self._log.open("ab")
+        except OSError:
+            return Path(os.devnull).open("ab")
+
     def _restart_when_due(self) -> None:
         now = time.monotonic()
         if self.state != "down":
@@ -106,7 +123,7 @@ class Part:
             self.down_since = self.down_since or datetime.now(UTC)
         if now >= self._next_start_s:
             self.restarts += 1
-            self.start()
+            self.start_if_possible()
 
     def terminate(self) -> None:
         """Ask the process to end."""

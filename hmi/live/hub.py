@@ -6,8 +6,9 @@ Everything here runs on the event loop and never waits for a browser: each lane 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any, Protocol
 
 from hmi.clock import Clock
@@ -206,24 +207,29 @@ class LiveHub:
         for robot_id, topic in self._robots.items():
             parts = ALL_PARTS if robot_id in changes.removed else changes.robots.get(robot_id, _NO_PARTS)
             if parts:
-                robot = self._store.robot(robot_id)
-                self._send(topic.name, topic.update(robot, self._context(robot_id), parts))
+                with _alone(topic.name):
+                    robot = self._store.robot(robot_id)
+                    self._send(topic.name, topic.update(robot, self._context(robot_id), parts))
 
     def _send_lists(self) -> None:
         # With the tick and not with each change: a lane wakes once for both.
         now_s = self._clock.mono_s()
         for robot_id, inside in self._insides.items():
-            self._send(inside.name, inside.update(self._store.robot(robot_id), now_s))
+            with _alone(inside.name):
+                self._send(inside.name, inside.update(self._store.robot(robot_id), now_s))
         are_due = now_s >= self._lists_due_s and not self._listeners.keys().isdisjoint(_LISTS)
         if are_due:  # all at once: a browser draws once for list, map and figures
             self._lists_due_s = now_s + FLEET_S - TICK_S / 2  # a beat that comes a little early still counts
         if are_due and frames.FLEET in self._listeners:
-            self._send(frames.FLEET, self._update_fleet(now_s))
+            with _alone(frames.FLEET):
+                self._send(frames.FLEET, self._update_fleet(now_s))
             self._send_beats(now_s)
         if are_due and frames.ALARMS in self._listeners:
-            self._send(frames.ALARMS, self._update_alarms())
+            with _alone(frames.ALARMS):
+                self._send(frames.ALARMS, self._update_alarms())
         if frames.POSES in self._listeners and (are_due or len(self._numbers) <= self._crowd):
-            self._send_poses(now_s)
+            with _alone(frames.POSES):
+                self._send_poses(now_s)
 
     def _update_fleet(self, now_s: float) -> str | None:
         changes = self._store.since(self._fleet_seen)
@@ -309,18 +315,22 @@ class LiveHub:
     def _open(self, name: str) -> None:
         """Bring a topic up to date that nobody listened to until now."""
         if name == frames.FLEET:
-            self._update_fleet(self._clock.mono_s())
+            with _alone(name):
+                self._update_fleet(self._clock.mono_s())
         elif name == frames.ALARMS:
             self._alarms, self._alarms_seen = AlarmsTopic(), 0
-            self._update_alarms()
+            with _alone(name):
+                self._update_alarms()
         elif name.startswith(frames.INSIDE):
             inside = InsideTopic(name.removeprefix(frames.INSIDE))
             self._insides[inside.robot_id] = inside
-            inside.update(self._store.robot(inside.robot_id), self._clock.mono_s())
+            with _alone(name):
+                inside.update(self._store.robot(inside.robot_id), self._clock.mono_s())
         elif name.startswith(frames.ROBOT):
             robot_id = name.removeprefix(frames.ROBOT)
             topic = self._robots[robot_id] = RobotTopic(robot_id)
-            topic.update(self._store.robot(robot_id), self._context(robot_id), ALL_PARTS)
+            with _alone(name):
+                topic.update(self._store.robot(robot_id), self._context(robot_id), ALL_PARTS)
             topic.put({"lease": None, **self._extras.get(robot_id, {})})
 
     def _whole(self, name: str) -> str:
@@ -340,7 +350,7 @@ class LiveHub:
         while True:
             try:
                 self.beat()
-            except Exception:  # the ticks must go on, whatever one value is
+            except Exception:  # the next tick must come
                 log.exception("a beat of the live lane failed")
             due_s = max(due_s + TICK_S, loop.time() - TICK_S)
             await asyncio.sleep(due_s - loop.time())
@@ -354,3 +364,12 @@ class LiveHub:
             except Exception:  # one value that cannot be shown must not stop the others
                 log.exception("a flush of the live lane failed")
             await asyncio.sleep(FLUSH_S)
+
+
+@contextlib.contextmanager
+def _alone(topic: str) -> Iterator[None]:
+    """Let what cannot be shown stop nothing else: changes are told once, and without a tick nobody may order."""
+    try:
+        yield
+    except Exception:
+        log.exception("topic %s of the live lane failed", topic)

@@ -137,7 +137,7 @@ class Gateway:
             self._is_unsaved.clear()
             try:
                 await asyncio.to_thread(self._outbox.save, self.dispatcher.book.attempts())
-            except OSError as error:
+            except (OSError, RuntimeError) as error:  # the latter where the system has no room for a thread
                 _log.error("the STOP outbox cannot be written: %s", error)
                 await asyncio.sleep(1.0)
                 self._is_unsaved.set()

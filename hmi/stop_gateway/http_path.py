@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ from hmi.stop_gateway.wire import stop_message
 
 MAX_REPEATS_AT_ONCE = 3  # of eight connections a robot has: a new press never waits behind old ones
 MAX_POLLS_AT_ONCE = 32  # over all robots
+_log = logging.getLogger("headland.stop")
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +51,10 @@ class HttpPath:
                 self._spawn(client.close(), f"close {robot_id}")
         for robot_id, address in wanted.items():
             if robot_id not in self._clients:
-                self._clients[robot_id] = (address, RobotHttp(robot_id, *address))
+                try:
+                    self._clients[robot_id] = (address, RobotHttp(robot_id, *address))
+                except Exception:  # noqa: BLE001 - what is wrong with one robot must not keep STOP from the others
+                    _log.exception("%s cannot be reached by HTTP", robot_id)
 
     def has(self, robot_id: str) -> bool:
         """Say whether the robot has an HTTP address."""

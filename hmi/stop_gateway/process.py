@@ -83,7 +83,10 @@ def run_gateway(settings: Settings, *, port: int | None = None, on_ready: Callab
     url = _address(settings, bound)
 
     def listening() -> None:
-        write_whole(note, msgspec.json.encode({"pid": os.getpid(), "port": bound, "url": url}))
+        try:
+            write_whole(note, msgspec.json.encode({"pid": os.getpid(), "port": bound, "url": url}))
+        except OSError as error:  # a full disk must not end STOP: browsers know the address from their last page
+            _log.error("%s cannot be written: %s", note, error)
         _log.info("STOP gateway listens at %s", url)
         if on_ready is not None:
             on_ready(url)

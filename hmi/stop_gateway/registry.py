@@ -74,6 +74,10 @@ class _Watched:
         was, self._seen = self._seen, now
         return now != was
 
+    def look_again(self) -> None:
+        """Take the file for changed at the next look: this time it could not be read."""
+        self._seen = None
+
 
 class Registry:
     """Robots and revoked tablets, as the console last wrote them.
@@ -118,6 +122,8 @@ class Registry:
             entries = _robots.decode(self._robots_file.path.read_bytes())
         except (OSError, msgspec.DecodeError) as error:
             _log.warning("robots.json cannot be read, going on with %d robots: %s", len(self._robots), error)
+            if isinstance(error, OSError):  # too many files are open, say; what it says wrong stays wrong
+                self._robots_file.look_again()
             return False
         robots = {entry.id: entry for entry in entries}
         changed, self._robots, self.is_known = robots != self._robots or not self.is_known, robots, True
@@ -130,3 +136,5 @@ class Registry:
             self._revoked = frozenset()  # a missing file revokes nobody
         except (OSError, msgspec.DecodeError) as error:
             _log.warning("revoked.json cannot be read, going on with %d tablets: %s", len(self._revoked), error)
+            if isinstance(error, OSError):
+                self._revoked_file.look_again()

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from hmi.domain.stop import SafetyReport
+from hmi.domain.stop_book import ReportOrder
 
 RETURN_S = 1.0  # silence after which the next sign of life is a return; five heartbeats
 FRESH_SPEED_S = 1.0  # an older speed proves nothing about how fast it is now
@@ -29,6 +30,7 @@ class RobotWatch:
 
     def __init__(self) -> None:
         self._heard: dict[str, Heard] = {}
+        self._order = ReportOrder()  # as of the presses: no report is fresh here that does not count there
 
     def of(self, robot_id: str) -> Heard:
         """Return what is known of a robot, empty if nothing."""
@@ -54,7 +56,7 @@ class RobotWatch:
     def reported(self, robot_id: str, report: SafetyReport, now_s: float) -> None:
         """Note the newest safety report."""
         heard = self._heard.setdefault(robot_id, Heard())
-        if heard.report is not None and heard.report.boot == report.boot and report.at_s < heard.report.at_s:
+        if not self._order.is_new(robot_id, report, now_s):
             return
         if not report.latched:
             heard.latched_since_s = None

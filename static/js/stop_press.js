@@ -35,15 +35,30 @@
       for (const older of this.own.values()) {
         if (robots === "all" || (older.robots !== "all" && older.robots.every((r) => ids.includes(r)))) older.isCovered = true;
       }
+      const failed = this.takeOver(ids, robots === "all");
       const press = { id: id || makeId(), robots, scope, at: now - agoMs, tried: 0, isCovered: false };
       this.own.set(press.id, press);
       const pressed_utc = new Date(Date.now() - agoMs).toISOString();
       for (const robot of ids) {
         const step = { stop_id: press.id, robot, name: cards[robot]?.name || robot, state: "sent", by, device, pressed_utc, count: 0, paths: {} };
-        this.entries.set(`${press.id}/${robot}`, { step, by: {}, at: press.at, heardAt: now, isMine: true, isFailed: isHopeless, contradictedBy: "" });
+        this.entries.set(`${press.id}/${robot}`, { step, by: {}, at: press.at, heardAt: now, isMine: true, isFailed: isHopeless || failed.has(robot) || failed.has(ANY), contradictedBy: "" });
       }
       this.revision += 1;
       return press;
+    }
+
+    // A covered press that nobody has answered is sent no more: it would stay not confirmed for good, whatever the newer
+    // one leads to. That one stands for it, and is not confirmed from the start if it was not. Return at which robots.
+    takeOver(ids, isAll) {
+      const failed = new Set();
+      for (const [key, { step, by, isFailed }] of this.entries) {
+        if (!this.own.get(step.stop_id)?.isCovered || by.gateway || by.console) continue;
+        if (!ids.includes(step.robot) && !(isAll && step.robot === ANY)) continue;
+        if (isFailed) failed.add(step.robot);
+        this.drop(key);
+        if (![...this.entries.values()].some((e) => e.step.stop_id === step.stop_id)) this.own.delete(step.stop_id);
+      }
+      return failed;
     }
 
     // Take a step that came from `source` ("gateway" or "console").

@@ -11,6 +11,14 @@ function presses() {
   return new window.headlandStopParts.Presses();
 }
 
+// counts presses: ids have to differ
+function pressing() {
+  const all = presses();
+  let n = 0;
+  all.hit = (robots, now, more = {}) => all.press(robots, more.known ?? [], now, { id: more.id ?? `press-${(n += 1)}`, ...more });
+  return all;
+}
+
 const step = (robot, state, more = {}) => ({ stop_id: 'press-1', robot, state, age_ms: 100, sent_ms: 5, ack_ms: null, standstill_ms: null, by: 'Martha', ...more });
 
 test('each robot has its presses, the worst first', () => {
@@ -117,4 +125,43 @@ test('a restarted console counts ages anew, and its late confirmation counts at 
   assert.equal(hear('not-confirmed', 60000, 'b1', 61000), 'not-confirmed');
   assert.equal(hear('standstill', 1500, 'b2', 63000), 'standstill');
   assert.equal(hear('not-confirmed', 1400, 'b2', 63010), 'standstill'); // overtaken
+});
+
+test('a press that nobody heard is confirmed by the one that covers it', () => {
+  const all = pressing();
+  all.hit(['a'], 1000, { isHopeless: true });
+  assert.equal(all.byRobot(1000, {}).get('a')[0].state, 'not-confirmed');
+  all.hit(['a'], 4000);
+  assert.equal(all.byRobot(4000, {}).get('a').map((one) => one.state).join(), 'not-confirmed', 'stays so until it is confirmed');
+  all.take(step('a', 'standstill', { stop_id: 'press-2', ack_ms: 20, standstill_ms: 300 }), 'gateway', 5000);
+  assert.equal(all.byRobot(5000, {}).get('a').map((one) => one.state).join(), 'standstill');
+  all.take({ stop_id: 'press-2', robot: 'a', state: 'reset' }, 'gateway', 6000);
+  assert.equal(all.byRobot(6000, {}).size, 0);
+  assert.equal(all.own.size, 0);
+});
+
+test('a press of all that nobody heard is covered robot by robot, also where no robot was known yet', () => {
+  const all = pressing();
+  all.hit('all', 1000, { isHopeless: true });
+  all.hit('all', 4000, { known: ['a', 'b'] });
+  const states = () => [...all.byRobot(4000, {}).values()].map((steps) => steps.map((one) => one.state).join()).join(' ');
+  assert.equal(states(), 'not-confirmed not-confirmed');
+  for (const robot of ['a', 'b']) all.take(step(robot, 'standstill', { stop_id: 'press-2', ack_ms: 20, standstill_ms: 300 }), 'gateway', 5000);
+  assert.equal(states(), 'standstill standstill');
+});
+
+test('a covered press that somebody answered stands until it is confirmed itself', () => {
+  const all = pressing();
+  all.hit(['a'], 1000);
+  all.take(step('a', 'sent', { stop_id: 'press-1' }), 'console', 1100);
+  all.hit(['a'], 4000);
+  all.take(step('a', 'standstill', { stop_id: 'press-2', ack_ms: 20, standstill_ms: 300 }), 'gateway', 5000);
+  assert.equal(all.byRobot(5000, {}).get('a').map((one) => one.state).join(), 'not-confirmed,standstill');
+});
+
+test('a press at one robot that nobody heard stays until a newer one reaches that robot', () => {
+  const all = pressing();
+  all.hit(['a'], 1000, { isHopeless: true });
+  all.hit('all', 4000, { known: [] });
+  assert.equal(all.byRobot(4000, {}).get('a')[0].state, 'not-confirmed');
 });

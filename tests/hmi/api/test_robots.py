@@ -69,6 +69,11 @@ ADDRESSES = (
     "http://user:pass@10.0.0.7",
     "http://10.0.0.7/?x=1",
     "javascript:1",
+    "http://10.0.0.7:x",
+    "http://10.0.0.7:99999",
+    "http://10.0.0.7:0",
+    "http://[::1",
+    "http://müller..de",
 )
 
 
@@ -77,6 +82,14 @@ async def test_an_address_that_is_none_is_refused(console: Console) -> None:
     for address in ADDRESSES:
         answer = await admin.patch("/robots/weeder-01", json={"http_url": address})
         assert (answer.status_code, answer.json()["field"]) == (422, "http_url"), address
+
+
+async def test_a_token_that_no_header_can_carry_is_refused(console: Console) -> None:
+    admin = await console.browser(Role.ADMIN)
+    for token in ("gehölz", "a\nb", "\u200bsecret"):
+        answer = await admin.patch("/robots/weeder-01", json={"http_token": token})
+        assert (answer.status_code, answer.json()["field"]) == (422, "http_token"), token
+    assert (await admin.patch("/robots/weeder-01", json={"http_token": "s3cret ~!"})).status_code == 200
 
 
 async def test_an_id_that_could_not_be_a_topic_is_refused(console: Console) -> None:

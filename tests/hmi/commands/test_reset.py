@@ -9,7 +9,7 @@ import pytest
 from hmi.commands.ledger import CommandResult
 from hmi.commands.reset import ResetRequest
 from hmi.domain.command import Outcome, ResetOrder
-from hmi.domain.robot import Mode
+from hmi.domain.robot import Mode, Robot
 from hmi.security.session_info import SessionInfo
 from tests.hmi.commands.field import ANNA, JONAS, MARTHA, VERA, Field, person
 
@@ -115,6 +115,24 @@ async def test_a_robot_that_is_not_known_to_stand_is_not_reset() -> None:
     field.weeder.speed_mps = 0.0
     field.wait(2.1, hears=False)
     assert (await reset(field, MARTHA, ONE, ref="reset-00002")).code == "robot_silent"
+    assert field.weeder.orders == []
+
+
+@pytest.mark.parametrize("word", [{"tool_off": False}, {"speed_mps": 0.2}])
+async def test_a_robot_that_contradicts_its_standstill_is_not_reset(
+    word: dict[str, object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    field = stopped((ONE, "Martha Keller"))
+    told = field.weeder.known
+
+    def contradicts() -> Robot:
+        robot = told()
+        assert robot.safety is not None
+        assert robot.safety.standstill
+        return replace(robot, safety=replace(robot.safety, **word))
+
+    monkeypatch.setattr(field.weeder, "known", contradicts)
+    assert (await reset(field, MARTHA, ONE)).code == "not_standing"
     assert field.weeder.orders == []
 
 

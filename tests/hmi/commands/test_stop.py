@@ -208,3 +208,55 @@ async def test_the_task_sends_what_is_due_and_ends_when_cancelled(field: Field) 
     with pytest.raises(asyncio.CancelledError):
         await task
     await field.service.close()
+
+
+async def test_one_robot_that_cannot_be_sent_to_or_told_of_keeps_stop_from_no_other(field: Field) -> None:
+    send, told = field.sender.send, field.revoked
+
+    def fails(order: Order) -> bool:
+        if order.robot_id == "weeder-01":
+            raise OSError("no")
+        return send(order)
+
+    def refuses(robot_id: str, stop_id: str, by: str) -> None:
+        if robot_id == "weeder-01":
+            raise RuntimeError("no")
+        told.append((robot_id, stop_id, by))
+
+    field.sender.send = fails  # type: ignore[method-assign]
+    service = StopService(field.sender, field.clock, Registry(), on_press=refuses)
+    steps = service.press(STOP_ID, "all", "Martha", "Tablet 3")
+    await asyncio.sleep(0)
+    assert [order.robot_id for order in field.sender.sent] == ["weeder-02"]
+    assert sorted(order.robot_id for order in field.sender.by_http) == ["weeder-01", "weeder-02"]
+    assert told == [("weeder-02", STOP_ID, "Martha")]
+    assert {step["robot"]: step["sent_ms"] for step in steps} == {"weeder-01": None, "weeder-02": 0}
+    await service.close()
+
+
+async def test_a_round_that_fails_is_not_the_last_one(field: Field, monkeypatch: pytest.MonkeyPatch) -> None:
+    targets, has_failed, goes_on = Registry.stop_targets, asyncio.Event(), asyncio.Event()
+
+    def once(self: Registry) -> Mapping[str, StopTarget]:
+        if not has_failed.is_set():
+            has_failed.set()
+            raise RuntimeError("no")
+        goes_on.set()
+        return targets(self)
+
+    task = asyncio.create_task(field.service.run())
+    await asyncio.sleep(0)
+    monkeypatch.setattr(Registry, "stop_targets", once)
+    field.clock.advance(60)
+    field.service.on_return("weeder-01")  # wakes it
+    await asyncio.wait_for(has_failed.wait(), 5)
+    field.clock.advance(60)
+    field.press()
+    await asyncio.wait_for(goes_on.wait(), 5)
+    copies = len(field.sender.sent)
+    field.clock.advance(0.3)
+    while len(field.sender.sent) == copies:
+        assert not task.done()
+        await asyncio.sleep(0)
+    task.cancel()
+    await field.service.close()

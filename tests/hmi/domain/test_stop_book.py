@@ -5,9 +5,11 @@ from __future__ import annotations
 from datetime import UTC, datetime
 from itertools import pairwise
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hmi.domain.freshness import LOST_S
 from hmi.domain.stop import SafetyReport, StopAnswer, StopAttempt, StopState, StopTarget
 from hmi.domain.stop_book import MAX_OPEN_PER_ROBOT, MAX_STRANGERS, STRANGER_S, ReportOrder, StopBook
 
@@ -49,6 +51,30 @@ def test_a_report_that_comes_late_by_another_path_changes_nothing() -> None:
     book.reported("weeder-01", standing(5.0, "press-one"), T0 + 0.5)
     moving = SafetyReport("boot-one", 4.0, True, False, True, False, 0.5, frozenset({"press-one"}))
     assert not book.reported("weeder-01", moving, T0 + 0.6)
+
+
+def moving(at_s: float, boot: str = "boot-one") -> SafetyReport:
+    return SafetyReport(boot, at_s, True, False, True, False, 0.5, frozenset({"press-one"}))
+
+
+@pytest.mark.parametrize(
+    "after",
+    [
+        pytest.param([moving(3.0)], id="a robot that names each boot alike has restarted"),
+        pytest.param([standing(900.0, "press-one"), moving(9.0)], id="one report was from the future"),
+        pytest.param([standing(1.0, "press-one", boot="forged"), moving(9.0)], id="one report was forged"),
+    ],
+)
+def test_what_a_robot_says_for_seconds_counts_whatever_was_said_once(after: list[SafetyReport]) -> None:
+    book = StopBook()
+    press(book, "press-one")
+    book.reported("weeder-01", standing(5.0, "press-one"), T0 + 0.5)
+    *wrong, right = after
+    for report in wrong:
+        book.reported("weeder-01", report, T0 + 0.6)
+    assert not book.reported("weeder-01", right, T0 + 0.7)
+    (found,) = book.reported("weeder-01", right, T0 + 0.7 + LOST_S)
+    assert found.state is StopState.NOT_CONFIRMED
 
 
 def test_a_reset_press_leaves_the_book_but_whoever_asks_still_reads_reset() -> None:
@@ -137,7 +163,7 @@ def test_strangers_are_kept_up_to_a_limit_and_known_robots_always() -> None:
 def test_reports_are_taken_in_the_order_the_robot_made_them(seen: list[tuple[str, int]]) -> None:
     order, taken = ReportOrder(), []
     for boot, at_s in seen:
-        if order.is_new("weeder-01", standing(at_s, boot=boot)):
+        if order.is_new("weeder-01", standing(at_s, boot=boot), T0):
             taken.append((boot, at_s))
     boots = [boot for n, (boot, _) in enumerate(taken) if n == 0 or taken[n - 1][0] != boot]
     assert len(boots) == len(set(boots))  # no boot comes back once another followed it

@@ -20,6 +20,7 @@ from backend_clients.edge.topics import Up
 from hmi.domain.command import Acknowledgement
 from hmi.domain.event import RobotEvent
 from hmi.domain.robot import Mode, SafetyState
+from hmi.ingest import coordinator
 from hmi.ingest.robot_clock import JUMPS_BELIEVED
 from hmi.store.fleet import CAMERA_LIMIT, UNREGISTERED_LIMIT
 from tests.hmi.ingest.wire import KINDS, FakeWireRobot, Rig
@@ -280,6 +281,22 @@ async def test_a_dead_network_thread_is_revived_and_reported() -> None:
         assert rig.link.is_alive
         assert rig.link.starts == 2
         assert troubles == ["ingest_thread"]
+
+
+async def test_a_network_thread_that_cannot_be_started_is_tried_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(coordinator, "WATCH_S", 0.001)
+    async with Rig(ID) as rig:
+        start, is_refused, is_back = rig.link.start, asyncio.Event(), asyncio.Event()
+
+        def no_room() -> None:
+            is_refused.set()
+            raise RuntimeError("can't start new thread")
+
+        rig.link.is_alive, rig.link.start = False, no_room  # type: ignore[method-assign]
+        await asyncio.wait_for(is_refused.wait(), 5)
+        rig.link.start = lambda: (start(), is_back.set())  # type: ignore[assignment, method-assign, func-returns-value]
+        await asyncio.wait_for(is_back.wait(), 5)
+        assert rig.link.is_alive
 
 
 async def test_losing_the_broker_shows_on_every_robot() -> None:

@@ -277,3 +277,10 @@ async def test_a_log_that_cannot_be_read_is_told_apart(answer: httpx.Response | 
 async def test_a_robot_without_an_address_has_no_log_here() -> None:
     with pytest.raises(LogFailed, match="no_address"):
         await sender(Broker(), Net(httpx.Response(200)), None).tail_log(ID, 10)
+
+
+async def test_an_address_or_token_that_cannot_be_used_is_as_none() -> None:
+    broken = EdgeSender(Broker(), lambda _id: RobotAddress("http://10.0.0.7:9000", "gehölz"))
+    assert await broken.stop_by_http(STOP) is None
+    with pytest.raises(LogFailed):
+        await broken.tail_log(ID, 10)

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import errno
 import sys
 import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import psutil
 import pytest
 
 from hmi.keeper import keeper as module
+from hmi.keeper import part as part_module
 from hmi.keeper.data_folder import read_json
 from hmi.keeper.keeper import Keeper
 from hmi.keeper.part import PartSpec
@@ -28,6 +31,9 @@ class Watched:
     def state(self, name: str) -> str:
         told = read_json(self.data / "run" / "keeper.json") or {}
         return str(told.get("parts", {}).get(name, {}).get("state", ""))
+
+    def pid(self, name: str) -> int:
+        return int(read_json(self.data / "run" / "keeper.json")["parts"][name]["pid"])
 
     def waits_for(self, name: str, state: str) -> None:
         until_s = time.monotonic() + 20
@@ -78,3 +84,42 @@ def test_one_that_does_not_come_up_holds_up_the_next_no_longer_than_its_time(
     monkeypatch.setattr(module, "LATER_EACH_S", 0.1)
     watched.waits_for("cameras", "starting")
     assert watched.state("media") == "starting"
+
+
+def test_a_full_disk_ends_nothing_and_the_view_is_written_when_there_is_room(
+    monkeypatch: pytest.MonkeyPatch, watched: Watched, served: set[str]
+) -> None:
+    watched.waits_for("media", "starting")
+    refused = threading.Event()
+
+    def full(_path: Path, _value: object) -> None:
+        refused.set()
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as disk:
+        disk.setattr(module, "write_json", full)
+        served.add("media")
+        assert refused.wait(10)
+        assert watched.thread.is_alive()
+    watched.waits_for("cameras", "starting")
+    assert watched.state("console") == "ok"
+
+
+def test_a_part_that_the_system_has_no_room_for_ends_no_other(
+    monkeypatch: pytest.MonkeyPatch, watched: Watched, served: set[str]
+) -> None:
+    watched.waits_for("media", "starting")
+    refused = threading.Event()
+
+    def no_memory(*_args: object, **_more: object) -> None:
+        refused.set()
+        raise OSError(errno.ENOMEM, "Cannot allocate memory")
+
+    with monkeypatch.context() as system:
+        system.setattr(part_module.subprocess, "Popen", no_memory)
+        psutil.Process(watched.pid("media")).kill()
+        assert refused.wait(10)
+        assert watched.thread.is_alive()
+        assert psutil.pid_exists(watched.pid("console"))
+    served.add("media")
+    watched.waits_for("media", "ok")

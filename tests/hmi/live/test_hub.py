@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from hmi.live import inside, topics
 from hmi.live.hub import FLEET_S
 from hmi.live.outbox import DELTA_LIMIT, EVENT_AGE_S, EVENT_CHARS, EVENT_LIMIT
 from hmi.presenters.operate import PRESENTERS
@@ -367,3 +368,30 @@ def test_a_lane_that_left_is_forgotten() -> None:
     rig.hub.beat()
     rig.hub.beat()
     assert rig.hub.lanes == 0
+
+
+def test_a_robot_that_cannot_be_shown_stops_neither_ticks_nor_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    rig = HubRig("bad", ID)
+    lane = rig.lane("robot/bad", TOPIC, "inside/bad", "fleet", "alarms")
+    rig.take(lane)
+
+    def fails(robot: Any, *_more: Any) -> Any:
+        if robot.id == "bad":
+            raise OverflowError("cannot convert float infinity to integer")
+        return {"state": "new"}
+
+    monkeypatch.setitem(PRESENTERS, "pose", fails)
+    monkeypatch.setitem(inside.MAKE, "nodes", fails)
+    monkeypatch.setattr(topics.fleet, "slow", fails)
+    for robot_id in ("bad", ID):
+        rig.move(robot_id)
+        rig.pause(robot_id)
+    rig.clock.advance(FLEET_S)
+    rig.hub.flush()
+    rig.hub.beat()
+    told = rig.take(lane)
+    assert [frame["k"] for frame in told][-1] == "tick"
+    assert any("pose" in frame["d"].get(TOPIC, {}) for frame in told if frame["k"] == "delta")
+    late = rig.take(rig.lane("robot/bad", "inside/bad", "fleet", "alarms"))
+    assert late[0]["k"] == "snap"
+    assert late[0]["d"]["robot/bad"]["lease"] is None

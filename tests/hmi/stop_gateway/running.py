@@ -69,9 +69,8 @@ class RunningGateway:
         """Start it and wait until its note says where it listens."""
         note = self.data / "run" / "stop.json"
         started = time.monotonic()
-        self._process = subprocess.Popen(
-            [sys.executable, "-W", "error", "-m", "hmi.stop_gateway"], cwd=ROOT, env=self._env
-        )
+        self.begin()
+        assert self._process is not None
         while True:
             assert self._process.poll() is None, "the gateway ended"
             assert time.monotonic() - started < 10, "the gateway does not listen"
@@ -79,6 +78,14 @@ class RunningGateway:
                 break
             time.sleep(0.01)  # a process has no event to wait for
         self.url = said["url"]
+
+    def begin(self, port: int = 0) -> None:
+        """Start it and wait for nothing."""
+        self._process = subprocess.Popen(
+            [sys.executable, "-W", "error", "-m", "hmi.stop_gateway"],
+            cwd=ROOT,
+            env=self._env | {"HEADLAND_STOP_PORT": str(port)},
+        )
 
     def kill(self) -> None:
         """End it as a crash would."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 from pathlib import Path
 
@@ -12,7 +13,8 @@ from hmi.domain.stop import SafetyReport
 from hmi.domain.stop_book import MAX_STRANGERS
 from hmi.domain.stop_token import StopToken
 from hmi.stop_gateway.dispatcher import StopDispatcher
-from hmi.stop_gateway.registry import Registry
+from hmi.stop_gateway.http_path import HttpEvents, HttpPath
+from hmi.stop_gateway.registry import Registry, RobotEntry
 
 MARTHA = StopToken("tablet-3", "Tablet 3", "martha", "Martha Keller", "farm")
 
@@ -90,3 +92,56 @@ async def test_the_heartbeat_tells_how_old_the_safety_report_is_beside_the_newes
     farm.hear("weeder-01")
     line = farm.gateway.heartbeat()["weeder-01"]
     assert (line["heard_ms"], line["safety_ms"], line["standstill"]) == (0, 12_000, True)
+
+
+async def test_a_report_that_does_not_count_for_the_presses_is_no_fresh_proof(farm: Farm) -> None:
+    def report(boot: str, *, standstill: bool) -> None:
+        now_s = farm.clock.mono_s()
+        said = SafetyReport(boot, now_s, True, standstill, True, False, 0.0 if standstill else 0.5, frozenset({"one"}))
+        farm.gateway.watch.reported("weeder-01", said, now_s)
+        farm.gateway.book.reported("weeder-01", said, now_s)
+
+    farm.hear("weeder-01")
+    farm.gateway.press("one", ["weeder-01"], MARTHA)
+    for boot in ("boot-1", "boot-2"):
+        report(boot, standstill=True)
+    states = set()
+    for _ in range(40):
+        farm.clock.advance(0.1)
+        report("boot-1", standstill=False)  # it says so itself: it moves
+        (step,) = farm.gateway.steps("one")
+        line = farm.gateway.heartbeat()["weeder-01"]
+        states.add(step["state"])
+        assert step["state"] == "not-confirmed" or (line["standstill"] and line["safety_ms"] > 0)
+    assert states == {"standstill", "not-confirmed"}
+
+
+async def test_an_address_or_token_that_cannot_be_used_keeps_http_from_no_other_robot() -> None:
+    every = [
+        RobotEntry("weeder-01", http_url="http://10.0.0.7:9000", token="gehölz"),
+        RobotEntry("weeder-02", http_url="http://10.0.0.7:x", token="t"),
+        RobotEntry("weeder-03", http_url="http://10.0.0.7:9000", token="t"),
+    ]
+    path = HttpPath(HttpEvents(lambda *_told: None, lambda *_told: None))
+    path.follow({one.id: one for one in every})
+    assert [one.id for one in every if path.has(one.id)] == ["weeder-03"]
+    await path.close()
+
+
+def test_a_list_that_could_not_be_read_is_read_at_the_next_look(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "robots.json").write_text('[{"id": "weeder-01"}]', "utf-8")
+    (tmp_path / "revoked.json").write_text('["tablet-9"]', "utf-8")
+    registry = Registry(tmp_path)
+
+    def too_many(_self: Path) -> bytes:
+        raise OSError(errno.EMFILE, "Too many open files")
+
+    with monkeypatch.context() as system:
+        system.setattr(Path, "read_bytes", too_many)
+        assert not registry.refresh()
+    assert registry.refresh()
+    assert list(registry.robots) == ["weeder-01"]
+    assert registry.is_revoked("tablet-9")
+    assert not registry.refresh()

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 import subprocess
 import sys
 from collections.abc import Awaitable, Callable
+from pathlib import Path
 from typing import Any
 
 import httpx
+import psutil
 import pytest
 from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
 from hmi.app.stop_relay import StopRelay
 from hmi.domain.stop_token import StopToken
+from hmi.keeper.ports import free_port
 from hmi.settings import Settings
 from tests.hmi.stop_gateway.broker import Broker
 from tests.hmi.stop_gateway.conftest import MakeRobot
@@ -435,3 +439,21 @@ async def test_a_press_that_only_the_console_heard_is_shown_by_every_slab(
     step = await tablet.until_frame("step", lambda f: f["stop_id"] == "from-a-program-1" and f["state"] == "standstill")
     assert (step["robot"], step["by"], step["device"]) == (robot.id, "Anna Ostermeier", "a program")
     await relay.settled()
+
+
+async def test_a_disk_that_takes_nothing_does_not_end_the_gateway(tmp_path: Path, broker: Broker) -> None:
+    (tmp_path / "run").write_text("the folder for its note is not there")
+    gateway = RunningGateway(tmp_path, broker.url)
+    port = free_port()
+    gateway.begin(port)
+    gateway.url = f"http://127.0.0.1:{port}"
+    try:
+        async with gateway.http() as http, asyncio.timeout(10):
+            while True:
+                assert psutil.Process(gateway.pid).status() != psutil.STATUS_ZOMBIE, "the gateway ended"
+                with contextlib.suppress(httpx.TransportError):
+                    assert (await http.get("/health")).status_code == 200
+                    break
+                await asyncio.sleep(0.02)  # a process has no event to wait for
+    finally:
+        gateway.kill()
