@@ -225,7 +225,8 @@ class DutyDesk:
     ) -> list[Duty]:
         robots = tuple(one.robot_id for one in duties)
         before = [self._parts.duties.of(one) for one in robots]
-        left = sorted({old.user_id for old, new in zip(before, duties, strict=True) if old.user_id != new.user_id} - {""})
+        pairs = zip(before, duties, strict=True)
+        left = sorted({old.user_id for old, new in pairs if old.user_id not in ("", new.user_id)})
         line = HandOver(self._parts.clock.utc(), what, by, to_name, robots, note)
         await self._parts.database.run(self._parts.duties.write, duties, line)
         names = ", ".join(self._parts.name_of(one) for one in robots[:8])

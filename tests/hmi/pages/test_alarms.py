@@ -292,9 +292,7 @@ def test_what_nobody_answered_says_so_in_the_strip_and_in_the_list(look: Look, f
 
 
 @pytest.mark.parametrize("screen", ["operate", "supervisor"])
-def test_in_portrait_a_bell_counts_what_nobody_answered_and_leads_to_it(
-    look: Look, farm: Theatre, screen: str
-) -> None:
+def test_in_portrait_a_bell_counts_what_nobody_answered_and_leads_to_it(look: Look, farm: Theatre, screen: str) -> None:
     farm.alarms(put={STOP: {**ALARMS[STOP], "escalated": round(time.time() * 1000)}})
     page = look(f"/{screen}/weeder-07", size="portrait")
     bell = page.get_by_test_id("alarm-unanswered")
