@@ -79,6 +79,7 @@ def duty_routes(parts: DutyRoutes) -> APIRouter:
         people = await desk.people(session)
         return {
             "duty": {one.robot_id: _duty(one) for one in desk.all(session)},
+            "freed": {one.robot_id: {"since": _ms(one.since)} for one in desk.freed(session)},
             "people": [{"id": one.id, "name": one.name, "role": one.role.value} for one in people],
             "book": [_line(one) for one in await desk.book(session)],
         }

@@ -245,7 +245,8 @@ class AlarmRoom:
         self._look_for_missing(now_s)
         if now_s - self._started_s >= GRACE_S:
             self.watch.let_go_restored(self._is_judged)
-        self.watch.sweep()
+        for _ in self.watch.sweeping():
+            await asyncio.sleep(0)
         self.store.pass_time()
         self._kept.mend(self.store.all())
 

@@ -10,7 +10,7 @@ import httpx
 import msgspec
 
 from hmi.app.camera_link import CamerasDown
-from hmi.app.cameras import CameraDesk
+from hmi.app.cameras import CLIPS, CameraDesk
 from hmi.commands.camera_ports import CamerasAway, Clip, NoPicture, Still
 
 CAPTURED, DATED = "X-Headland-Captured", "X-Headland-Dated"
@@ -86,7 +86,7 @@ class CameraCalls:
             "to": to_s * 1000.0,
             "path": str(path),
         }
-        reply = _good(await self._ask("POST", "/clips", msgspec.json.encode(body), CLIP_S))
+        reply = _good(await self._ask("POST", CLIPS, msgspec.json.encode(body), CLIP_S))
         told = _told(reply)
         try:
             return Clip(float(told["from"]) / 1000.0, float(told["to"]) / 1000.0, int(told["width_px"]),

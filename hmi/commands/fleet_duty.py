@@ -80,6 +80,11 @@ class DutyDesk:
         self._parts.authorize(session, Permission.WATCH)
         return self._parts.duties.all()
 
+    def freed(self, session: SessionInfo) -> list[Duty]:
+        """Return robots that lost who was responsible for them; ``since`` is when."""
+        self._parts.authorize(session, Permission.WATCH)
+        return [one for one in self._parts.duties.freed() if self._parts.is_robot(one.robot_id)]
+
     async def book(self, session: SessionInfo) -> list[HandOver]:
         """Return the newest lines of the shift book."""
         self._parts.authorize(session, Permission.WATCH)
@@ -106,7 +111,9 @@ class DutyDesk:
         """Be responsible no longer; they are nobody's then, and the screen says so."""
         async with self._changing:
             self._refuse_foreign(session, robots)
-            return await self._write(session, [Duty(one, note=note) for one in robots], "released", "", note)
+            now = self._parts.clock.utc()
+            freed = [Duty(one, since=now if self._parts.duties.of(one).user_id else None, note=note) for one in robots]
+            return await self._write(session, freed, "released", "", note)
 
     async def hand_over(self, session: SessionInfo, robots: Sequence[str], to_user: str, note: str) -> list[Duty]:
         """Offer robots to somebody; who gives stays responsible until the other takes them."""
@@ -175,7 +182,7 @@ class DutyDesk:
                 continue
             left = duty if duty.offered_to in able else _not_offered(duty)
             if duty.user_id and duty.user_id not in able:
-                left = replace(left, user_id="", user_name="", since=None, note="")
+                left = replace(left, user_id="", user_name="", since=self._parts.clock.utc(), note="")
                 changes["released", f"{duty.user_name} does not operate robots here any more."].append(left)
             elif left != duty:
                 changes["withdrawn", f"{duty.offered_name} does not operate robots here any more."].append(left)
@@ -211,12 +218,15 @@ class DutyDesk:
     async def _write(
         self, session: SessionInfo, duties: Sequence[Duty], what: str, to_name: str, note: str
     ) -> list[Duty]:
-        return await self._put(session.user_name, session.device_name, duties, what, to_name, note)
+        return await self._put(session.user_name, session.device_name, duties, what, to_name, note, session.user_id)
 
     async def _put(
-        self, by: str, device: str, duties: Sequence[Duty], what: str, to_name: str, note: str
+        self, by: str, device: str, duties: Sequence[Duty], what: str, to_name: str, note: str, by_id: str = ""
     ) -> list[Duty]:
         robots = tuple(one.robot_id for one in duties)
+        before = [self._parts.duties.of(one) for one in robots]
+        pairs = zip(before, duties, strict=True)
+        left = sorted({old.user_id for old, new in pairs if old.user_id not in ("", new.user_id)})
         line = HandOver(self._parts.clock.utc(), what, by, to_name, robots, note)
         await self._parts.database.run(self._parts.duties.write, duties, line)
         names = ", ".join(self._parts.name_of(one) for one in robots[:8])
@@ -227,9 +237,10 @@ class DutyDesk:
                 robots[0] if len(robots) == 1 else None, "", text, {"robots": list(robots), "note": note},
             )
         )  # fmt: skip
-        to_user = duties[0].offered_to if what == "offered" else ""
-        told = {"what": what, "robots": list(robots), "by": by, "to_user": to_user, "note": note}
-        self._parts.on_event({"kind": "duty", **told})
+        to_user = {"offered": duties[0].offered_to, "declined": before[0].offered_by_id}.get(what, "")
+        told = {"what": what, "robots": list(robots), "by": by, "by_id": by_id, "to_user": to_user, "note": note}
+        called = [self._parts.name_of(one) for one in robots if self._parts.is_robot(one)]
+        self._parts.on_event({"kind": "duty", **told, "from_users": left, "names": called})
         return list(duties)
 
 

@@ -35,6 +35,7 @@ log = logging.getLogger(__name__)
 
 WATCH_S = 0.5  # how often silence and the network thread are looked at
 PING_SLOT_S = 0.05
+LETTERS_A_TURN = 200  # some 20 ms; between turns people and their orders get the loop, however many robots talk
 # QoS as the contract has it: what happened once is sent at 1, what repeats at 0
 # point clouds are for the twin alone, which listens for itself
 SUBSCRIPTIONS = [
@@ -179,10 +180,15 @@ class EdgeCoordinator:
             self._link = None
 
     def drain(self) -> None:
-        """Apply what is in the mailbox now; called by itself, and by tests that do not wait."""
+        """Apply what is in the mailbox now, all of it; for tests that do not wait."""
+        while self._drain_some():
+            pass
+
+    def _drain_some(self) -> bool:
+        """Apply one turn's share; whether more waits."""
         if self._mailbox is None:
-            return
-        batch = self._mailbox.take()
+            return False
+        batch = self._mailbox.take(LETTERS_A_TURN)
         self._drained_s = self._clock.mono_s()
         for reason, number in batch.refused.items():
             self.tally.count(reason, number=number)
@@ -195,6 +201,7 @@ class EdgeCoordinator:
             self._open(letter)
         if batch.discrete or batch.state:
             self._store.announce()
+        return batch.is_more
 
     def diagnostics(self) -> dict[str, Any]:
         """Return counters for the diagnostics page."""
@@ -211,9 +218,13 @@ class EdgeCoordinator:
         # The first message after a pause goes through at once; under load the cadence conflates.
         wait_s = self._drained_s + CADENCE_S - self._clock.mono_s()
         if wait_s <= 0:
-            self.drain()
+            self._turn()
         else:
-            asyncio.get_running_loop().call_later(wait_s, self.drain)
+            asyncio.get_running_loop().call_later(wait_s, self._turn)
+
+    def _turn(self) -> None:
+        if self._drain_some():
+            asyncio.get_running_loop().call_soon(self._turn)
 
     def _open(self, letter: Letter) -> None:
         robot = letter.address.robot

@@ -12,6 +12,7 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from functools import lru_cache
+from itertools import islice
 from typing import NamedTuple
 
 from backend_clients.edge.topics import Address, Down, Up, parse
@@ -19,7 +20,7 @@ from backend_clients.errors import WireError, WrongIdentity
 
 CADENCE_S = 0.025  # a drain at most this often; the first frame after a pause is drained at once
 FIFO_LIMIT = 10_000  # 2.5 s of a fleet that sends nothing but events at 4,000 a second
-KEY_LIMIT = 20_000  # 4,000 robots x 5 kinds; keys beyond it are refused and counted
+KEY_LIMIT = 50_000  # 5,000 robots x 8 kinds and some that nobody registered; keys beyond it are refused and counted
 _address_of = lru_cache(maxsize=KEY_LIMIT)(parse)  # the same few topics come ten times a second
 CONFLATED = frozenset(
     {Up.FACTSHEET, Up.HEARTBEAT, Up.TELEMETRY, Up.STATE, Up.SAFETY, Up.BODY, Up.WORKSITE, Up.DETECTIONS}
@@ -36,12 +37,13 @@ class Letter(NamedTuple):
 
 
 class Batch(NamedTuple):
-    """What one drain takes out: discrete messages in order, then the newest state per key."""
+    """What one drain takes out: discrete messages in order, then the newest state per key; ``is_more`` waits still."""
 
     discrete: list[Letter]
     state: list[Letter]
     lost: int
     refused: dict[str, int]
+    is_more: bool = False
 
 
 class Mailbox:
@@ -49,7 +51,7 @@ class Mailbox:
 
     Args:
         loop: where ``on_mail`` runs.
-        on_mail: called on the loop when there is something to ``take``; once a batch.
+        on_mail: called on the loop when there is something to ``take``; once, until all of it was taken.
         mono_s: the console's monotonic clock; called on the network thread.
     """
 
@@ -90,14 +92,15 @@ class Mailbox:
             self._is_called = True
         self._call()
 
-    def take(self) -> Batch:
-        """Empty the box; on the loop."""
+    def take(self, most: int = FIFO_LIMIT + KEY_LIMIT) -> Batch:
+        """Take what waited longest out of the box, at most ``most`` of what happened and of states; on the loop."""
         with self._lock:
-            batch = Batch(list(self._discrete), list(self._state.values()), self._lost, self._refused)
-            self._discrete.clear()
-            self._state.clear()
+            discrete = [self._discrete.popleft() for _ in range(min(most, len(self._discrete)))]
+            state = [self._state.pop(key) for key in list(islice(self._state, most))]
+            is_more = bool(self._discrete or self._state)
+            batch = Batch(discrete, state, self._lost, self._refused, is_more)
             self._lost, self._refused = 0, {}
-            self._is_called = False
+            self._is_called = is_more  # whoever left something comes again by itself
         return batch
 
     def close(self) -> None:

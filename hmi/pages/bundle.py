@@ -38,10 +38,10 @@ SCRIPTS = {
         "alarm_channels", "alarm_notifications", "alarm_limits",
         "admin_robot", "admin_cameras", "admin_cloud", "admin_forms",
     ),
-    "bell": ("alarm_order", "alarm_acts", "alarm_tones", "alarm_bell", "alarm_strip"),
+    "bell": ("alarm_order", "alarm_acts", "alarm_tones", "alarm_bell", "alarm_strip", "duty_notice"),
     "alarms": (
-        "alarm_words", "alarm_rows", "alarm_kpis", "alarm_shelve", "alarm_diagnose", "alarm_detail", "alarm_journal",
-        "alarm_statistics", "alarm_filter", "alarm_notes", "alarm_screen",
+        "alarm_words", "alarm_duty", "alarm_rows", "alarm_kpis", "alarm_shelve", "alarm_diagnose", "alarm_detail",
+        "alarm_journal", "alarm_statistics", "alarm_filter", "alarm_notes", "alarm_screen",
     ),
     "maps": (
         "maps_kinds", "maps_measure", "maps_queue", "maps_client", "maps_menu", "maps_tools", "maps_hint",

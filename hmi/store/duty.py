@@ -18,7 +18,10 @@ BOOK_LIMIT = 50
 
 @dataclass(frozen=True, slots=True)
 class Duty:
-    """Who is responsible for a robot since when; ``offered_*`` while a hand-over waits to be taken."""
+    """Who is responsible for a robot since when; ``offered_*`` while a hand-over waits to be taken.
+
+    Nobody's with a ``since`` was somebody's until then.
+    """
 
     robot_id: str
     user_id: str = ""
@@ -66,6 +69,10 @@ class Duties:
     def all(self) -> list[Duty]:
         """Return every duty that somebody has or is offered."""
         return [one for one in self._duties.values() if one.user_id or one.offered_to]
+
+    def freed(self) -> list[Duty]:
+        """Return robots that somebody was responsible for, and now nobody is."""
+        return [one for one in self._duties.values() if not one.user_id and one.since]
 
     def write(self, duties: Iterable[Duty], line: HandOver) -> None:
         """Replace duties and write the line of the shift book in one transaction."""

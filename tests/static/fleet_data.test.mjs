@@ -21,3 +21,36 @@ test('what concerns no robot is looked at anew when the number of robots changes
   }
   assert.deepEqual(counted, [1, 2]);
 });
+
+// a page with a lane whose listeners the test calls, and a server that answers as told
+function screen(answers, kept = {}) {
+  const asked = [];
+  const said = [];
+  const heard = {};
+  const fleetOrder = { worstAlarms: () => ({}), notices: () => [], rank() {}, judge: () => ({}), isMoved: () => false };
+  const port = { fleet: () => ({}), ids: new Set(), api: async (_method, path) => (asked.push(path), answers[path] ?? { ok: false }) };
+  const HL = { config: { user: null, rights: [] }, keep: { read: () => kept, write() {} }, repaint() {}, words: {}, LOST_MS: 3500, fleetOrder, port, toast: (words) => said.push(words) };
+  const lane = { state: () => null, now: () => 0, on: (topic, fn) => ((heard[topic] = fn), () => {}) };
+  const context = vm.createContext({ HL, window: { headland: lane, addEventListener() {} }, performance, setTimeout, setInterval: () => 0 });
+  vm.runInContext(fs.readFileSync(new URL('../../static/js/ui/fleet_data.js', import.meta.url), 'utf8'), context);
+  return { HL, asked, said, heard };
+}
+
+test('what changed while the line was down is asked for when it is back', () => {
+  const { HL, asked, heard } = screen({});
+  HL.fleet.begin();
+  const first = asked.splice(0);
+  heard.hello({});
+  assert.deepEqual(asked, first);
+  assert.ok(['/fleet/groups', '/fleet/duty', '/queue'].every((path) => asked.includes(path)));
+});
+
+test('a group of the filter that is gone is let go, and one that is not known yet is kept', async () => {
+  const { HL, said } = screen({ '/fleet/groups': { ok: true, groups: [] } }, { group: 'g-0' });
+  HL.fleet.setFilter({ state: 'working' });
+  assert.equal(HL.fleet.filter.group, 'g-0');
+  await HL.fleet.loadGroups();
+  assert.equal(HL.fleet.filter.group, '');
+  assert.equal(HL.fleet.filter.state, 'working');
+  assert.equal(said.length, 1);
+});

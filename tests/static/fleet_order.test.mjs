@@ -86,11 +86,12 @@ test('search looks at name, id, field, mission and what is wrong; all words must
 
 test('filters narrow by kind, group, state and whose robots they are', () => {
   const item = of('a', {}, { duty: { user: 'martha' } });
-  const groups = [{ id: 'g', robots: ['a'] }];
+  const groups = [{ id: 'g', robots: ['a'] }, { id: 'other', robots: ['b'] }];
   assert.ok(passes(item, { families: ['weeder'], group: 'g', mine: true, state: 'working' }, { me: 'martha', groups }));
   assert.ok(!passes(item, { families: ['uav'] }));
   assert.ok(!passes(item, { mine: true }, { me: 'anna' }));
   assert.ok(!passes(item, { group: 'other' }, { groups }));
+  assert.ok(passes(item, { group: 'deleted' }, { groups }), 'a group that is not known hides nobody');
   assert.ok(!passes(item, { state: 'offline' }));
   assert.ok(passes(of('b', { is_online: false }), { state: 'offline' }));
 });

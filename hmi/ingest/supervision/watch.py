@@ -6,7 +6,7 @@ Cheap on purpose: a robot with nothing wrong costs a few comparisons a look.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from hmi.clock import Clock
@@ -22,6 +22,7 @@ from hmi.store.fleet import FleetStore
 
 MISSION_S = 2.0  # figures of a mission change when it is planned anew
 SILENT_S = 0.9  # robots that speak are looked at twice a second; the round looks at the others
+ROBOTS_A_STEP = 100  # some 10 ms; thousands at once would keep people waiting
 RESTORED = "restored"  # the reporter that speaks for those of before a restart until they have looked
 log = logging.getLogger(__name__)
 
@@ -92,16 +93,24 @@ class Watch:
         self._settle(source, watched, self._clock.mono_s())
 
     def sweep(self) -> None:
-        """Look at every robot that was not looked at lately, and let delays run out; call it once a second."""
+        """Look at every robot that was not looked at lately, and let delays run out; see ``sweeping``."""
+        for _ in self.sweeping():
+            pass
+
+    def sweeping(self) -> Iterator[None]:
+        """Do so in steps, once a second; between two of them others may have the event loop."""
         now_s = self._clock.mono_s()
         registered = set(self._fleet.registered_ids())
         # before the robots one by one: what explains all of them has to be known first
         self.report(CONSOLE, "silence", self._silence.look(registered, now_s))
-        for robot_id in registered:
-            if now_s - self._of(robot_id).looked_s >= SILENT_S:
-                robot = self._fleet.robot(robot_id)
-                if robot is not None:
-                    self._look(robot, now_s)
+        for number, robot_id in enumerate(registered, 1):
+            robot = self._fleet.robot(robot_id)
+            if robot is not None and robot.is_registered and now_s - self._of(robot_id).looked_s >= SILENT_S:
+                self._look(robot, now_s)
+            if number % ROBOTS_A_STEP == 0:
+                yield
+                now_s = self._clock.mono_s()  # what was heard meanwhile is not of the future
+        registered = set(self._fleet.registered_ids())
         for source in [s for s in self._watched if s not in registered and self._watched[s].rules]:
             self.forget(source)
         self._tell(self._conditions.pass_time(now_s))

@@ -126,7 +126,9 @@
       text(this.where, `${now.name}, raised ${W.raised(now.raised)}`);
       text(this.lasting, isGone ? "" : W.lasting(now));
       text(this.now, W.now(now));
-      text(this.story, isGone ? "Normal again. It left the list." : [W.state(now), W.story(now), now.chattering ? "It comes and goes: it is held until it was quiet for a minute." : "", now.escalated ? `${HL.alarmOrder.isUnanswered(now) ? "Told" : "Nobody answered: told"} on at ${W.raised(now.escalated)}.` : "", this.loaded?.responsible ? `Responsible: ${this.loaded.responsible}.` : ""].filter(Boolean).join(". ").replaceAll("..", "."));
+      const known = HL.alarmDuty.of(now.source) ?? this.loaded?.responsible;
+      const responsible = known === HL.alarmDuty.NOBODY ? "nobody" : known;
+      text(this.story, isGone ? "Normal again. It left the list." : [W.state(now), W.story(now), now.chattering ? "It comes and goes: it is held until it was quiet for a minute." : "", now.escalated ? `${HL.alarmOrder.isUnanswered(now) ? "Told" : "Nobody answered: told"} on at ${W.raised(now.escalated)}.` : "", responsible ? `Responsible: ${responsible}.` : ""].filter(Boolean).join(". ").replaceAll("..", "."));
       this.paintActs(now, isGone);
     }
 

@@ -40,7 +40,7 @@
     }
 
     enter() {
-      this.offs = [window.headland.on("alarms", () => this.refresh()), window.headland.on("event", (event) => event?.kind === "alarm" && this.countSoon())];
+      this.offs = [window.headland.on("alarms", () => this.refresh()), window.headland.on("event", (event) => event?.kind === "alarm" && this.countSoon()), HL.alarmDuty.begin()];
       this.timer = setInterval(() => this.count(), STATISTICS_MS);
       this.sizes = new ResizeObserver(() => this.refresh(true));
       this.sizes.observe(this.list);

@@ -10,10 +10,10 @@
   const NO_FILTER = { q: "", sort: "attention", families: [], group: "", mine: false, state: "" };
 
   const data = {
-    groups: [], views: [], duty: {}, people: [], book: [], day: null, freeze: null,
+    groups: [], views: [], duty: {}, freed: {}, people: [], book: [], day: null, freeze: null,
     filter: { ...NO_FILTER, ...HL.keep.read(FILTER_KEY, {}), q: "" },
     stop: window.headlandStop?.state() ?? null, chosen: new Set(), open: new Set(), current: null, items: [], notices: [], listeners: new Set(),
-    looks: 0, order: 0, marks: 0, // counted up at each look, when the order of the list may differ, when the map's marks do
+    areGroupsKnown: false, looks: 0, order: 0, marks: 0, // counted up at each look, when the order of the list may differ, when the map's marks do
   };
 
   const me = () => HL.config.user?.id ?? "";
@@ -28,9 +28,9 @@
     }
     return answer;
   }
-  const loadGroups = () => load("/fleet/groups", (answer) => (data.groups = answer.groups));
+  const loadGroups = () => load("/fleet/groups", (answer) => (Object.assign(data, { groups: answer.groups, areGroupsKnown: true }), isGroupGone() && setFilter({})));
   const loadViews = () => load("/fleet/views", (answer) => (data.views = answer.views));
-  const loadDuty = () => load("/fleet/duty", (answer) => Object.assign(data, { duty: answer.duty, people: answer.people, book: answer.book }));
+  const loadDuty = () => load("/fleet/duty", (answer) => Object.assign(data, { duty: answer.duty, freed: answer.freed ?? {}, people: answer.people, book: answer.book }));
   const loadDay = () => load("/fleet/kpis", (answer) => (data.day = { ...answer, at: performance.now() }));
   const loadFreeze = () => load("/queue", (answer) => (data.freeze = answer.frozen ?? null));
 
@@ -124,8 +124,14 @@
     return failing;
   }
 
+  // a group that somebody deleted would hide every robot
+  const isGroupGone = () => Boolean(data.filter.group) && data.areGroupsKnown && !data.groups.some((one) => one.id === data.filter.group);
   function setFilter(change) {
     data.filter = { ...data.filter, ...change };
+    if (isGroupGone()) {
+      data.filter.group = "";
+      HL.toast("The group of this filter was deleted. The filter by group is off.", "group");
+    }
     HL.keep.write(FILTER_KEY, { ...data.filter, q: "" });
     look();
   }
@@ -157,13 +163,13 @@
     users += 1;
     if (users > 1) return;
     timers = [setInterval(() => performance.now() - lookedAt > QUIET_MS && look(), LOOK_MS), setInterval(loadDay, DAY_MS)];
-    offs.push(...["fleet", "alarms"].map((topic) => window.headland.on(topic, soon)), window.headland.on("event", event));
-    loadGroups();
-    loadViews();
-    loadDuty();
-    loadDay();
-    loadFreeze();
+    offs.push(...["fleet", "alarms"].map((topic) => window.headland.on(topic, soon)), window.headland.on("event", event), window.headland.on("hello", loadAll));
+    loadAll();
     look();
+  }
+  // also when the line is back: what changed meanwhile was told to nobody here
+  function loadAll() {
+    for (const one of [loadGroups, loadViews, loadDuty, loadDay, loadFreeze]) one();
   }
   function end() {
     users -= 1;

@@ -16,9 +16,10 @@
   // one slide that names them all, with what stands against it known before
   function home(robots = ids()) {
     if (!robots.length) return;
-    const rows = robots.map((id) => ({ id, why: obstacle(id) }));
+    const rows = robots.map((id) => new HomeRow(id));
     const slide = new HL.Slide({
       hook: "fleet-home", icon: "home", label: robots.length === 1 ? "Slide to send it home" : `Slide to send ${robots.length} home`, line: "They drive by themselves. Check their ways",
+      seen: () => presses(robots),
       act: async () => {
         const results = await HL.fleetOrders.act("return_home", robots);
         const taken = results.filter((one) => one.outcome === "accepted").length;
@@ -26,8 +27,35 @@
         return { outcome: taken === results.length ? "accepted" : "rejected", text: `${taken} of ${results.length}` };
       },
     });
-    const list = el("ul", { class: "f-results", "data-testid": "fleet-home-names" }, ...rows.map(({ id, why }) => el("li", { class: "h-row", "data-state": why ? "refused" : null }, icon(why ? "warning" : "home", "m"), el("span", { class: "h-col" }, el("b", { class: "h-t16" }, HL.fleet.name(id)), why ? el("span", { class: "h-t14" }, why) : ""))));
+    const list = el("ul", { class: "f-results", "data-testid": "fleet-home-names" }, ...rows.map((row) => row.node));
+    const follow = () => {
+      if (!slide.node.isConnected) return HL.fleet.listeners.delete(follow) && window.removeEventListener("headland:stop", follow);
+      rows.forEach((row) => row.paint());
+      return slide.allow(""); // lets go if anybody stopped one of them meanwhile
+    };
+    HL.fleet.listeners.add(follow);
+    window.addEventListener("headland:stop", follow);
     HL.sheet({ title: `Return home: ${several(robots.length)}`, hook: "fleet-home-sheet", body: [list, slide.node], buttons: [["Cancel", (close) => (slide.drop(), close())]] });
+  }
+
+  // which presses of STOP hold one of these robots
+  const presses = (robots) => (HL.fleet.stop?.steps ?? []).filter((step) => robots.includes(step.robot)).map((step) => `${step.robot} ${step.stop_id}`).sort().join();
+
+  class HomeRow {
+    constructor(id) {
+      this.id = id;
+      this.sign = icon("home", "m");
+      this.why = el("span", { class: "h-t14" });
+      this.node = el("li", { class: "h-row" }, this.sign, el("span", { class: "h-col" }, el("b", { class: "h-t16" }, HL.fleet.name(id)), this.why));
+      this.paint();
+    }
+    paint() {
+      const why = obstacle(this.id);
+      attr(this.node, "data-state", why ? "refused" : null);
+      text(this.sign, why ? "warning" : "home");
+      text(this.why, why);
+      attr(this.why, "hidden", !why);
+    }
   }
 
   // what is known now; the robot and the console judge again in the moment of the order
@@ -36,7 +64,7 @@
     if (!robot) return "It is not there any more";
     if (robot.is_registered === false) return "New. An admin must accept it first";
     if (verdict.isLost) return "No link. It will not hear this";
-    if (robot.mode === "stopped") return "Reset the stop first";
+    if (robot.mode === "stopped" || presses([id])) return "Reset the stop first";
     return robot.mode === "manual" ? "Driven by hand" : "";
   }
 

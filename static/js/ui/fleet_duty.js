@@ -2,7 +2,10 @@
 (() => {
   "use strict";
   const { el, icon, text } = HL;
+  const MOST_NAMES = 8;
+  const LEFT_KEY = "headland.fleet.freed"; // robot id -> since when it is left without anybody here
   const names = (robots) => robots.map(HL.fleet.name).join(", ");
+  const someNames = (robots) => names(robots.slice(0, MOST_NAMES)) + (robots.length > MOST_NAMES ? ` and ${robots.length - MOST_NAMES} more` : "");
   const count = (robots) => (robots.length === 1 ? HL.fleet.name(robots[0]) : `${robots.length} robots`);
   const time = (ms) => (ms ? HL.words.wall(new Date(ms)) : "");
   const WORDS = { taken: "took", released: "gave up", offered: "offered", accepted: "took over", declined: "declined", withdrawn: "withdrew the offer of" };
@@ -57,16 +60,32 @@
     return [...kept.values()];
   }
 
+  // What lost its person, for those who see to that; not what is offered to somebody, or was left so here.
+  function freed() {
+    if (!HL.fleet.can("take_lease")) return [];
+    const left = HL.keep.read(LEFT_KEY, {});
+    const known = HL.port.fleet();
+    return Object.entries(HL.fleet.freed).filter(([robot, { since }]) => robot in known && !HL.fleet.duty[robot]?.offer && left[robot] !== since).map(([robot]) => robot);
+  }
+
+  function freedLine(robots) {
+    const sinces = robots.map((robot) => HL.fleet.freed[robot].since);
+    const leave = () => (HL.keep.write(LEFT_KEY, Object.fromEntries(Object.entries(HL.fleet.freed).map(([robot, { since }]) => [robot, since]))), HL.fleet.changed());
+    return el("div", { class: "f-offer", role: "alert", "data-testid": "duty-freed" }, icon("badge"), el("span", { class: "h-col" }, el("b", {}, `Nobody is responsible for ${count(robots)} any more`), el("span", { class: "h-t14" }, [`Since ${time(Math.min(...sinces))}`, robots.length > 1 ? someNames(robots) : ""].filter(Boolean).join(" · "))),
+      el("span", { class: "h-sp" }), el("button", { type: "button", class: "h-btn pri", "data-testid": "duty-freed-take", onclick: () => take(robots) }, "I am responsible"), el("button", { type: "button", class: "h-btn", "data-testid": "duty-freed-give", onclick: () => handOver(robots) }, "Hand over"), el("button", { type: "button", class: "h-btn", "data-testid": "duty-freed-leave", onclick: leave }, "Leave it"));
+  }
+
   class Offers {
     constructor(place) {
       this.place = place;
     }
     paint() {
       const found = offers();
-      const key = JSON.stringify(found);
+      const lost = freed();
+      const key = JSON.stringify([found, lost]);
       if (key === this.key) return;
       this.key = key;
-      this.place.replaceChildren(...found.map((one) => el("div", { class: "f-offer", role: "alert", "data-testid": "duty-offer" }, icon("badge"), el("span", { class: "h-col" }, el("b", {}, `${one.by} hands over ${count(one.robots)}`), el("span", { class: "h-t14" }, [one.note, one.robots.length > 1 ? names(one.robots) : ""].filter(Boolean).join(" · "))),
+      this.place.replaceChildren(...(lost.length ? [freedLine(lost)] : []), ...found.map((one) => el("div", { class: "f-offer", role: "alert", "data-testid": "duty-offer" }, icon("badge"), el("span", { class: "h-col" }, el("b", {}, `${one.by} hands over ${count(one.robots)}`), el("span", { class: "h-t14" }, [one.note, one.robots.length > 1 ? someNames(one.robots) : ""].filter(Boolean).join(" · "))),
         el("span", { class: "h-sp" }), el("button", { type: "button", class: "h-btn pri", "data-testid": "duty-accept", onclick: () => post("accept", { robots: one.robots }) }, "Take over"), el("button", { type: "button", class: "h-btn", onclick: () => post("decline", { robots: one.robots }) }, "Not me"))));
     }
   }

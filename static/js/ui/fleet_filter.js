@@ -53,7 +53,8 @@
   // what a view keeps, in words
   function filterWords({ q, sort, families = [], group, mine, state }) {
     const named = HL.fleet.groups.find((one) => one.id === group)?.name;
-    const parts = [mine ? "mine" : "", ...families.map((key) => (HL.fleetOrder.FAMILIES[key] ?? key).toLowerCase()), state ? STATES.find(([value]) => value === state)?.[1].toLowerCase() : "", named ? `group ${named}` : "", q ? `“${q}”` : "", sort && sort !== "attention" ? `by ${sort}` : ""];
+    const isGone = group && !named && HL.fleet.areGroupsKnown;
+    const parts = [mine ? "mine" : "", ...families.map((key) => (HL.fleetOrder.FAMILIES[key] ?? key).toLowerCase()), state ? STATES.find(([value]) => value === state)?.[1].toLowerCase() : "", named ? `group ${named}` : isGone ? "a group that was deleted" : "", q ? `“${q}”` : "", sort && sort !== "attention" ? `by ${sort}` : ""];
     return parts.filter(Boolean).join(", ") || "all robots";
   }
 

@@ -169,7 +169,7 @@
     const { robot, verdict: v } = item;
     if (!matches(item, filter.q)) return false;
     if (filter.families?.length && !filter.families.includes(robot.family)) return false;
-    if (filter.group && !groups.find((one) => one.id === filter.group)?.robots.includes(item.id)) return false;
+    if (!isIn(groups, filter.group, item.id)) return false;
     if (filter.mine && item.duty?.user !== me) return false;
     if (filter.state === "needs") return v.group === "needs-you";
     if (filter.state === "working") return isWorking(robot) && !v.isLost;
@@ -177,6 +177,8 @@
     return filter.state === "offline" ? Boolean(v.isLost) : true;
   }
 
+  // a group that is not known, or not yet, hides nobody
+  const isIn = (groups, id, robot) => groups.find((one) => one.id === id)?.robots.includes(robot) ?? true;
   const isWorking = (robot) => robot.mode === "auto" && robot.mission?.status === "running";
 
   // the first saved group that holds it, else its field, else its kind

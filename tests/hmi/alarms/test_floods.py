@@ -11,6 +11,7 @@ from hmi.domain.alarm.alarm import CONSOLE, AlarmKey
 from hmi.domain.alarm.conditions import MAX_AT_SOURCE, Change, Turn
 from hmi.domain.alarm.finding import NOTHING, Finding
 from hmi.domain.alarm.live_alarm import What
+from hmi.ingest.supervision.watch import ROBOTS_A_STEP
 from hmi.store.alarms import MAX_ALARMS
 from tests.hmi.alarms.rig import MARTHA, AlarmRig
 
@@ -221,3 +222,18 @@ async def test_an_alarm_that_comes_and_goes_all_the_time_is_held_until_it_was_qu
         rig.run(62, "weeder-01")
         assert rig.states() == {"robot-fault.weeder-01.nozzle": "returned"}
         assert not rig.one("robot-fault.weeder-01.nozzle").is_chattering
+
+
+async def test_a_round_over_hundreds_of_robots_lets_others_have_the_loop_and_misses_no_alarm() -> None:
+    many = [f"weeder-{n:03d}" for n in range(2 * ROBOTS_A_STEP + 50)]
+    async with AlarmRig(*many) as rig:
+        for robot_id in many:
+            rig.beat(robot_id)
+        rig.clock.advance(60.0)
+        rig.edge.look_after()
+        steps = sum(1 for _ in rig.watch.sweeping())
+        assert steps == 2
+        rig.clock.advance(10.0)
+        for _ in rig.watch.sweeping():
+            pass
+        assert rig.alarms.all(), "they are silent"

@@ -324,3 +324,39 @@ async def test_who_is_switched_off_while_asking_becomes_responsible_for_nothing(
         assert answer.text == "You may not operate robots here any more."
     assert console.duty.responsible_for("weeder-01") is None
     assert [one.offered_to for one in console.duty.all(anna)] == [""]
+
+
+async def test_a_robot_that_lost_its_person_is_told_of_until_somebody_takes_it(console: FleetConsole) -> None:
+    martha = await console.browser(Role.OPERATOR)
+    anna = await console.browser(Role.SUPERVISOR, browser="2")
+
+    async def freed() -> set[str]:
+        return set((await anna.get("/fleet/duty")).json()["freed"])
+
+    await martha.post("/fleet/duty/release", json={"robots": ["weeder-02"]})  # was nobody's before, too
+    assert await freed() == set()
+    await martha.post("/fleet/duty/handover", json={"robots": BOTH, "to_user": "operator"})
+    console.field.events.clear()
+    await martha.post("/fleet/duty/release", json={"robots": ["weeder-01"]})
+    await console.accounts.change("operator", by="Ada", is_active=False)
+    told = [one for one in console.field.events if one["kind"] == "duty"]
+    assert [(one["what"], one["robots"], one["by_id"], one["from_users"]) for one in told] == [
+        ("released", ["weeder-01"], "operator", ["operator"]),
+        ("released", ["weeder-02"], "", ["operator"]),
+    ]
+    assert await freed() == {"weeder-01", "weeder-02"}
+    console.field.events.clear()
+    await anna.post("/fleet/duty/handover", json={"robots": ["weeder-01"], "to_user": "supervisor"})
+    assert await freed() == {"weeder-02"}
+    assert [one["from_users"] for one in console.field.events if one["kind"] == "duty"] == [[]]
+
+
+async def test_who_lost_robots_to_a_supervisor_is_named_to_every_page(console: FleetConsole) -> None:
+    martha = await console.browser(Role.OPERATOR)
+    anna = await console.browser(Role.SUPERVISOR, browser="2")
+    await martha.put("/fleet/duty/weeder-01", json={"user": "operator"})
+    console.field.events.clear()
+    await anna.post("/fleet/duty/handover", json={"robots": BOTH, "to_user": "supervisor"})
+    [told] = [one for one in console.field.events if one["kind"] == "duty"]
+    assert (told["what"], told["by_id"], told["from_users"]) == ("taken", "supervisor", ["operator"])
+    assert told["names"] == ["Weeder 01", "Weeder 02"]

@@ -21,6 +21,7 @@ from hmi.domain.command import Acknowledgement
 from hmi.domain.event import RobotEvent
 from hmi.domain.robot import Mode, SafetyState
 from hmi.ingest import coordinator
+from hmi.ingest.coordinator import LETTERS_A_TURN
 from hmi.ingest.robot_clock import JUMPS_BELIEVED
 from hmi.store.fleet import CAMERA_LIMIT, UNREGISTERED_LIMIT
 from tests.hmi.ingest.wire import KINDS, FakeWireRobot, Rig
@@ -317,6 +318,20 @@ async def test_overflow_is_reported_as_trouble() -> None:
         rig.edge.drain()
         assert troubles == ["ingest_overflow"]
         assert rig.edge.tally.total["overflow"] == 5
+
+
+async def test_a_crowd_of_robots_lets_others_have_the_loop_between_and_is_heard_all_the_same() -> None:
+    crowd = [f"weeder-{n:04d}" for n in range(3 * LETTERS_A_TURN)]
+    async with Rig(*crowd) as rig:
+        for robot_id in crowd:
+            rig.post(rig.robot(robot_id).heartbeat())
+        heard_when_others_ran = []
+        async with asyncio.timeout(5):
+            while rig.edge.messages < len(crowd):
+                await asyncio.sleep(0)
+                heard_when_others_ran.append(rig.edge.messages)
+        assert any(0 < heard < len(crowd) for heard in heard_when_others_ran)
+        assert all(robot.link.is_online for robot in rig.store.robots())
 
 
 @pytest.mark.parametrize(

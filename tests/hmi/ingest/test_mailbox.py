@@ -73,6 +73,37 @@ def test_the_loop_is_called_once_a_batch() -> None:
     assert waker.calls == 2
 
 
+def test_what_is_left_waits_in_its_order_and_is_not_called_for_again() -> None:
+    waker = Waker()
+    mailbox = box(waker)
+    for number in range(5):
+        mailbox.post(ACK, b"%d" % number, False)
+        mailbox.post(f"headland/v1/robot-{number}/state", b"old", False)
+    first = mailbox.take(3)
+    assert [letter.payload for letter in first.discrete] == [b"0", b"1", b"2"]
+    assert [letter.address.robot for letter in first.state] == ["robot-0", "robot-1", "robot-2"]
+    assert first.is_more
+    mailbox.post("headland/v1/robot-0/state", b"newest", False)
+    mailbox.post("headland/v1/robot-4/state", b"newest", False)
+    assert waker.calls == 1, "whoever left something comes again by itself"
+    rest = mailbox.take(3)
+    assert [letter.payload for letter in rest.discrete] == [b"3", b"4"]
+    assert [(letter.address.robot, letter.payload) for letter in rest.state] == [
+        ("robot-3", b"old"), ("robot-4", b"newest"), ("robot-0", b"newest"),
+    ]  # fmt: skip
+    assert not rest.is_more
+
+
+def test_everything_that_five_thousand_robots_say_at_one_time_is_kept() -> None:
+    mailbox = box()
+    kinds = ("factsheet", "heartbeat", "telemetry", "state", "safety")
+    for number in range(5000):
+        for kind in kinds:
+            mailbox.post(f"headland/v1/robot-{number}/{kind}", b"{}", True)
+    batch = mailbox.take()
+    assert (len(batch.state), batch.refused) == (5000 * len(kinds), {})
+
+
 def test_a_topic_of_the_console_is_refused() -> None:
     mailbox = box()
     mailbox.post("headland/v1/weeder-01/command", b"{}", False)

@@ -33,6 +33,7 @@ class FleetStage:
         self.groups: list[dict[str, Any]] = []
         self.views: list[dict[str, Any]] = []
         self.duty: dict[str, dict[str, Any]] = {}
+        self.freed: dict[str, dict[str, Any]] = {}
         self.book: list[dict[str, Any]] = []
         self.walls: list[dict[str, Any]] = []
         self.outcomes: dict[str, dict[str, str]] = {}
@@ -48,6 +49,7 @@ class FleetStage:
     def give(self, robots: list[str], user: str, name: str, note: str) -> dict[str, Any]:
         """Make somebody responsible."""
         for robot in robots:
+            self.freed.pop(robot, None)
             self.duty[robot] = {"user": user, "name": name, "since": 1_779_280_000_000, "note": note, "offer": None}
         return {"duty": {robot: self.duty[robot] for robot in robots}}
 
@@ -99,7 +101,7 @@ def _kept(api: APIRouter, stage: FleetStage) -> None:
     @api.get("/api/v1/fleet/{kind}")
     async def kept(kind: str) -> dict[str, Any]:
         if kind == "duty":
-            return {"duty": stage.duty, "people": PEOPLE, "book": stage.book}
+            return {"duty": stage.duty, "freed": stage.freed, "people": PEOPLE, "book": stage.book}
         return {kind: getattr(stage, kind)}
 
     @api.post("/api/v1/fleet/groups", status_code=201)

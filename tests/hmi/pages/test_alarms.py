@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import re
 import time
+import urllib.request
 from collections.abc import Callable
 from typing import Any
 
@@ -287,6 +289,45 @@ def test_what_nobody_answered_says_so_in_the_strip_and_in_the_list(look: Look, f
     page.goto("/alarms")
     expect(page.get_by_test_id(f"alarm-row-{STOP}")).to_contain_text("Nobody answered")
     expect(page.get_by_test_id(f"alarm-row-{LINK}")).not_to_contain_text("Nobody answered")
+
+
+@pytest.mark.parametrize("screen", ["operate", "supervisor"])
+def test_in_portrait_a_bell_counts_what_nobody_answered_and_leads_to_it(look: Look, farm: Theatre, screen: str) -> None:
+    farm.alarms(put={STOP: {**ALARMS[STOP], "escalated": round(time.time() * 1000)}})
+    page = look(f"/{screen}/weeder-07", size="portrait")
+    bell = page.get_by_test_id("alarm-unanswered")
+    expect(bell).to_be_visible()
+    expect(bell).to_have_attribute("data-value", "1")
+    box = bell.bounding_box()
+    assert box is not None
+    assert min(box["width"], box["height"]) >= 48
+    assert page.evaluate("document.querySelector('.h-top').scrollWidth <= innerWidth")
+    shown = "[...document.querySelectorAll('hl-alarms span')].filter((one) => one.offsetTop < 40).length"
+    assert page.evaluate(shown) >= 3, "the counts of what is urgent stay"
+    bell.click()
+    expect(page.get_by_test_id(f"alarm-row-{STOP}")).to_be_visible()
+
+
+def test_rows_and_detail_name_who_is_responsible_for_the_robot_now(look: Look, farm: Theatre) -> None:
+    def tell(**wish: Any) -> None:
+        body = json.dumps(wish).encode()
+        urllib.request.urlopen(urllib.request.Request(f"{farm.url}/stage-fleet", body)).close()
+
+    tell(anew=True)
+    page = opened(look)
+    row = page.get_by_test_id(f"alarm-row-{LINK}").locator(".robot")
+    expect(row).to_have_text("Weeder 07")  # nobody takes robots on this farm
+    held = {"user": "operator", "name": "Martha Keller", "since": 1, "note": "", "offer": None}
+    tell(duty={"weeder-07": held})
+    farm.alarms(tell=[{"kind": "duty", "what": "taken"}])
+    expect(row).to_contain_text("Martha Keller")
+    page.get_by_test_id(f"alarm-row-{LINK}").click()
+    expect(page.get_by_test_id("alarm-detail")).to_contain_text("Responsible: Martha Keller.")
+    tell(duty={"weeder-01": held})
+    farm.alarms(tell=[{"kind": "duty", "what": "released"}])
+    expect(row).to_contain_text("unassigned")
+    expect(page.get_by_test_id("alarm-detail")).to_contain_text("Responsible: nobody.")
+    tell(anew=True)
 
 
 SMALL = """[...document.querySelectorAll('.al-screen button, .al-screen a, .al-screen select, .al-screen input')]

@@ -11,6 +11,7 @@ import pytest
 from playwright.sync_api import Page, expect
 
 from tests.hmi.pages.conftest import Theatre
+from tests.hmi.pages.test_operate import slide
 
 Look = Callable[..., Page]
 
@@ -76,6 +77,72 @@ def test_going_home_needs_one_slide_that_names_them_all_and_what_stands_against_
     expect(page.get_by_test_id("fleet-results-sum")).to_have_text("All 2 took it.")
     page.keyboard.up("Enter")
     assert [one["action"] for one in fleet()["orders"]] == ["return_home"]
+
+
+def test_a_stop_meanwhile_cancels_the_slide_home_and_says_which_robots_it_holds(
+    look: Look, fleet: Callable[..., dict[str, Any]]
+) -> None:
+    page = look("/fleet")
+    choose(page, "weeder-07", "weeder-01")
+    page.get_by_test_id("fleet-do-home").click()
+    slide(page, "fleet-home", share=0.6, is_released=False)
+    expect(page.get_by_test_id("fleet-home")).to_have_attribute("data-state", "armed")
+    page.evaluate(
+        """dispatchEvent(new CustomEvent('headland:stop', { detail: { ...window.headlandStop.state(),
+            steps: [{ robot: 'weeder-07', stop_id: 'of-somebody', state: 'sent', at: performance.now() }] } }))"""
+    )
+    expect(page.get_by_test_id("fleet-home")).to_have_attribute("data-state", "idle")
+    expect(page.get_by_test_id("fleet-home-names")).to_contain_text("Reset the stop first")
+    track = page.get_by_test_id("fleet-home").bounding_box()
+    assert track is not None
+    page.mouse.move(track["x"] + track["width"] - 4, track["y"] + track["height"] / 2, steps=4)
+    page.mouse.up()
+    assert fleet()["orders"] == []
+
+
+def test_a_filter_by_a_group_that_is_deleted_falls_away_and_says_so(
+    look: Look, fleet: Callable[..., dict[str, Any]], theatre: Theatre
+) -> None:
+    group = {"id": "g-0", "name": "North", "robots": ["weeder-07"], "changed_by": "Martha Keller"}
+    view = {"id": "v-0", "name": "Mornings", "filter": {"group": "g-0"}}
+    fleet(groups=[group], views=[view])
+    page = look("/fleet")
+    page.wait_for_function("HL.fleet.groups.length === 1")
+    page.evaluate("HL.fleet.setFilter({ group: 'g-0' })")
+    expect(page.get_by_test_id("fleet-row-planter-02")).to_have_count(0)
+    fleet(groups=[{**group, "name": "North again", "robots": ["weeder-07", "planter-02"]}])
+    theatre.alarms(tell=[{"kind": "fleet", "what": "groups"}])
+    expect(page.get_by_test_id("fleet-row-planter-02")).to_be_visible()
+    expect(page.get_by_text("You see 2 of 3 robots.")).to_be_visible()
+    fleet(groups=[])
+    theatre.alarms(tell=[{"kind": "fleet", "what": "groups"}])
+    expect(page.get_by_test_id("toast")).to_contain_text("The group of this filter was deleted.")
+    expect(page.get_by_text("You see 2 of 3 robots.")).to_be_hidden()
+    page.get_by_test_id("fleet-filter").click()
+    expect(page.get_by_test_id("fleet-view-v-0")).to_contain_text("a group that was deleted")
+    page.get_by_test_id("fleet-view-v-0").click()
+    page.wait_for_function("HL.fleet.filter.group === '' && HL.fleet.visible().length === 3")
+
+
+def test_robots_whose_person_is_gone_are_named_to_a_supervisor_until_somebody_takes_them(
+    look: Look, fleet: Callable[..., dict[str, Any]], theatre: Theatre
+) -> None:
+    anna = look("/fleet", role="supervisor")
+    anna.wait_for_function("typeof HL.dutyNotice === 'object'")
+    expect(anna.get_by_test_id("duty-freed")).to_have_count(0)
+    fleet(freed={"weeder-07": {"since": 1_779_280_000_000}, "weeder-99": {"since": 1_779_280_000_000}})
+    told = {"kind": "duty", "what": "released", "robots": ["weeder-07"], "names": ["Weeder 07"], "by": "Martha Keller"}
+    theatre.alarms(tell=[{**told, "by_id": "operator", "from_users": ["operator"]}])
+    expect(anna.get_by_test_id("toast")).to_contain_text("Nobody is responsible for Weeder 07 any more.")
+    expect(anna.get_by_test_id("duty-freed")).to_contain_text("Nobody is responsible for Weeder 07 any more")
+    expect(look("/fleet").get_by_test_id("fleet-row-weeder-07")).to_be_visible()  # an operator is not asked
+    anna.get_by_test_id("duty-freed-leave").click()
+    expect(anna.get_by_test_id("duty-freed")).to_have_count(0)
+    fleet(freed={"weeder-07": {"since": 1_779_280_999_000}})  # somebody took it, and left it again
+    theatre.alarms(tell=[told])
+    anna.get_by_test_id("duty-freed-take").click()
+    expect(anna.get_by_test_id("duty-freed")).to_have_count(0)
+    anna.wait_for_function("HL.fleet.duty['weeder-07'].user === 'supervisor'")
 
 
 @pytest.mark.long
