@@ -25,6 +25,7 @@ from hmi.commands.ports import FleetReader
 from hmi.commands.row_direction import FOLLOWED, lines_of
 from hmi.domain.mission_document import Document, mission_sha256
 from hmi.domain.mission_plan import MissionError, MissionRefused, PlanRefused
+from hmi.domain.planned_machine import MACHINE
 from hmi.planning.jobs import mission_geojson
 from hmi.presenters.mission_battery import battery_row
 from hmi.store.features import Feature, feature_collection
@@ -115,7 +116,8 @@ def _add_battery(router: APIRouter, book: MissionBook, fleet: FleetReader) -> No
             raise not_found(f"There is no robot {robot}.")
         machine = book.machine_of(mission) or {}
         before = fleet.robot(machine.get("robot_id", ""))
-        return battery_row(mission.statistics, found, "" if before is None else before.name)
+        figures = {**mission.statistics, **({MACHINE: machine} if machine else {})}
+        return battery_row(figures, found, "" if before is None else before.name)
 
 
 def _add_planning(router: APIRouter, book: MissionBook) -> None:

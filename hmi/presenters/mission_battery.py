@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -9,6 +10,8 @@ from hmi.domain.planned_machine import MACHINE, battery_share_on
 from hmi.domain.robot import Robot
 from hmi.presenters.start_checks import BATTERY_RESERVE
 from hmi.presenters.units import percent
+
+ONE_CHARGE = 0.85  # of a full battery, as the cards of a plan count
 
 
 def battery_row(statistics: Mapping[str, Any], robot: Robot, planned_for: str) -> dict[str, Any]:
@@ -32,6 +35,12 @@ def battery_row(statistics: Mapping[str, Any], robot: Robot, planned_for: str) -
         of = f" The figure is for {planned_for}." if planned_for else ""
         return {**row, "text": f"What it takes of the battery of {robot.name} is not known.{of}"}
     takes = f"It takes {percent(share)} % of the full battery of {robot.name}"
+    if share > ONE_CHARGE:
+        charges = math.ceil(share / ONE_CHARGE)
+        return {
+            **row,
+            "text": f"It takes {charges} full charges of {robot.name}: it pauses to be charged, and goes on.",
+        }
     if battery is None:
         return {**row, "text": f"{takes}; what it has now is not known."}
     if is_enough:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from hmi.domain.planned_machine import MACHINE, PlannedMachine
-from hmi.domain.robot import Battery, Robot, Telemetry
+from hmi.domain.robot import Battery, Family, Robot, Telemetry
 from hmi.presenters.mission_battery import battery_row
 from tests.hmi.missions.rig import weeder
 from tests.hmi.presenters.robots import SHEET
@@ -47,3 +47,11 @@ def test_what_is_not_known_is_not_made_up() -> None:
     assert row["text"] == ("What it takes of the battery of Weeder-05 is not known. The figure is for Weeder 01.")
     own = battery_row(figures(), robot("weeder-01", factsheet=LARGE), "Weeder 01")
     assert own["text"] == "It takes 40 % of the full battery of Weeder-01; what it has now is not known."
+
+
+def test_more_than_a_charge_is_told_in_charges_and_another_kind_of_machine_is_not_counted() -> None:
+    long = {**figures(), "energy_j": 2.0 * 6000 * 3600}
+    row = battery_row(long, robot(soc=0.9, factsheet=SMALL), "Weeder 01")
+    assert row["text"] == "It takes 3 full charges of Weeder-05: it pauses to be charged, and goes on."
+    other = battery_row(figures(), robot(soc=0.9, factsheet=replace(SMALL, family=Family.UAV)), "Weeder 01")
+    assert other["share"] is None
