@@ -25,7 +25,9 @@ from hmi.commands.ports import FleetReader
 from hmi.commands.row_direction import FOLLOWED, lines_of
 from hmi.domain.mission_document import Document, mission_sha256
 from hmi.domain.mission_plan import MissionError, MissionRefused, PlanRefused
+from hmi.domain.planned_machine import MACHINE
 from hmi.planning.jobs import mission_geojson
+from hmi.presenters.mission_battery import battery_row
 from hmi.store.features import Feature, feature_collection
 from hmi.store.missions import Mission, MissionLogEntry
 
@@ -70,6 +72,7 @@ def mission_routes(book: MissionBook, fleet: FleetReader) -> APIRouter:
     router = APIRouter(tags=["missions"])
     encoded = _Encoded()
     _add_reading(router, book, encoded)
+    _add_battery(router, book, fleet)
     _add_planning(router, book)
     _add_changing(router, book)
     _add_maps(router, book, fleet, encoded)
@@ -103,6 +106,18 @@ def _add_reading(router: APIRouter, book: MissionBook, encoded: _Encoded) -> Non
         document = await translated(lambda: book.document(session, mission_id))
         body = await encoded.of(tag, found.sha256, document, found.statistics)
         return _geojson(body, tag)
+
+
+def _add_battery(router: APIRouter, book: MissionBook, fleet: FleetReader) -> None:
+    @router.get("/missions/{mission_id}/battery", summary="What a mission takes of the battery of a robot")
+    async def battery(mission_id: MissionId, robot: Id, session: Watcher) -> dict[str, Any]:
+        mission, found = _one(book, session, mission_id), fleet.robot(robot)
+        if found is None or found.farm_id != session.farm_id:
+            raise not_found(f"There is no robot {robot}.")
+        machine = book.machine_of(mission) or {}
+        before = fleet.robot(machine.get("robot_id", ""))
+        figures = {**mission.statistics, **({MACHINE: machine} if machine else {})}
+        return battery_row(figures, found, "" if before is None else before.name)
 
 
 def _add_planning(router: APIRouter, book: MissionBook) -> None:

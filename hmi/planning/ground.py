@@ -79,6 +79,12 @@ class Ground:
         outlines = self.machine.outline_polygons(poses_along(points, CHECK_STEP_M, is_backward=is_backward))
         return bool(shapely.covers(self._kept, outlines).all())
 
+    def fitting(self, points: Floats, step_m: float = CHECK_STEP_M) -> tuple[Floats, Floats]:
+        """Return places along a polyline, metres from its beginning, and whether the outline is on the ground there."""
+        poses = poses_along(points, step_m)
+        along_m = np.append(0.0, np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T)))
+        return along_m, np.asarray(shapely.covers(self._kept, self.machine.outline_polygons(poses)))
+
     def outside_m(self, points: Floats, step_m: float = CHECK_STEP_M) -> float:
         """Return how many metres of a polyline the outline is partly off the ground."""
         poses = poses_along(points, step_m)

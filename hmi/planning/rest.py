@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,7 @@ from hmi.planning.statistics import planned_machine, planting
 
 AHEAD_M = 10.0  # a running robot drives on while a person looks at the new rest: the new path begins beyond this
 MAX_SEGMENTS = 20_000
+NO_WAY = ("no_way", "turn_does_not_fit", "gap")
 
 
 def plan_rest(wish: RestWish) -> PlannedRest:
@@ -48,14 +50,20 @@ def plan_rest(wish: RestWish) -> PlannedRest:
     Raises:
         PlanRefused: nothing is left, or a piece cannot be reached; says why.
     """
-    return _Rest(wish).run()
+    try:
+        return _Rest(wish, splits_laps=True).run()
+    except PlanRefused as refused:
+        if refused.code not in NO_WAY:
+            raise
+        # a piece of a lap that nothing leads to or from: the lap goes whole
+        return _Rest(wish).run()
 
 
 class _Rest:
     """One rest while it is planned."""
 
-    def __init__(self, wish: RestWish) -> None:
-        self.wish = wish
+    def __init__(self, wish: RestWish, *, splits_laps: bool = False) -> None:
+        self.wish, self.splits_laps = wish, splits_laps
         self.base = wish.base
         self.machine = RobotProfile() if wish.robot is None else RobotProfile.from_factsheet(wish.robot)
         if wish.robot is not None and wish.robot.family is Family.PLANTER:
@@ -135,12 +143,16 @@ class _Rest:
         return self._without_areas([part for work in chosen for part in self._around(work)])
 
     def _around(self, work: Work) -> list[Work]:
-        parts = self.ground.around(work.points)
+        is_lap = self.splits_laps and work.segment["kind"] == "headland"
+        parts = self.ground.around(work.points, is_lap=is_lap)
         if parts is None:
             return [work]
         lost = length_m(work.segment) - sum(float(np.hypot(*np.diff(p, axis=0).T).sum()) for p in parts)
         self.notes.append(f"{work.name.capitalize()}: {lost:.0f} m left out, something stands there.")
-        return work.parts([{**work.segment, "points": p.tolist()} for p in parts], is_joined=False) if parts else []
+        if not parts:
+            return []
+        found = work.parts([{**work.segment, "points": p.tolist()} for p in parts], is_joined=False)
+        return [replace(one, is_spare=is_lap) for one in found]
 
     def _without_areas(self, works: Sequence[Work]) -> list[Work]:
         """Turn the tool off inside areas to leave out; a piece that lies in them whole is not driven."""
@@ -181,7 +193,14 @@ class _Rest:
         for work in chosen:
             is_there = is_inside and not rest and work.begins == start
             if not is_there and not work.is_joined:
-                rest += self._way(pose, before, work, is_first=not rest)
+                try:
+                    rest += self._way(pose, before, work, is_first=not rest)
+                except PlanRefused:
+                    if not work.is_spare:
+                        raise
+                    lost_m = length_m(work.segment)
+                    self.notes.append(f"{work.name.capitalize()}: {lost_m:.0f} m left out, no way leads there.")
+                    continue
             rest.append(self._at_speed(work.segment))
             pose, before = _end_pose(work.segment), work
         rest += self._exit(pose, before, is_first=not rest)

@@ -19,6 +19,7 @@ from hmi.planning.links import Linker
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import Leg, LegKind, poses_along
 from hmi.planning.projection import Floats, LocalFrame
+from hmi.planning.spans import between
 from hmi.planning.surroundings import area_of, closed_areas, limits_of, rings_of, way_areas
 from hmi.planning.treatment import DoseMap
 from hmi.planning.turns import Turns, way_speed
@@ -26,6 +27,7 @@ from hmi.planning.turns import Turns, way_speed
 YARD_RADIUS_M = 4.0  # ground around home where a robot can turn
 GAP_M = 0.04  # neighbouring features drawn by hand leave hairline gaps
 LEAST_PART_M = 1.0  # shorter remains of a row are not worth a turn
+LEAST_LAP_M = 5.0  # nor those of a lap, with the arcs onto and off it
 LEAST_DRAWN_M2 = 0.01
 SAME_EDGE_M = 0.01  # an edge that moved by less is the same one, rounded
 TOUCH_M = 0.03  # an outline this far inside an obstacle touches it; paths from elsewhere are checked to 0.02 m
@@ -110,10 +112,16 @@ class RestGround:
         swept = shapely.union_all(outlines).buffer(2 * self._machine.margin_m)  # for sure more than has to stay free
         return self._name_of(swept.intersection(self._solid if is_free else self._new))
 
-    def around(self, points: Floats) -> list[Floats] | None:
-        """Return the parts of a row that can still be driven, ``None`` if all of it can."""
+    def around(self, points: Floats, *, is_lap: bool = False) -> list[Floats] | None:
+        """Return the parts of a row or lap that can still be driven, ``None`` if all of it can.
+
+        A row ends where the machine can turn on the spot. ``is_lap``: it may lie nearer to the border than that, and
+        ends where an arc still leads off it.
+        """
         if self.is_clear(points):
             return None
+        if is_lap:
+            return self._parts_of_lap(points)
         free = LineString(points).intersection(erode(self._ground.turning, INSIDE_M))
         parts = [np.asarray(p.coords) for p in shapely.get_parts(free) if p.geom_type == "LineString"]
         parts = [p for p in parts if float(np.hypot(*np.diff(p, axis=0).T).sum()) >= LEAST_PART_M]
@@ -121,6 +129,18 @@ class RestGround:
         parts.sort(key=lambda p: line.project(shapely.Point(p[0])))
         # the pieces of an intersection may run either way; the row runs as it was planned
         return [np.round(p if _is_along(line, p) else p[::-1], 3) + 0.0 for p in parts]
+
+    def _parts_of_lap(self, points: Floats) -> list[Floats]:
+        along_m, is_free = self._open.fitting(points)
+        short_m = self._reach_m + self._machine.turning_radius_m
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], is_free.astype(int), [0]])))
+        spans = []
+        for first, after in zip(edges[::2], edges[1::2], strict=True):
+            start = 0.0 if first == 0 else along_m[first] + short_m
+            end = along_m[-1] if after == len(along_m) else along_m[after - 1] - short_m
+            if end - start >= LEAST_LAP_M:
+                spans.append((float(start), float(end)))
+        return [np.round(between(points, *span), 3) + 0.0 for span in spans]
 
     @cached_property
     def _open(self) -> Ground:

@@ -27,6 +27,7 @@ class Work:
         begins, ends: the base segment whose beginning and end these still are; ``None``: moved or turned around.
         turned: the base segment that is driven the other way round; of one that was cut one end or the other is there.
         is_joined: it goes on where the piece before it ended.
+        is_spare: left out if no way leads to it: a part of a lap that something cut.
     """
 
     segment: Document
@@ -34,6 +35,7 @@ class Work:
     ends: int | None = None
     turned: int | None = None
     is_joined: bool = False
+    is_spare: bool = False
 
     @classmethod
     def of(cls, segment: Document, number: int) -> Work:

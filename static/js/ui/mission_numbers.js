@@ -21,6 +21,13 @@
     return el("div", { class: "h-card h-stat", "data-testid": `plan-stat-${hook}`, "data-value": value }, el("div", { class: "h-h" }, label), el("div", { class: "h-t22 h-b" }, number, " ", el("small", { class: "h-t14 h-2" }, unit)), el("div", { class: "h-t12 h-2" }, line));
   }
 
+  // whose battery a figure is of
+  function ofWhom(s) {
+    const store = s.is_tank ? "tank" : "battery";
+    const name = HL.port?.fleet()[s.machine?.robot_id]?.name;
+    return name ? `the full ${store} of ${name}` : `a full ${store}`;
+  }
+
   // cards of a plan's statistics
   function cards(s) {
     const area = HL.units.area(s.covered_m2);
@@ -31,7 +38,7 @@
       card("turns", "Turns", [String(s.turns), ""], stops(s), s.turns),
       card("coverage", "Covered", [share(s.covered_m2, s.area_m2).toFixed(1), "%"], `${area.text} ${area.unit} of the field`, share(s.covered_m2, s.area_m2) / 100),
       card("overlap", "Overlap", [share(s.overlap_m2, s.area_m2).toFixed(1), "%"], "worked twice", share(s.overlap_m2, s.area_m2) / 100),
-      card("energy", "Energy", [kwh(s.energy_j), "kWh"], s.battery_share <= 0.85 ? `${Math.round(100 * s.battery_share)} % of a full ${s.is_tank ? "tank" : "battery"}` : `${Math.ceil(s.battery_share / 0.85)} ${s.is_tank ? "tanks" : "battery charges"}`, s.energy_j),
+      card("energy", "Energy", [kwh(s.energy_j), "kWh"], s.battery_share <= 0.85 ? `${Math.round(100 * s.battery_share)} % of ${ofWhom(s)}` : `${Math.ceil(s.battery_share / 0.85)} ${s.is_tank ? "tanks" : "battery charges"}`, s.energy_j),
     );
   }
 

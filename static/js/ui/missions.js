@@ -198,14 +198,24 @@
       const isOnRobot = ["sent", "accepted", "running", "paused", "resuming"].includes(mission.status);
       const send = el("button", { type: "button", class: isOnRobot ? "h-btn" : "h-btn pri", "data-testid": "plan-send", disabled: !this.may.send, onclick: () => this.send(mission, target.value || mission.robot_id, send, result) }, ...label());
       const byCloud = el("button", { type: "button", class: "h-btn", "data-testid": "plan-send-cloud", disabled: !this.may.send, onclick: () => this.send(mission, target.value || mission.robot_id, byCloud, result, "cloud") }, icon("cloud", "m"), "Send through the cloud");
-      target.addEventListener("change", () => send.replaceChildren(...label()));
+      const battery = el("span", { class: "h-t14", role: "status", "data-testid": "mission-battery" });
+      target.addEventListener("change", () => (send.replaceChildren(...label()), this.battery(mission, target.value, battery)));
+      this.battery(mission, target.value || mission.robot_id, battery);
       const operate = el("a", { class: "h-btn pri", href: `/operate/${mission.robot_id}`, "data-testid": "mission-operate" }, icon("gamepad", "m"), "Operate");
       if (isUnderWay(mission)) return [operate];
       const isQueued = ["queued", "waiting"].includes(mission.status);
       const queue = isQueued
         ? el("button", { type: "button", class: "h-btn", "data-testid": "mission-show-queue", onclick: () => this.tab("queue") }, icon("schedule", "m"), "Show in queue")
         : el("button", { type: "button", class: "h-btn", "data-testid": "mission-add-to-queue", disabled: !this.may.send || isOnRobot, onclick: () => HL.queue.add(mission).then((entry) => entry && this.load(false)) }, icon("add", "m"), "Add to queue");
-      return [isOnRobot ? operate : "", robots.length > 1 ? target : "", send, this.dataset.hasCloud ? byCloud : "", queue];
+      return [isOnRobot ? operate : "", robots.length > 1 ? target : "", send, this.dataset.hasCloud ? byCloud : "", queue, battery];
+    }
+
+    // of the robot that is chosen, not of the one it was planned for
+    async battery(mission, robot, node) {
+      if (!robot || !mission.statistics?.battery_share) return text(node, "");
+      const answer = await HL.port.api("GET", `${of(mission.id)}/battery?robot=${encodeURIComponent(robot)}`);
+      if (node.isConnected || answer.ok) attr(node, "data-state", answer.data?.is_enough === false ? "short" : null);
+      return text(node, answer.ok ? answer.data.text : "");
     }
 
     // signs only, beside the name: what is done with a mission every day stands in words below

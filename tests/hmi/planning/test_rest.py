@@ -304,3 +304,15 @@ def test_a_place_where_it_was_taken_up_stays_the_first_of_the_rest_or_goes(s_m: 
     assert new[0]["points"][0] == pytest.approx(cut(segments(), number, s_m)[1][0]["points"][0], abs=0.002)
     for before, after in pairwise(new):
         assert math.dist(before["points"][-1], after["points"][0]) < 0.003
+
+
+def test_of_a_lap_beside_a_new_obstacle_only_what_is_too_near_is_left_out() -> None:
+    solid = shapely.Point(38.5, 20).buffer(1.0)
+    made = rest(at(number_of(1), 1.0), surroundings=ways((38.5, 20.0, 1.0)))
+    check_is_whole(made)
+    outer = max((one for one in segments() if one["kind"] == "headland"), key=length_m)
+    lost = work_m(segments())["headland", 0] - work_m(made.document["segments"])["headland", 0]
+    assert 5 < lost < 0.2 * length_m(outer)
+    width_m = RobotProfile().width_m
+    new = made.document["segments"][made.document["continues"]["segments"] :]
+    assert all(shapely.LineString(one["points"]).distance(solid) > width_m / 2 for one in new)
