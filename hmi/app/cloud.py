@@ -8,18 +8,21 @@ from __future__ import annotations
 import asyncio
 import importlib
 import logging
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter
 
 from backend_clients.http.trouble import OutsideError
 from hmi.api.cloud import CloudRefused, cloud_routes, proposal_routes
+from hmi.api.metrics import Gauge
+from hmi.app.arrival_report import FromRobots
 from hmi.app.records import Records
 from hmi.app.service_report import broker_findings, link_report
 from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
 from hmi.cloud.broker_link import broker_link
+from hmi.cloud.counts import Counts
 from hmi.cloud.cameras import CameraStates, FieldCamera
 from hmi.cloud.newest import Newest
 from hmi.cloud.news import CloudNews
@@ -64,11 +67,11 @@ class CloudRoom:
         clock: Clock,
         records: Records,
         fleet: FleetStore,
-        heard: Callable[[], Mapping[str, int]],
+        robots: FromRobots,
         on_event: LaneEvent,
     ) -> None:
         self._settings, self._clock, self._records, self._fleet = settings, clock, records, fleet
-        self._heard, self._on_event = heard, on_event
+        self._robots, self._on_event = robots, on_event
         self._urns = Urns(settings.farm_id)
         self.book = ProposalBook(self._urns)
         self._features: tuple[int, dict[str, MapFeature]] | None = None
@@ -213,6 +216,22 @@ class CloudRoom:
         is_misset = self._link.state is LinkState.MISSET
         return {"cloud": {"state": "degraded", "url": self._settings.cloud_url}} if is_misset else {}
 
+    def gauges(self) -> list[Gauge]:
+        """Return the figures of the way to the cloud for Prometheus; zeros where no cloud is set."""
+        waiting = self._backlog
+
+        def counts() -> Counts:
+            return Counts() if self._work is None else self._work.mirror.counts
+
+        return [
+            Gauge("cloud_waiting", "Records that are not in the cloud yet.", lambda: waiting.total),
+            Gauge("cloud_waiting_bytes", "Their size on disk.", lambda: waiting.waiting.bytes),
+            Gauge("cloud_dropped", "Records that the cloud will never have.", lambda: waiting.waiting.lost, "", True),
+            Gauge("cloud_refused", "Entities that the cloud refused.", lambda: counts().refused, "", True),
+            Gauge("cloud_sent_twice", "Entities sent again after a lost answer.", lambda: counts().resent, "", True),
+            Gauge("cloud_sent", "Entities that arrived in the cloud.", lambda: counts().arrived, "", True),
+        ]
+
     def report(self) -> dict[str, Any]:
         """See ``CloudDesk``."""
         return {**self._own_report(), "services": [report() for report in self.services]}
@@ -234,7 +253,7 @@ class CloudRoom:
         try:
             client = await asyncio.to_thread(make_client, self._settings)
             parts = WorkParts(self._settings, self._clock, self._urns, self._fleet, self._backlog, self.book,
-                              self._heard, client, self._link, lambda: self._others)  # fmt: skip
+                              self._robots, client, self._link, lambda: self._others)  # fmt: skip
             while self._work is None:
                 try:
                     self._work = CloudWork(parts, self._whole, self._published, self._proposals_changed)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
 from datetime import datetime
 from typing import Any
 
+from hmi.app.arrival_report import FromRobots
 from hmi.app.service_report import broker_findings, link_report
 from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
@@ -19,8 +19,6 @@ from hmi.settings import Settings
 
 PUBLISHED_MEAN_S = 0.25  # robot to context broker in the published system, to compare with
 LOST_SHOWN_S = 600.0
-Heard = Callable[[], Mapping[str, int]]
-"""What went wrong on the way from the robots, reason -> how often; see ``hmi.ingest.tally``."""
 
 
 class CloudReport:
@@ -28,7 +26,7 @@ class CloudReport:
 
     Args:
         missions: delays of missions that were read back through the cloud.
-        heard: counts of the way from the robots.
+        robots: how the way from the robots is.
     """
 
     def __init__(
@@ -39,10 +37,10 @@ class CloudReport:
         backlog: Backlog,
         book: ProposalBook,
         missions: Delays,
-        heard: Heard,
+        robots: FromRobots,
     ) -> None:
         self._settings, self._clock, self._mirror, self._backlog = settings, clock, mirror, backlog
-        self._book, self._missions, self._heard = book, missions, heard
+        self._book, self._missions, self._robots = book, missions, robots
         self._lost_seen = (0, float("-inf"))
 
     def findings(self) -> Findings:
@@ -96,6 +94,7 @@ class CloudReport:
                 "mission": _delay(self._missions.told()),
                 "published_mean_s": PUBLISHED_MEAN_S,
             },
+            "arrivals": self._robots.arrivals(),
             "counts": {
                 "states": mirror.counts.states,
                 "others": mirror.counts.others,
@@ -104,8 +103,8 @@ class CloudReport:
                 "refused": mirror.counts.refused,
                 "last_refusal": mirror.counts.last_refusal,
                 "dropped": self._backlog.waiting.lost,
-                "heard_twice": self._heard().get("repeated", 0),
-                "lost_from_robots": self._heard().get("overflow", 0),
+                "heard_twice": self._robots.refused().get("repeated", 0),
+                "lost_from_robots": self._robots.refused().get("overflow", 0),
             },
         }
 

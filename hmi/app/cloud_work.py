@@ -20,7 +20,8 @@ from backend_clients.ngsi.tenant import Tenant
 from backend_clients.ngsi.token import FixedHeader, OAuth2Settings, OAuth2Tokens, TokenSource
 from hmi.api.cloud import CloudRefused
 from hmi.api.router import PREFIX
-from hmi.app.cloud_report import CloudReport, Heard
+from hmi.app.arrival_report import FromRobots
+from hmi.app.cloud_report import CloudReport
 from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
 from hmi.cloud.delays import Delays
@@ -55,7 +56,7 @@ class WorkParts:
     fleet: FleetStore
     backlog: Backlog
     book: ProposalBook
-    heard: Heard
+    robots: FromRobots
     client: NgsiClient
     link: ServiceLink
     others: Callable[[], Sequence[Newest]]
@@ -88,7 +89,7 @@ class CloudWork:
         self.mirror = Mirror(link, states, parts.backlog, clock, whole, changes, parts.others)
         read_back = Delays()
         self.missions = CloudMissions(client, urns.farm_name, clock, read_back)
-        self.report = CloudReport(settings, clock, self.mirror, parts.backlog, parts.book, read_back, parts.heard)
+        self.report = CloudReport(settings, clock, self.mirror, parts.backlog, parts.book, read_back, parts.robots)
 
     @property
     def hints(self) -> Hints | None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import logging
 from collections.abc import Awaitable, Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 
 from backend_clients.ngsi.entity import Entity
@@ -13,6 +12,7 @@ from backend_clients.ngsi.errors import NgsiError
 from backend_clients.ngsi.identifier import EntityRef
 from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
+from hmi.cloud.counts import Counts
 from hmi.cloud.delays import Delays
 from hmi.cloud.guard import Guard
 from hmi.cloud.link import CloudLink, Delivery
@@ -30,26 +30,6 @@ PART = 100  # pieces in one request
 PARTS = 5  # requests of a backlog in one round, so that the newest state never waits for all of it
 SETTLE_S = 5.0  # how often age and room are looked at when nothing is new
 log = logging.getLogger(__name__)
-
-
-@dataclass(slots=True)
-class Counts:
-    """Since the start.
-
-    Args:
-        states: reports of robots that arrived.
-        others: entities of field stations and cameras that arrived.
-        pieces: pieces that arrived.
-        resent: sent again although they may have arrived: the cloud may have seen them twice.
-        refused: the broker would never take them, so they are gone.
-    """
-
-    states: int = 0
-    others: int = 0
-    pieces: int = 0
-    resent: int = 0
-    refused: int = 0
-    last_refusal: str = ""
 
 
 class Mirror:

@@ -76,6 +76,7 @@
       this.body.replaceChildren(
         el("h2", {}, "Waiting here"), this.waiting(told.waiting, told.counts),
         el("h2", {}, "Delays"), this.delays(told.delays),
+        el("h2", {}, "Lost on the way"), this.losses(told.arrivals, told.counts),
         el("h2", {}, "Since the start"), this.counts(told.counts),
         el("h2", {}, "Changes made there"), this.changes(told.map),
         el("h2", {}, "Where"), table(["What", "Value"], [
@@ -123,11 +124,25 @@
       ]);
     }
 
+    // robot to console by the numbers robots give their messages, robot to cloud by what could not be kept here
+    losses(heard, counts) {
+      const share = (one) => (one.lost_share ? ` (${(100 * one.lost_share).toFixed(one.lost_share < 0.01 ? 2 : 1)} %)` : "");
+      const lost = (one) => `${one.lost - one.late}${share(one)}`;
+      const kinds = (one) => Object.entries(one.kinds).filter(([, kind]) => kind.lost > kind.late).map(([name, kind]) => `${name} ${kind.lost - kind.late}`).join(", ");
+      const row = (label, one, which, hook) => ({ hook, cells: [label, one.received, el("span", { "data-testid": `${hook}-lost`, "data-value": one.lost - one.late }, lost(one)), one.twice, one.out_of_order, one.lost_utc ? HL.records.when(one.lost_utc) : "–", which] });
+      const silent = heard.not_numbered ? `${heard.not_numbered} of ${heard.numbered + heard.not_numbered} robots do not number their messages: theirs are not counted.` : "";
+      return el("div", {}, table(["From, to", "Arrived", "Lost", "Twice", "Out of order", "Last lost", "Of them"], [
+        row("Robots to console", heard, kinds(heard), "cloud-lost-console"),
+        ...heard.robots.map((one) => row(one.id, one, kinds(one), `cloud-lost-${one.id}`)),
+        { hook: "cloud-lost-cloud", cells: ["Robots to cloud", counts.states + counts.others + counts.records, counts.dropped, counts.sent_twice, "–", "–", counts.dropped ? "no room here, or too old" : ""] },
+      ]), ...(silent ? [el("p", { class: "h-2" }, silent)] : []), ...(heard.more_robots ? [el("p", { class: "h-2" }, `${heard.more_robots} more robots lost fewer.`)] : []));
+    }
+
     counts(counts) {
       return table(["What", "Value"], [
         ["Reports of robots", counts.states], ["Of field stations and cameras", counts.others], ["Events, alarms and missions", counts.records],
         ["Sent twice, since an answer was lost", counts.sent_twice],
-        ["Heard twice from robots", counts.heard_twice], ["Robot messages dropped here", counts.lost_from_robots],
+        ["Events heard twice from robots", counts.heard_twice], ["Robot messages dropped here", counts.lost_from_robots],
         ["Refused by the cloud", counts.refused ? `${counts.refused}, the last: ${counts.last_refusal}` : 0],
       ].map((cells) => ({ cells })));
     }

@@ -8,6 +8,7 @@ from pathlib import Path
 import httpx
 
 from backend_clients.simulator.context_broker.faults import Faults
+from hmi.app.arrival_report import FromRobots
 from hmi.app.cloud_report import LOST_SHOWN_S, CloudReport
 from hmi.cloud.delays import Delays
 from hmi.cloud.outbox import Piece, Rank
@@ -20,7 +21,7 @@ def report_of(rig: Rig) -> CloudReport:
     """Return what a console with this rig says."""
     settings = Settings(demo=True, data=rig.folder, cloud_url="http://broker.test", cloud_tenant="farm")  # type: ignore[call-arg]
     book = ProposalBook(rig.urns)
-    return CloudReport(settings, rig.clock, rig.mirror, rig.backlog, book, Delays(), lambda: {"repeated": 3})
+    return CloudReport(settings, rig.clock, rig.mirror, rig.backlog, book, Delays(), FromRobots(lambda: {"repeated": 3}))
 
 
 def codes(report: CloudReport) -> list[str]:
