@@ -23,7 +23,7 @@ Labelled = Mapping[str, float] | Mapping[tuple[str, ...], float]
 
 @dataclass(frozen=True, slots=True)
 class Gauge:
-    """A value read when somebody scrapes; ``label`` names the key of ``read``, or its parts, if it returns a mapping."""
+    """A value read when somebody scrapes; ``label`` names the key of ``read``, or its parts, of a mapping."""
 
     name: str
     help: str

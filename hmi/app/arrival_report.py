@@ -43,7 +43,9 @@ class ArrivalReport:
             total.add(count)
         heard = [one for one in self._fleet.registered_ids() if self._fleet.was_heard(one)]
         robots = [self._robot(robot, kinds) for robot, kinds in by_robot.items()]
-        worst = sorted((one for one in robots if one["kinds"]), key=lambda one: (-one["lost"], -one["twice"], one["id"]))
+        worst = sorted(
+            (one for one in robots if one["kinds"]), key=lambda one: (-one["lost"], -one["twice"], one["id"])
+        )
         return {
             **self._told(total),
             "kinds": {kind.value: self._told(count) for kind, count in sorted(self._arrivals.by_kind().items())},
@@ -56,7 +58,7 @@ class ArrivalReport:
     def gauges(self) -> list[Gauge]:
         """Return the figures for Prometheus: totals of every kind, and what single robots lost."""
         return [
-            *(Gauge(f"robot_messages_{what}", text, self._of_kinds(what), "kind", True) for what, text in _HELP.items()),
+            *(Gauge(f"robot_messages_{one}", text, self._of_kinds(one), "kind", True) for one, text in _HELP.items()),
             Gauge("robot_lost_messages", "Messages of one robot that did not arrive, as far as it lost any.",
                   self._of_robots, ("robot", "kind"), True),
         ]  # fmt: skip

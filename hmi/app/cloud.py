@@ -22,8 +22,8 @@ from hmi.app.service_report import broker_findings, link_report
 from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
 from hmi.cloud.broker_link import broker_link
-from hmi.cloud.counts import Counts
 from hmi.cloud.cameras import CameraStates, FieldCamera
+from hmi.cloud.counts import Counts
 from hmi.cloud.newest import Newest
 from hmi.cloud.news import CloudNews
 from hmi.cloud.outbox import Outbox
@@ -123,7 +123,7 @@ class CloudRoom:
         await asyncio.gather(self._task, return_exceptions=True)
         await self._backlog.close()
         if self._work is not None:
-            await self._work.mirror.link.client.close()
+            await self._work.close()
 
     async def upload_mission(self, robot_id: str, document: dict[str, Any]) -> Acknowledgement:
         """Send a mission through the cloud; see ``MissionWay``. What was read back stands in the mission's log."""
@@ -198,9 +198,25 @@ class CloudRoom:
         if self._work is None:
             raise CloudRefused("There is no link to a cloud.")
         await self._work.take_tenant()
-        entry = AuditEntry(session.farm_id, session.user_name, session.device_name or "", "cloud", "tenant_taken",
-                           text=f"{self._settings.cloud_tenant or 'default'} {self._settings.cloud_path}")  # fmt: skip
-        self._records.audit.append(entry)
+        self._audit(session, "tenant_taken", f"{self._settings.cloud_tenant or 'default'} {self._settings.cloud_path}")
+
+    async def send_refused(self, session: SessionInfo) -> None:
+        """See ``CloudDesk``."""
+        if self._work is None:
+            raise CloudRefused("There is no link to a cloud.")
+        self._work.mirror.send_again()
+        self._audit(session, "refused_sent_again", "")
+
+    async def forget_refused(self, session: SessionInfo) -> None:
+        """See ``CloudDesk``."""
+        if self._work is None:
+            raise CloudRefused("There is no link to a cloud.")
+        count = await self._work.refused.forget_all()
+        self._audit(session, "refused_forgotten", f"{count} records")
+
+    def _audit(self, session: SessionInfo, what: str, text: str) -> None:
+        user, device = session.user_name, session.device_name or ""
+        self._records.audit.append(AuditEntry(session.farm_id, user, device, "cloud", what, text=text))
 
     def findings(self) -> Findings:
         """Return what is wrong with the link for the alarms."""
@@ -223,10 +239,23 @@ class CloudRoom:
         def counts() -> Counts:
             return Counts() if self._work is None else self._work.mirror.counts
 
+        def dropped() -> int:
+            return waiting.waiting.lost + (0 if self._work is None else self._work.refused.dropped)
+
+        def refused() -> int:
+            return 0 if self._work is None else len(self._work.refused.all())
+
         return [
+            Gauge("cloud_refused_kept", "Records that the cloud refused and that are kept here.", refused),
             Gauge("cloud_waiting", "Records that are not in the cloud yet.", lambda: waiting.total),
             Gauge("cloud_waiting_bytes", "Their size on disk.", lambda: waiting.waiting.bytes),
-            Gauge("cloud_dropped", "Records that the cloud will never have.", lambda: waiting.waiting.lost, "", True),
+            Gauge(
+                "cloud_dropped",
+                "Records that the cloud will never have.",
+                dropped,
+                "",
+                True,
+            ),
             Gauge("cloud_refused", "Entities that the cloud refused.", lambda: counts().refused, "", True),
             Gauge("cloud_sent_twice", "Entities sent again after a lost answer.", lambda: counts().resent, "", True),
             Gauge("cloud_sent", "Entities that arrived in the cloud.", lambda: counts().arrived, "", True),

@@ -33,6 +33,7 @@ from hmi.cloud.mirror import Mirror
 from hmi.cloud.missions import CloudMissions
 from hmi.cloud.newest import Newest
 from hmi.cloud.proposals import ProposalBook
+from hmi.cloud.refused import RefusedFile, RefusedRecords
 from hmi.cloud.secret import kept_secret
 from hmi.cloud.states import RobotStates
 from hmi.cloud.told_ids import ToldIds
@@ -86,7 +87,8 @@ class CloudWork:
         marker = Marker(settings.data / "cloud" / "console.json", ref, settings.farm_name, is_strict=not is_demo)
         link, states = CloudLink(client, marker, clock, parts.link), RobotStates(parts.fleet, urns, clock)
         changes = self._make_changes(client, published, on_proposals)
-        self.mirror = Mirror(link, states, parts.backlog, clock, whole, changes, parts.others)
+        self.refused = RefusedRecords(RefusedFile(settings.data / "cloud" / "refused.db"), clock)
+        self.mirror = Mirror(link, states, parts.backlog, clock, whole, changes, parts.others, refused=self.refused)
         read_back = Delays()
         self.missions = CloudMissions(client, urns.farm_name, clock, read_back)
         self.report = CloudReport(settings, clock, self.mirror, parts.backlog, parts.book, read_back, parts.robots)
@@ -117,6 +119,11 @@ class CloudWork:
             await self.mirror.link.take_tenant()
         except NgsiError as error:
             raise CloudRefused(f"The cloud did not take it: {error}. {error.mend}") from error
+
+    async def close(self) -> None:
+        """Close the connection and what is on disk."""
+        await self.refused.close()
+        await self.mirror.link.client.close()
 
     def _make_changes(
         self,

@@ -86,6 +86,8 @@ class CloudLink:
                 found.refused[one.ref] = "two at once under one id, of which the first was sent"
         outcome = await self.client.batch("append", list(once.values()), most=self.most)
         self._fit(len(once), is_late=any(isinstance(error, NoAnswer) for error in outcome.failed.values()))
+        if outcome.too_large is not None:  # asked for in two halves from now on
+            self.most, self._fitted_s = max(1, min(self.most, outcome.too_large // 2)), self._clock.mono_s()
         found.done.update(outcome.done)
         for ref, error in outcome.failed.items():
             if is_about_one(error):

@@ -107,7 +107,12 @@ class Mailbox:
         """Empty the box; on the loop."""
         with self._lock:
             batch = Batch(
-                list(self._discrete), list(self._state.values()), self._lost, self._refused, self._replaced, self._unread
+                list(self._discrete),
+                list(self._state.values()),
+                self._lost,
+                self._refused,
+                self._replaced,
+                self._unread,
             )
             self._discrete.clear()
             self._state.clear()
