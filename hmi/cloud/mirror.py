@@ -17,7 +17,7 @@ from hmi.cloud.backlog import Backlog
 from hmi.cloud.counts import Counts
 from hmi.cloud.delays import Delays
 from hmi.cloud.guard import Guard
-from hmi.cloud.link import CloudLink, Delivery
+from hmi.cloud.link import TWO_AT_ONCE, CloudLink, Delivery
 from hmi.cloud.map_changes import MapChanges
 from hmi.cloud.newest import Newest
 from hmi.cloud.outbox import Piece
@@ -208,6 +208,8 @@ class Mirror:
         except NgsiError as error:
             self.link.failed(error)
             return False
+        if self.changes.book.has_let_go:  # somebody's change is gone, or was refused: ours goes up at once
+            self.tell_whole()
         return True
 
     async def _send_whole(self) -> bool:
@@ -218,11 +220,11 @@ class Mirror:
             self._sent_wish = wish
             self._sent.clear()
         whole = await self._whole()
-        refs = {_ref(one) for one in whole}
-        for ref in self._whole_refs - refs:  # on the map no more
+        once = self._once(whole)
+        for ref in self._whole_refs - once.keys():  # on the map no more
             self.not_taken.pop(ref, None)
-        self._whole_refs = refs
-        entities = [one for one in whole if self._sent.get(_ref(one)) != one]
+        self._whole_refs = set(once)
+        entities = [one for ref, one in once.items() if self._sent.get(ref) != one]
         while entities:
             size = self.link.most
             part, entities = entities[:size], entities[size:]
@@ -238,6 +240,16 @@ class Mirror:
         self._told_wish = wish
         self._sent.clear()
         return True
+
+    def _once(self, whole: Sequence[KeyValues]) -> dict[EntityRef, KeyValues]:
+        """Return the first entity of each id; another one under it is a mistake of ours, named and never written."""
+        for ref in [ref for ref, one in self.not_taken.items() if one.why == TWO_AT_ONCE]:
+            del self.not_taken[ref]
+        found: dict[EntityRef, KeyValues] = {}
+        for one in whole:
+            if found.setdefault(_ref(one), one) != one:
+                self._note_refused(Delivery(refused={_ref(one): TWO_AT_ONCE}))
+        return found
 
     async def _send_backlog(self) -> bool:
         for _ in range(PARTS):
@@ -276,7 +288,8 @@ class Mirror:
 
     def _note_refused(self, found: Delivery) -> None:
         for ref in found.done & self.not_taken.keys():
-            del self.not_taken[ref]
+            if self.not_taken[ref].why != TWO_AT_ONCE:  # the first of two arrived, the other never will
+                del self.not_taken[ref]
         for ref, text in found.refused.items():
             self.not_taken.pop(ref, None)
             self.not_taken[ref] = NotTaken(text, self._clock.utc())

@@ -184,3 +184,20 @@ async def test_refused_records_are_bounded_and_what_makes_room_is_counted(
     assert {one.ref.id for one in kept.all()} == {"mission", "e2", "e3"}
     assert kept.dropped == 2
     await kept.close()
+
+
+async def test_two_entities_of_a_map_under_one_id_never_write_over_each_other_and_are_named(tmp_path: Path) -> None:
+    rig = Rig(tmp_path)
+    await rig.run(1)
+    rig.link.most = 2
+    crops = [{"id": f"urn:ngsi-ld:AgriCrop:hof:c{n}", "type": "AgriCrop", "name": f"{n}"} for n in range(5)]
+    rig.whole = [*crops, {**crops[0], "name": "another"}]
+    rig.mirror.tell_whole()
+    await rig.run(2)
+    assert (await rig.in_cloud("AgriCrop"))[crops[0]["id"]]["name"] == "0"
+    assert [(ref.id, one.why[:11]) for ref, one in rig.mirror.not_taken.items()] == [(crops[0]["id"], "two at once")]
+    rig.whole = crops
+    rig.mirror.tell_whole()
+    await rig.run(2)
+    assert rig.mirror.not_taken == {}
+    await rig.close()
