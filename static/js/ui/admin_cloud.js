@@ -75,9 +75,9 @@
       if (!told.waiting) return this.body.replaceChildren(); // not loaded yet, or settings nothing can be done with
       this.body.replaceChildren(
         el("h2", {}, "Waiting here"), this.waiting(told.waiting, told.counts),
-        ...this.refused(told.refused),
+        ...(told.refused ? this.refused(told.refused) : []),
         el("h2", {}, "Delays"), this.delays(told.delays),
-        el("h2", {}, "Lost on the way"), this.losses(told.arrivals, told.counts),
+        ...(told.arrivals ? [el("h2", {}, "Lost on the way"), this.losses(told.arrivals, told.counts)] : []),
         el("h2", {}, "Since the start"), this.counts(told.counts),
         el("h2", {}, "Changes made there"), this.changes(told.map),
         el("h2", {}, "Where"), table(["What", "Value"], [
