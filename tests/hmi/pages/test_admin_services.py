@@ -135,8 +135,9 @@ def test_what_was_lost_on_the_way_and_what_the_cloud_refuses_is_listed_and_sent_
              "lost_utc": "2026-06-15T11:00:00+00:00"}  # fmt: skip
     heard = {**count, "kinds": {"state": count}, "numbered": 23, "not_numbered": 1, "more_robots": 0,
              "robots": [{"id": "weeder-05", **count, "kinds": {"state": count}}]}  # fmt: skip
-    row = {"id": "urn:ngsi-ld:Alert:hof:a-1", "type": "Alert", "why": "413 RequestEntityTooLarge", "is_kept": True,
-           "bytes": 30_000, "utc": "2026-06-15T11:00:00+00:00", "happened_utc": "2026-06-15T10:00:00+00:00"}  # fmt: skip
+    row = {"id": "urn:ngsi-ld:Alert:hof:a-1", "type": "Alert", "why": "413 RequestEntityTooLarge",
+           "is_kept": True, "bytes": 30_000, "utc": "2026-06-15T11:00:00+00:00",
+           "happened_utc": "2026-06-15T10:00:00+00:00"}  # fmt: skip
     refused = {"records": 1, "rows": [row], "more": 0, "is_sending": False}
     told = [broker_of("ok", arrivals=heard, refused=refused)]
     asked: list[str] = []
