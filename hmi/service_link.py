@@ -38,6 +38,7 @@ class LinkState(StrEnum):
     REFUSED = "refused"
     FAILING = "failing"
     BUSY = "busy"
+    NARROW = "narrow"
     NOT_UNDERSTOOD = "not_understood"
     MISSET = "misset"
     OTHER_TENANT = "other_tenant"  # of a context broker only, as the next
@@ -47,8 +48,8 @@ class LinkState(StrEnum):
 NOT_OURS = frozenset({LinkState.OTHER_TENANT, LinkState.OTHER_CONSOLE})
 ANSWERS = frozenset({LinkState.OK, LinkState.SLOW})
 NEEDS_PERSON = frozenset(
-    {LinkState.UNTRUSTED, LinkState.REFUSED, LinkState.NOT_UNDERSTOOD, LinkState.MISSET, LinkState.OTHER_TENANT,
-     LinkState.OTHER_CONSOLE}
+    {LinkState.UNTRUSTED, LinkState.REFUSED, LinkState.NARROW, LinkState.NOT_UNDERSTOOD, LinkState.MISSET,
+     LinkState.OTHER_TENANT, LinkState.OTHER_CONSOLE}
 )  # fmt: skip
 """States that no waiting mends."""
 

@@ -50,6 +50,7 @@ _decoders: dict[Up | Down, msgspec.json.Decoder[Any]] = {
     **{k: msgspec.json.Decoder(t) for k, t in UP_TYPES.items()},
     **{k: msgspec.json.Decoder(t) for k, t in DOWN_TYPES.items()},
 }
+_header_decoder = msgspec.json.Decoder(up.Header)
 
 
 def encode(message: up.Header | down.Order) -> bytes:
@@ -79,6 +80,21 @@ def decode_body(address: Address, payload: bytes) -> up.Header | down.Order:
     if message.robot != address.robot:
         raise WrongIdentity(f"topic says {address.robot}, payload says {message.robot}")
     return message
+
+
+def header_of(address: Address, payload: bytes) -> up.Header:
+    """Return only the header of an upward payload, for what its number tells; the rest may be anything.
+
+    Raises:
+        MalformedPayload, WrongIdentity: see ``backend_clients.errors``.
+    """
+    try:
+        header = _header_decoder.decode(payload)
+    except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as error:
+        raise MalformedPayload(f"{address.robot}/{address.kind}: {error}") from error
+    if header.robot != address.robot:
+        raise WrongIdentity(f"topic says {address.robot}, payload says {header.robot}")
+    return header
 
 
 def mission_hash(mission: down.Mission) -> str:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from msgspec import Meta, Struct
+from msgspec import UNSET, Meta, Struct, UnsetType
 
 from backend_clients.edge.topics import ID_PATTERN
 
@@ -22,6 +22,9 @@ Positive = Annotated[float, Meta(ge=0, le=1e9)]
 Radians = Annotated[float, Meta(ge=-1e3, le=1e3)]
 LatDeg = Annotated[float, Meta(ge=-90, le=90)]
 LonDeg = Annotated[float, Meta(ge=-180, le=180)]
+
+HEADER_IDS = 2**32
+"""After the highest number of a message comes 0 again, as in VDA 5050."""
 
 Mode = Literal["auto", "manual", "paused", "stopped", "idle", "fault"]
 Level = Literal["critical", "high", "medium", "low"]
@@ -38,3 +41,10 @@ class Header(Struct, frozen=True, kw_only=True):
     seq: Count
     mono_ms: Annotated[Count, Meta(description="robot monotonic clock since boot, ms")]
     wall_ms: Annotated[int, Meta(description="robot wall clock, ms since 1970; for people, not for rules")]
+    header_id: (
+        Annotated[
+            int,
+            Meta(ge=0, le=2**53, description="one more with each message of this kind; losses are counted by it"),
+        ]
+        | UnsetType
+    ) = UNSET

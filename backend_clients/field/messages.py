@@ -63,6 +63,8 @@ class Reading(Struct, frozen=True, kw_only=True):
 class Data(FromStation, frozen=True, kw_only=True):
     """What was measured at ``utc``. ``boot`` and ``seq`` name it: a repeat says nothing new.
 
+    ``mono_ms`` is the station's own clock at ``utc``, which counts on while it sleeps and is never set: by it a clock
+    that was set is told from a message that waited.
     ``battery`` is 0..1. ``notice`` is the treatment notice the station obeyed when it measured.
     A camera sends it without values, to say how its battery is.
     """
@@ -71,6 +73,7 @@ class Data(FromStation, frozen=True, kw_only=True):
     seq: Annotated[Count, Meta(description="rises by one a message within one boot")]
     utc: Utc
     values: Annotated[list[Reading], Meta(max_length=64)]
+    mono_ms: Annotated[int, Meta(ge=0, le=2**53, description="since boot, asleep or awake")] | UnsetType = UNSET
     battery: Share | UnsetType = UNSET
     notice: Ref | UnsetType = UNSET
 

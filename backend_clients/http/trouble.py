@@ -16,6 +16,8 @@ class Trouble(StrEnum):
     REFUSED = "refused"
     FAILING = "failing"
     BUSY = "busy"
+    NARROW = "narrow"
+    """What stands before the service takes only small requests, smaller than ours can be."""
     NOT_UNDERSTOOD = "not_understood"
     MISSET = "misset"
     """What was asked for can never be sent: of a setting, a person has to change it."""

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
+from backend_clients.http.trouble import Trouble
 from backend_clients.ngsi.connection import MAX_REQUEST, Call, Connection
 from backend_clients.ngsi.entity import Entity
 from backend_clients.ngsi.errors import (
@@ -16,6 +17,7 @@ from backend_clients.ngsi.errors import (
     NotAllowed,
     NotFound,
     Overloaded,
+    TooLarge,
     Unreachable,
     Unreadable,
 )
@@ -24,6 +26,7 @@ from backend_clients.ngsi.identifier import EntityRef
 Action = Literal["append", "appendStrict", "update", "delete", "replace"]
 MAX_ENTITIES = 200  # keeps one request, and what a failure leaves open, small
 ROOM = 200  # for what surrounds the entities
+NARROW = 4096  # bytes that any way to a broker must take: a proxy that refuses them refuses everything
 
 
 @dataclass(slots=True)
@@ -33,10 +36,12 @@ class BatchOutcome:
     Args:
         done: these took effect as a whole.
         failed: these did not, or not wholly, or nobody knows; each with its reason.
+        too_large: entities in the smallest request of several that was refused as too large, ``None`` if none was.
     """
 
     done: list[EntityRef] = field(default_factory=list)
     failed: dict[EntityRef, NgsiError] = field(default_factory=dict)
+    too_large: int | None = None
 
     def is_complete(self) -> bool:
         """Say whether everything took effect."""
@@ -71,6 +76,11 @@ async def run(
             outcome.failed.update(dict.fromkeys(refs, stop))
             continue
         error = await _send(connection, action, [body for _, body in part])
+        if isinstance(error, TooLarge):
+            if len(part) > 1:
+                outcome.too_large = len(part)
+            elif error.is_of_proxy and len(part[0][1]) <= NARROW:
+                error.trouble = Trouble.NARROW
         is_gone = isinstance(error, NotFound) and action == "delete" and len(part) == 1 and is_half
         if error is None or is_gone:  # gone: the whole part was sent, and what was there of it is deleted by that
             outcome.done += refs
@@ -141,7 +151,7 @@ def _no_broker(status: int) -> Unreadable:
 
 
 def _ends_all(error: NgsiError) -> bool:
-    if not isinstance(error, BrokerRefused):
+    if not isinstance(error, BrokerRefused) or error.trouble is Trouble.NARROW:
         return True
     return isinstance(error, NotAllowed | Overloaded) or error.status >= 500
 

@@ -214,6 +214,7 @@ def _refused(reply: Answer, correlator: str) -> NgsiError:
         late = NoAnswer(f"{reply.status}: the request did not get through in time")
         late.retry_after_s = asked_pause_s(reply.headers)
         return late
+    is_of_proxy = False
     try:
         body = json.loads(reply.content)
         error, description = str(body["error"])[:80], str(body.get("description", ""))[:2000]
@@ -222,7 +223,9 @@ def _refused(reply: Answer, correlator: str) -> NgsiError:
             # a proxy whose broker is away says 404 or 400 to everything: that is about no entity
             return Unreadable(f"the answer is {reply.status}, and not that of a context broker")
         error, description = f"HTTP{reply.status}", "an answer that is not NGSI-v2"
+        is_of_proxy = True
     found = refusal(reply.status, error, description, correlator)
+    found.is_of_proxy = is_of_proxy
     found.retry_after_s = asked_pause_s(reply.headers)
     return found
 

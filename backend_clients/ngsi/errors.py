@@ -107,7 +107,12 @@ class BrokerRefused(NgsiError):
         error: the broker's error word.
         description: the broker's sentence, shortened.
         correlator: what the broker's log calls this request.
+
+    Attributes:
+        is_of_proxy: not a broker's words, so of what stands before it.
     """
+
+    is_of_proxy = False
 
     def __init__(self, status: int, error: str, description: str, correlator: str) -> None:
         super().__init__(f"{status} {error}: {description} [{correlator}]")
@@ -148,7 +153,7 @@ class PartlyApplied(BrokerRefused):
 class TooLarge(BrokerRefused):
     """The body is larger than the broker or a proxy before it takes, or has a second location."""
 
-    mend = "Send less at once; give a second location the metadata ignoreType."
+    mend = "Raise the limit of a proxy before the broker; give a second location the metadata ignoreType."
 
 
 class NotAllowed(BrokerRefused):

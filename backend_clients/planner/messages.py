@@ -63,7 +63,7 @@ class Datum(Message):
 class Machine(Brief):
     """Outline and motion limits of the robot. Its base follows the path; ``margin_m`` stays free around it."""
 
-    LATER = frozenset({"reverse_mps"})
+    LATER = frozenset({"reverse_mps", "family"})
     length_m: Annotated[float, Field(gt=0, le=50)]
     width_m: Annotated[float, Field(gt=0, le=50)]
     base_to_front_m: Metres
@@ -78,6 +78,10 @@ class Machine(Brief):
     reverse_mps: Annotated[
         float, Field(ge=0, le=20, description="speed backwards in turns between rows or laps; 0: no path backwards")
     ] = 0.0
+    family: Annotated[
+        Literal["", "weeder", "planter", "uav", "other"],
+        Field(description="uav: it flies over the crop and turns above it; left out: on the ground"),
+    ] = ""
 
 
 class Ground(Message):

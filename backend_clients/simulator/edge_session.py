@@ -8,13 +8,16 @@ from __future__ import annotations
 import asyncio
 import math
 import random
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable
 from dataclasses import dataclass
+
+from msgspec.structs import replace
 
 from backend_clients.edge import codec
 from backend_clients.edge import messages_down as down
 from backend_clients.edge import messages_up as up
+from backend_clients.edge.fields import HEADER_IDS
 from backend_clients.edge.mqtt import LinkState, Will
 from backend_clients.edge.topics import Down, Up, parse, topic
 from backend_clients.errors import MalformedPayload, WireError
@@ -74,6 +77,7 @@ class EdgeSession:
         self._outbox: deque[up.Event] = deque(maxlen=MAX_OUTBOX)
         self._rng = random.Random(f"network/{robot.config.id}")  # noqa: S311
         self._shown: dict[Up, object] = {}
+        self._sent = Counter[Up]()  # of this boot
         self._told_sights: dict[str, float] = {}
         self.unreadable = 0
 
@@ -121,7 +125,7 @@ class EdgeSession:
             link.drop()
             return
         if self._boot is not None and link.is_up:
-            goodbye = codec.encode(self._boot.reporter.goodbye("shutdown"))
+            goodbye = self._numbered(Up.PRESENCE, self._boot.reporter.goodbye("shutdown"))
             link.publish(topic(self._robot.config.id, Up.PRESENCE), goodbye, qos=1, retain=True)
         link.stop()
 
@@ -139,6 +143,7 @@ class EdgeSession:
         self.close(is_abrupt=self._boot is not None)
         self._boot = self._robot.boot
         self._shown.clear()
+        self._sent.clear()
         if self._boot is None:
             return
         robot_id = self._robot.config.id
@@ -240,20 +245,25 @@ class EdgeSession:
         if self._robot.faults.silence is not None:
             return
         for _ in range(min(OUTBOX_PER_TICK, len(self._outbox))):
-            event = self._outbox[0]
-            if not self._send(Up.EVENT, codec.encode(event), qos=1, retain=False):
+            if not self._send(Up.EVENT, self._numbered(Up.EVENT, self._outbox[0]), qos=1, retain=False):
+                self._sent[Up.EVENT] -= 1  # it has not left
                 return
             self._outbox.popleft()
 
     def _say(self, kind: Up, message: up.Header, *, qos: int = 0, retain: bool = False) -> None:
         if self._robot.faults.silence is not None:
             return
-        payload = codec.encode(message)
+        payload = self._numbered(kind, message)
         for delay_s in fate(self._robot.faults.packets, "up", self._rng):
             if delay_s > 0:
                 self._loop.call_later(delay_s, self._send, kind, payload, qos, retain)
             else:
                 self._send(kind, payload, qos, retain)
+
+    def _numbered(self, kind: Up, message: up.Header) -> bytes:
+        """Return a message as it is sent, with its number among those of its kind; HTTP answers have none."""
+        self._sent[kind] += 1
+        return codec.encode(replace(message, header_id=(self._sent[kind] - 1) % HEADER_IDS))
 
     def _send(self, kind: Up, payload: bytes, qos: int, retain: bool) -> bool:
         link = self._link

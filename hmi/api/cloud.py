@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Awaitable
 from typing import Annotated, Any, Protocol
 
 from fastapi import APIRouter, Path
@@ -35,6 +36,14 @@ class CloudDesk(Protocol):
 
     async def take_tenant(self, session: SessionInfo) -> None:
         """Keep this farm in this tenant from now on; raises ``CloudRefused``."""
+        ...
+
+    async def send_refused(self, session: SessionInfo) -> None:
+        """Send what the cloud refused once more; raises ``CloudRefused``."""
+        ...
+
+    async def forget_refused(self, session: SessionInfo) -> None:
+        """Forget the records that the cloud refused; raises ``CloudRefused``."""
         ...
 
     def proposals(self) -> list[dict[str, Any]]:
@@ -72,12 +81,23 @@ def cloud_routes(desk: CloudDesk) -> APIRouter:
     async def report(session: Diagnostician) -> dict[str, Any]:
         return desk.report()
 
-    @router.post("/tenant", summary="Keep this farm in this tenant from now on, whoever did before")
-    async def take(session: UserManager) -> dict[str, Any]:
+    async def done(act: Awaitable[None]) -> dict[str, Any]:
         try:
-            await desk.take_tenant(session)
+            await act
         except CloudRefused as error:
             raise ApiError(409, "cloud", f"{error}") from error
         return desk.report()
+
+    @router.post("/tenant", summary="Keep this farm in this tenant from now on, whoever did before")
+    async def take(session: UserManager) -> dict[str, Any]:
+        return await done(desk.take_tenant(session))
+
+    @router.post("/refused/send", summary="Send once more what the cloud refused")
+    async def send(session: UserManager) -> dict[str, Any]:
+        return await done(desk.send_refused(session))
+
+    @router.delete("/refused", summary="Forget the records that the cloud refused")
+    async def forget(session: UserManager) -> dict[str, Any]:
+        return await done(desk.forget_refused(session))
 
     return router

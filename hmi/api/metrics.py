@@ -18,17 +18,17 @@ from hmi.domain.command import Outcome
 
 PREFIX = "headland_"
 LATENCY_S = (0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0)
-Labelled = Mapping[str, float]
+Labelled = Mapping[str, float] | Mapping[tuple[str, ...], float]
 
 
 @dataclass(frozen=True, slots=True)
 class Gauge:
-    """A value read when somebody scrapes; ``label`` names the key of ``read`` if it returns a mapping."""
+    """A value read when somebody scrapes; ``label`` names the key of ``read``, or its parts, of a mapping."""
 
     name: str
     help: str
     read: Callable[[], float | Labelled]
-    label: str = ""
+    label: str | tuple[str, ...] = ""
     is_counter: bool = False
 
 
@@ -40,11 +40,13 @@ class _Gauges(Collector):
         """Read every value now."""
         for gauge in self._gauges:
             kind = CounterMetricFamily if gauge.is_counter else GaugeMetricFamily
-            family = kind(PREFIX + gauge.name, gauge.help, labels=[gauge.label] if gauge.label else None)
+            labels = [gauge.label] if isinstance(gauge.label, str) else list(gauge.label)
+            family = kind(PREFIX + gauge.name, gauge.help, labels=labels if gauge.label else None)
             value = gauge.read()
-            pairs = value.items() if isinstance(value, Mapping) else [("", value)]
+            pairs: Iterable[tuple[str | tuple[str, ...], float]]
+            pairs = value.items() if isinstance(value, Mapping) else [((), value)]
             for key, number in pairs:
-                family.add_metric([str(key)] if gauge.label else [], number)
+                family.add_metric([key] if isinstance(key, str) else list(key), number)
             yield family
 
 

@@ -8,19 +8,22 @@ from __future__ import annotations
 import asyncio
 import importlib
 import logging
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from fastapi import APIRouter
 
 from backend_clients.http.trouble import OutsideError
 from hmi.api.cloud import CloudRefused, cloud_routes, proposal_routes
+from hmi.api.metrics import Gauge
+from hmi.app.arrival_report import FromRobots
 from hmi.app.records import Records
 from hmi.app.service_report import broker_findings, link_report
 from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
 from hmi.cloud.broker_link import broker_link
 from hmi.cloud.cameras import CameraStates, FieldCamera
+from hmi.cloud.counts import Counts
 from hmi.cloud.newest import Newest
 from hmi.cloud.news import CloudNews
 from hmi.cloud.outbox import Outbox
@@ -65,11 +68,11 @@ class CloudRoom:
         clock: Clock,
         records: Records,
         fleet: FleetStore,
-        heard: Callable[[], Mapping[str, int]],
+        robots: FromRobots,
         on_event: LaneEvent,
     ) -> None:
         self._settings, self._clock, self._records, self._fleet = settings, clock, records, fleet
-        self._heard, self._on_event = heard, on_event
+        self._robots, self._on_event = robots, on_event
         self._urns = Urns(settings.farm_id)
         self.book = ProposalBook(self._urns)
         self._features: tuple[int, dict[str, MapFeature]] | None = None
@@ -123,7 +126,7 @@ class CloudRoom:
         await asyncio.gather(self._task, return_exceptions=True)
         await self._backlog.close()
         if self._work is not None:
-            await self._work.mirror.link.client.close()
+            await self._work.close()
 
     async def upload_mission(self, robot_id: str, document: dict[str, Any]) -> Acknowledgement:
         """Send a mission through the cloud; see ``MissionWay``. What was read back stands in the mission's log."""
@@ -198,9 +201,25 @@ class CloudRoom:
         if self._work is None:
             raise CloudRefused("There is no link to a cloud.")
         await self._work.take_tenant()
-        entry = AuditEntry(session.farm_id, session.user_name, session.device_name or "", "cloud", "tenant_taken",
-                           text=f"{self._settings.cloud_tenant or 'default'} {self._settings.cloud_path}")  # fmt: skip
-        self._records.audit.append(entry)
+        self._audit(session, "tenant_taken", f"{self._settings.cloud_tenant or 'default'} {self._settings.cloud_path}")
+
+    async def send_refused(self, session: SessionInfo) -> None:
+        """See ``CloudDesk``."""
+        if self._work is None:
+            raise CloudRefused("There is no link to a cloud.")
+        self._work.mirror.send_again()
+        self._audit(session, "refused_sent_again", "")
+
+    async def forget_refused(self, session: SessionInfo) -> None:
+        """See ``CloudDesk``."""
+        if self._work is None:
+            raise CloudRefused("There is no link to a cloud.")
+        count = await self._work.refused.forget_all()
+        self._audit(session, "refused_forgotten", f"{count} records")
+
+    def _audit(self, session: SessionInfo, what: str, text: str) -> None:
+        user, device = session.user_name, session.device_name or ""
+        self._records.audit.append(AuditEntry(session.farm_id, user, device, "cloud", what, text=text))
 
     def findings(self) -> Findings:
         """Return what is wrong with the link for the alarms."""
@@ -215,6 +234,35 @@ class CloudRoom:
             return self._work.report.health()
         is_misset = self._link.state is LinkState.MISSET
         return {"cloud": {"state": "degraded", "url": self._settings.cloud_url}} if is_misset else {}
+
+    def gauges(self) -> list[Gauge]:
+        """Return the figures of the way to the cloud for Prometheus; zeros where no cloud is set."""
+        waiting = self._backlog
+
+        def counts() -> Counts:
+            return Counts() if self._work is None else self._work.mirror.counts
+
+        def dropped() -> int:
+            return waiting.waiting.lost + (0 if self._work is None else self._work.refused.dropped)
+
+        def refused() -> int:
+            return 0 if self._work is None else len(self._work.refused.all())
+
+        return [
+            Gauge("cloud_refused_kept", "Records that the cloud refused and that are kept here.", refused),
+            Gauge("cloud_waiting", "Records that are not in the cloud yet.", lambda: waiting.total),
+            Gauge("cloud_waiting_bytes", "Their size on disk.", lambda: waiting.waiting.bytes),
+            Gauge(
+                "cloud_dropped",
+                "Records that the cloud will never have.",
+                dropped,
+                "",
+                True,
+            ),
+            Gauge("cloud_refused", "Entities that the cloud refused.", lambda: counts().refused, "", True),
+            Gauge("cloud_sent_twice", "Entities sent again after a lost answer.", lambda: counts().resent, "", True),
+            Gauge("cloud_sent", "Entities that arrived in the cloud.", lambda: counts().arrived, "", True),
+        ]
 
     def report(self) -> dict[str, Any]:
         """See ``CloudDesk``."""
@@ -237,7 +285,7 @@ class CloudRoom:
         try:
             client = await asyncio.to_thread(make_client, self._settings)
             parts = WorkParts(self._settings, self._clock, self._urns, self._fleet, self._backlog, self.book,
-                              self._heard, client, self._link, lambda: self._others)  # fmt: skip
+                              self._robots, client, self._link, lambda: self._others)  # fmt: skip
             while self._work is None:
                 try:
                     self._work = CloudWork(parts, self._whole, self._published, self._proposals_changed)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from datetime import datetime
+from datetime import UTC, datetime
 from typing import Any
 
+from hmi.app.arrival_report import FromRobots
 from hmi.app.service_report import broker_findings, link_report
 from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
@@ -19,8 +19,7 @@ from hmi.settings import Settings
 
 PUBLISHED_MEAN_S = 0.25  # robot to context broker in the published system, to compare with
 LOST_SHOWN_S = 600.0
-Heard = Callable[[], Mapping[str, int]]
-"""What went wrong on the way from the robots, reason -> how often; see ``hmi.ingest.tally``."""
+MOST_REFUSED_SHOWN = 50
 
 
 class CloudReport:
@@ -28,7 +27,7 @@ class CloudReport:
 
     Args:
         missions: delays of missions that were read back through the cloud.
-        heard: counts of the way from the robots.
+        robots: how the way from the robots is.
     """
 
     def __init__(
@@ -39,15 +38,20 @@ class CloudReport:
         backlog: Backlog,
         book: ProposalBook,
         missions: Delays,
-        heard: Heard,
+        robots: FromRobots,
     ) -> None:
         self._settings, self._clock, self._mirror, self._backlog = settings, clock, mirror, backlog
-        self._book, self._missions, self._heard = book, missions, heard
+        self._book, self._missions, self._robots = book, missions, robots
         self._lost_seen = (0, float("-inf"))
 
     def findings(self) -> Findings:
         """Return what is wrong with the link for the alarms."""
-        return (*broker_findings(self._mirror.link.link, self._backlog.total), *self._stuck(), *self._dropped())
+        return (
+            *broker_findings(self._mirror.link.link, self._backlog.total),
+            *self._stuck(),
+            *self._not_taken(),
+            *self._dropped(),
+        )
 
     def _stuck(self) -> Findings:
         text = self._stuck_text
@@ -59,18 +63,32 @@ class CloudReport:
         return self._mirror.guard.text if self._mirror.link.link.is_well else ""
 
     def _dropped(self) -> Findings:
-        waiting, counts = self._backlog.waiting, self._mirror.counts
-        count, seen_s = self._lost_seen
-        if waiting.lost + counts.refused > count:
-            self._lost_seen = count, seen_s = waiting.lost + counts.refused, self._clock.mono_s()
+        waiting, (count, seen_s) = self._backlog.waiting, self._lost_seen
+        if self._lost > count:
+            self._lost_seen = count, seen_s = self._lost, self._clock.mono_s()
         if not waiting.trouble and self._clock.mono_s() - seen_s >= LOST_SHOWN_S:
             return ()
         said = [waiting.trouble] if waiting.trouble else []
-        if waiting.lost:
-            said.append(f"{waiting.lost} dropped since the start.")
-        if counts.refused:
-            said.append(f"{counts.refused} refused by the cloud, the last: {counts.last_refusal}")
+        if self._lost:
+            said.append(f"{self._lost} dropped since the start.")
         return (Finding("cloud-dropped", " ".join(said)[:MAX_TEXT]),)
+
+    @property
+    def _lost(self) -> int:
+        return self._backlog.waiting.lost + self._mirror.refused.dropped
+
+    def _not_taken(self) -> Findings:
+        records, others = len(self._mirror.refused.all()), len(self._mirror.not_taken)
+        if not records + others:
+            return ()
+        parts = [_number(records, "record is", "records are"), _number(others, "entity is", "entities are")]
+        text = " and ".join(part for part in parts if part)
+        last = self._mirror.counts.last_refusal
+        return (
+            Finding(
+                "cloud-not-taken", f"{text} refused by the cloud{f', the last: {last}' if last else ''}"[:MAX_TEXT]
+            ),
+        )
 
     def health(self) -> dict[str, dict[str, Any]]:
         """Return the part of the cloud for ``/api/v1/health``; a cloud that is away makes nothing else worse."""
@@ -89,6 +107,7 @@ class CloudReport:
             "path": self._settings.cloud_path,
             "can_take_tenant": link.state in NOT_OURS,
             "waiting": self._waiting(),
+            "refused": self._refused(),
             "map": self._map_report(),
             "delays": {
                 "robot_console": _delay(mirror.to_console.told()),
@@ -96,6 +115,7 @@ class CloudReport:
                 "mission": _delay(self._missions.told()),
                 "published_mean_s": PUBLISHED_MEAN_S,
             },
+            "arrivals": self._robots.arrivals(),
             "counts": {
                 "states": mirror.counts.states,
                 "others": mirror.counts.others,
@@ -103,9 +123,9 @@ class CloudReport:
                 "sent_twice": mirror.counts.resent,
                 "refused": mirror.counts.refused,
                 "last_refusal": mirror.counts.last_refusal,
-                "dropped": self._backlog.waiting.lost,
-                "heard_twice": self._heard().get("repeated", 0),
-                "lost_from_robots": self._heard().get("overflow", 0),
+                "dropped": self._lost,
+                "heard_twice": self._robots.refused().get("repeated", 0),
+                "lost_from_robots": self._robots.refused().get("overflow", 0),
             },
         }
 
@@ -132,6 +152,28 @@ class CloudReport:
             "notifications_refused": 0 if hints is None else hints.counts.refused,
         }
 
+    def _refused(self) -> dict[str, Any]:
+        """Return what the broker would not take: records, which are kept, and what is told anew when it changes."""
+        refused = self._mirror.refused
+        rows = [
+            {"id": one.ref.id, "type": one.ref.type, "why": one.why, "is_kept": True, "bytes": one.piece.size,
+             "utc": _moment(datetime.fromtimestamp(one.refused_s, UTC)),
+             "happened_utc": _moment(datetime.fromtimestamp(one.piece.at_s, UTC))}
+            for one in refused.all()[:MOST_REFUSED_SHOWN]
+        ]  # fmt: skip
+        rows += [
+            {"id": ref.id, "type": ref.type, "why": one.why, "is_kept": False, "bytes": None, "utc": _moment(one.at),
+             "happened_utc": None}
+            for ref, one in list(self._mirror.not_taken.items())[: -MOST_REFUSED_SHOWN - 1 : -1]
+        ]  # fmt: skip
+        count = len(refused.all()) + len(self._mirror.not_taken)
+        return {
+            "records": len(refused.all()),
+            "rows": rows,
+            "more": count - len(rows),
+            "is_sending": bool(refused.again),
+        }
+
     def _waiting(self) -> dict[str, Any]:
         waiting, now = self._backlog.waiting, self._clock.utc().timestamp()
         age_s = None if waiting.oldest_s is None else round(max(0.0, now - waiting.oldest_s), 1)
@@ -142,6 +184,10 @@ class CloudReport:
             "oldest_age_s": age_s,
             "trouble": waiting.trouble,
         }
+
+
+def _number(count: int, one: str, many: str) -> str:
+    return f"{count} {one if count == 1 else many}" if count else ""
 
 
 def _moment(at: datetime | None) -> str | None:

@@ -20,7 +20,8 @@ from backend_clients.ngsi.tenant import Tenant
 from backend_clients.ngsi.token import FixedHeader, OAuth2Settings, OAuth2Tokens, TokenSource
 from hmi.api.cloud import CloudRefused
 from hmi.api.router import PREFIX
-from hmi.app.cloud_report import CloudReport, Heard
+from hmi.app.arrival_report import FromRobots
+from hmi.app.cloud_report import CloudReport
 from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
 from hmi.cloud.delays import Delays
@@ -32,6 +33,7 @@ from hmi.cloud.mirror import Mirror
 from hmi.cloud.missions import CloudMissions
 from hmi.cloud.newest import Newest
 from hmi.cloud.proposals import ProposalBook
+from hmi.cloud.refused import RefusedFile, RefusedRecords
 from hmi.cloud.secret import kept_secret
 from hmi.cloud.states import RobotStates
 from hmi.cloud.told_ids import ToldIds
@@ -55,7 +57,7 @@ class WorkParts:
     fleet: FleetStore
     backlog: Backlog
     book: ProposalBook
-    heard: Heard
+    robots: FromRobots
     client: NgsiClient
     link: ServiceLink
     others: Callable[[], Sequence[Newest]]
@@ -85,10 +87,11 @@ class CloudWork:
         marker = Marker(settings.data / "cloud" / "console.json", ref, settings.farm_name, is_strict=not is_demo)
         link, states = CloudLink(client, marker, clock, parts.link), RobotStates(parts.fleet, urns, clock)
         changes = self._make_changes(client, published, on_proposals)
-        self.mirror = Mirror(link, states, parts.backlog, clock, whole, changes, parts.others)
+        self.refused = RefusedRecords(RefusedFile(settings.data / "cloud" / "refused.db"), clock)
+        self.mirror = Mirror(link, states, parts.backlog, clock, whole, changes, parts.others, refused=self.refused)
         read_back = Delays()
         self.missions = CloudMissions(client, urns.farm_name, clock, read_back)
-        self.report = CloudReport(settings, clock, self.mirror, parts.backlog, parts.book, read_back, parts.heard)
+        self.report = CloudReport(settings, clock, self.mirror, parts.backlog, parts.book, read_back, parts.robots)
 
     @property
     def hints(self) -> Hints | None:
@@ -116,6 +119,11 @@ class CloudWork:
             await self.mirror.link.take_tenant()
         except NgsiError as error:
             raise CloudRefused(f"The cloud did not take it: {error}. {error.mend}") from error
+
+    async def close(self) -> None:
+        """Close the connection and what is on disk."""
+        await self.refused.close()
+        await self.mirror.link.client.close()
 
     def _make_changes(
         self,

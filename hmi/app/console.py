@@ -9,6 +9,7 @@ from typing import Any
 from hmi.api.health import KeeperReport
 from hmi.api.metrics import ConsoleMetrics
 from hmi.app.alarms import AlarmRoom
+from hmi.app.arrival_report import ArrivalReport, FromRobots
 from hmi.app.base_maps import BaseMapDesk
 from hmi.app.camera_calls import camera_calls
 from hmi.app.camera_rule import CameraRule, bare_camera
@@ -86,10 +87,9 @@ class Console:
         )
         self.chores = Chores(records, self.hub, self.keeper, clock)
         self.twin = TwinDesk.of(settings, records, edge.fleet, self.authorize, clock)
-        self.cloud = CloudRoom(
-            settings, clock, records, edge.fleet, lambda: edge.coordinator.tally.total, self._lane_event
-        )
-
+        self.arrivals = ArrivalReport(edge.coordinator.arrivals, edge.fleet, clock)
+        robots = FromRobots(lambda: edge.coordinator.tally.total, self.arrivals.whole)
+        self.cloud = CloudRoom(settings, clock, records, edge.fleet, robots, self._lane_event)
         self.forecast = ForecastRoom(settings, clock, records)
 
     def _open_commands(self, epoch: int) -> None:

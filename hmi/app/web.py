@@ -196,9 +196,12 @@ def _diagnostics(console: Console) -> Sources:
         Gauge("ingest_messages", "Messages heard from robots.", lambda: console.edge.coordinator.messages, "", True),
         Gauge("audit_queued", "Audit lines waiting for the database.", lambda: records.audit.health().writer.queued),
         Gauge("recorder_dropped", "Samples lost.", lambda: records.recorder.health().dropped, is_counter=True),
+        *console.arrivals.gauges(),
+        *console.cloud.gauges(),
     )
     return {
         "ingest": console.edge.coordinator.diagnostics,
+        "arrivals": console.arrivals.whole,
         "live": lambda: {"lanes": console.hub.lanes, "boot": console.hub.boot},
         "alarms": console.alarms.diagnostics,
         "audit": records.audit.health,

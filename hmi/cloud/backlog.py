@@ -8,7 +8,8 @@ import logging
 from dataclasses import dataclass, replace
 
 from hmi.clock import Clock
-from hmi.cloud.outbox import Outbox, OutboxUnusable, Piece
+from hmi.cloud.kept_file import OutboxUnusable
+from hmi.cloud.outbox import Outbox, Piece
 
 MEMORY = 5000  # pieces while the disk is full: some hours of a farm's events
 log = logging.getLogger(__name__)

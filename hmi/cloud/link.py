@@ -19,6 +19,7 @@ from hmi.cloud.marker import Marker
 from hmi.service_link import LinkState, ServiceLink
 
 _NEVER_TAKEN = frozenset({400, 413, 422})  # whatever else is said to a write may be otherwise next time
+TWO_AT_ONCE = "two at once under one id, of which the first is sent"
 ASKED = 50  # ids in one question: they stand in its address
 SMALL, SMALLEST = 20, 10  # a request that small is late for another reason than its size, if larger ones arrive
 GROW_S = 30.0  # small requests say little of larger ones: with them the size grows so often and no oftener
@@ -83,9 +84,11 @@ class CloudLink:
         found, once = Delivery(), dict[EntityRef, Entity]()
         for one in entities:
             if once.setdefault(one.ref, one) is not one:  # a mistake of ours about one thing: the others go up
-                found.refused[one.ref] = "two at once under one id, of which the first was sent"
+                found.refused[one.ref] = TWO_AT_ONCE
         outcome = await self.client.batch("append", list(once.values()), most=self.most)
         self._fit(len(once), is_late=any(isinstance(error, NoAnswer) for error in outcome.failed.values()))
+        if outcome.too_large is not None:  # asked for in two halves from now on
+            self.most, self._fitted_s = max(1, min(self.most, outcome.too_large // 2)), self._clock.mono_s()
         found.done.update(outcome.done)
         for ref, error in outcome.failed.items():
             if is_about_one(error):

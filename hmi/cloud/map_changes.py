@@ -93,6 +93,7 @@ class MapChanges:
         Raises:
             NgsiError: it could not be asked.
         """
+        self._subscribe_s = float("-inf")  # a broker that forgot us, or is another one, forgot that too
         told = frozenset[EntityRef]() if self._told is None else self._told.all()
         if told:
             async for one in self._client.entities(Query(types=tuple(KIND_OF))):

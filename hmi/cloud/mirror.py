@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import json
 import logging
-from collections.abc import Awaitable, Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
+from datetime import datetime
 from functools import partial
+from typing import NamedTuple
 
 from backend_clients.ngsi.entity import Entity
 from backend_clients.ngsi.errors import NgsiError
 from backend_clients.ngsi.identifier import EntityRef
 from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
+from hmi.cloud.counts import Counts
 from hmi.cloud.delays import Delays
 from hmi.cloud.guard import Guard
-from hmi.cloud.link import CloudLink, Delivery
+from hmi.cloud.link import TWO_AT_ONCE, CloudLink, Delivery
 from hmi.cloud.map_changes import MapChanges
 from hmi.cloud.newest import Newest
 from hmi.cloud.outbox import Piece
+from hmi.cloud.refused import RefusedRecords
 from hmi.cloud.states import Report, RobotStates
 from hmi.fiware.leftover import gone_from
 from hmi.fiware.normalized import key_values, normalized
@@ -28,28 +31,16 @@ MOST_ROBOTS = 200  # in one round: one request
 MOST_OF_OTHERS = 200  # entities of each kind in one round
 PART = 100  # pieces in one request
 PARTS = 5  # requests of a backlog in one round, so that the newest state never waits for all of it
+MOST_NOT_TAKEN = 200  # entities named
 SETTLE_S = 5.0  # how often age and room are looked at when nothing is new
 log = logging.getLogger(__name__)
 
 
-@dataclass(slots=True)
-class Counts:
-    """Since the start.
+class NotTaken(NamedTuple):
+    """Why the broker did not take an entity, and when it was tried last."""
 
-    Args:
-        states: reports of robots that arrived.
-        others: entities of field stations and cameras that arrived.
-        pieces: pieces that arrived.
-        resent: sent again although they may have arrived: the cloud may have seen them twice.
-        refused: the broker would never take them, so they are gone.
-    """
-
-    states: int = 0
-    others: int = 0
-    pieces: int = 0
-    resent: int = 0
-    refused: int = 0
-    last_refusal: str = ""
+    why: str
+    at: datetime
 
 
 class Mirror:
@@ -57,6 +48,7 @@ class Mirror:
 
     Args:
         whole: returns the farm's map and missions, told at first and after ``tell_whole``.
+        refused: where records go that the broker will not take.
         changes: what the cloud wants changed, ``None`` if nobody asks.
         others: what else there is of which the newest goes up: field stations, cameras.
     """
@@ -70,8 +62,11 @@ class Mirror:
         whole: Callable[[], Awaitable[Sequence[KeyValues]]],
         changes: MapChanges | None = None,
         others: Callable[[], Sequence[Newest]] = tuple,
+        *,
+        refused: RefusedRecords,
     ) -> None:
-        self._others = others
+        self._others, self.refused = others, refused
+        self.not_taken: dict[EntityRef, NotTaken] = {}  # of what is told anew when it changes: nothing is kept
         self.link, self._states, self._backlog, self._clock, self._whole = link, states, backlog, clock, whole
         self.changes = changes
         self.counts = Counts()
@@ -80,6 +75,7 @@ class Mirror:
         self._settle_s = float("-inf")
         self._wishes, self._told_wish = 1, 0  # of telling map and missions: asked for, done
         self._sent_wish, self._sent = 0, dict[EntityRef, KeyValues]()  # what of a wish arrived before the link failed
+        self._whole_refs: set[EntityRef] = set()
         self._placed = 0
         self._had: dict[EntityRef, frozenset[str]] = {}  # attributes that stations and cameras were told with
         self._doubtful: set[EntityRef] = set()
@@ -97,6 +93,7 @@ class Mirror:
         if self._backlog.total > self._backlog.waiting.count or self._clock.mono_s() >= self._settle_s:
             self._settle_s = self._clock.mono_s() + SETTLE_S
             await self._backlog.settle()
+            await self.refused.settle()
         if not await self.link.is_ready():
             return
         if self.link.placed != self._placed and not await self._begin_again():
@@ -106,6 +103,7 @@ class Mirror:
         if (
             await run("Robots", self._send_robots)
             and await self._send_others()
+            and await run("What was refused", self._send_refused)
             and await run("What waits", self._send_backlog)
         ):
             await run("Map", self._send_map)
@@ -125,7 +123,17 @@ class Mirror:
         self._states.forget()
         for other in self._others():
             other.forget()
+        self.refused.send_again()
         return True
+
+    def send_again(self) -> None:
+        """Tell once more what the broker refused; records first, before anything that is newer."""
+        self.refused.send_again()
+        if self.not_taken:
+            self.tell_whole()
+            self._states.forget()
+            for other in self._others():
+                other.forget()
 
     async def _send_robots(self) -> bool:
         is_up = await self._send_reports()
@@ -200,6 +208,8 @@ class Mirror:
         except NgsiError as error:
             self.link.failed(error)
             return False
+        if self.changes.book.has_let_go:  # somebody's change is gone, or was refused: ours goes up at once
+            self.tell_whole()
         return True
 
     async def _send_whole(self) -> bool:
@@ -209,7 +219,12 @@ class Mirror:
         if self._sent_wish != wish:
             self._sent_wish = wish
             self._sent.clear()
-        entities = [one for one in await self._whole() if self._sent.get(_ref(one)) != one]
+        whole = await self._whole()
+        once = self._once(whole)
+        for ref in self._whole_refs - once.keys():  # on the map no more
+            self.not_taken.pop(ref, None)
+        self._whole_refs = set(once)
+        entities = [one for ref, one in once.items() if self._sent.get(ref) != one]
         while entities:
             size = self.link.most
             part, entities = entities[:size], entities[size:]
@@ -226,6 +241,16 @@ class Mirror:
         self._sent.clear()
         return True
 
+    def _once(self, whole: Sequence[KeyValues]) -> dict[EntityRef, KeyValues]:
+        """Return the first entity of each id; another one under it is a mistake of ours, named and never written."""
+        for ref in [ref for ref, one in self.not_taken.items() if one.why == TWO_AT_ONCE]:
+            del self.not_taken[ref]
+        found: dict[EntityRef, KeyValues] = {}
+        for one in whole:
+            if found.setdefault(_ref(one), one) != one:
+                self._note_refused(Delivery(refused={_ref(one): TWO_AT_ONCE}))
+        return found
+
     async def _send_backlog(self) -> bool:
         for _ in range(PARTS):
             pieces = await self._backlog.first(PART)
@@ -235,11 +260,41 @@ class Mirror:
             found = await self._deliver(entities)
             settled = found.done | set(found.refused)
             gone = [piece for piece, entity in zip(part, entities, strict=True) if _ref(entity) in settled]
+            await self._keep_refused(found, zip(part, entities, strict=True))  # before the outbox forgets them
             await self._backlog.delivered(gone)
             self.counts.pieces += len(gone) - len(found.refused)
             if found.is_cut:
                 return False
         return True
+
+    async def _send_refused(self) -> bool:
+        """Send refused records again where that was asked for: they are older than everything that waits."""
+        while pairs := self.refused.next(PART):
+            found = await self._deliver([entity for _, entity in pairs])
+            await self._keep_refused(found, ((one.piece, entity) for one, entity in pairs))
+            self.counts.pieces += len(found.done)
+            if found.is_cut:
+                return False
+            sent = {one.ref for one, _ in pairs}
+            self.refused.again = [ref for ref in self.refused.again if ref not in sent]
+        return True
+
+    async def _keep_refused(self, found: Delivery, pairs: Iterable[tuple[Piece, KeyValues]]) -> None:
+        kept = [(_ref(entity), piece, found.refused[_ref(entity)]) for piece, entity in pairs
+                if _ref(entity) in found.refused]  # fmt: skip
+        for ref, _, _ in kept:
+            self.not_taken.pop(ref, None)
+        await self.refused.keep(kept)
+
+    def _note_refused(self, found: Delivery) -> None:
+        for ref in found.done & self.not_taken.keys():
+            if self.not_taken[ref].why != TWO_AT_ONCE:  # the first of two arrived, the other never will
+                del self.not_taken[ref]
+        for ref, text in found.refused.items():
+            self.not_taken.pop(ref, None)
+            self.not_taken[ref] = NotTaken(text, self._clock.utc())
+        while len(self.not_taken) > MOST_NOT_TAKEN:
+            del self.not_taken[next(iter(self.not_taken))]
 
     async def _deliver(
         self, entities: Sequence[KeyValues], gone: Mapping[EntityRef, frozenset[str]] | None = None
@@ -257,6 +312,8 @@ class Mirror:
         self._doubtful -= refs
         if found.is_doubtful:
             self._doubtful |= refs - found.done - set(found.refused)
+        self._note_refused(found)
+        await self.refused.arrived(found.done)  # an older record of the same entity, too
         if found.refused:
             self.counts.refused += len(found.refused)
             ref, text = next(iter(found.refused.items()))

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import sqlite3
-import threading
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from pathlib import Path
-from typing import Any
+
+from hmi.cloud.kept_file import KeptFile
 
 _TABLE = """
 CREATE TABLE IF NOT EXISTS item (
@@ -52,14 +52,7 @@ class Piece:
         return len(self.body.encode()) + _OVERHEAD
 
 
-class OutboxUnusable(Exception):
-    """The disk is full, or the file cannot be read or written; nothing of the call took effect."""
-
-    is_for_good = False
-    """No other try reads what is in the file."""
-
-
-class Outbox:
+class Outbox(KeptFile):
     """A file that outlives the process. Every call blocks; one at a time, from any thread.
 
     Args:
@@ -69,9 +62,8 @@ class Outbox:
     """
 
     def __init__(self, path: Path, max_bytes: int, max_age_s: float) -> None:
-        self._path, self._max_bytes, self._max_age_s = path, max_bytes, max_age_s
-        self._lock = threading.Lock()
-        self._file: sqlite3.Connection | None = None
+        super().__init__(path, (_TABLE, _OLDEST_FIRST))
+        self._max_bytes, self._max_age_s = max_bytes, max_age_s
         self._bytes = self._count = 0
 
     def add(self, pieces: Iterable[Piece]) -> None:
@@ -102,16 +94,6 @@ class Outbox:
             if gone != len(sizes):  # another file meanwhile
                 self._recount()
 
-    @property
-    def may_hold(self) -> bool:
-        """Whether pieces of an earlier run may be in the file, as far as that is seen from outside."""
-        try:
-            return self._path.stat().st_size > 0
-        except (FileNotFoundError, NotADirectoryError):
-            return False
-        except OSError:
-            return True
-
     def trim(self, now_s: float) -> int:
         """Drop what is too old and what there is no room for; return how many. Raises ``OutboxUnusable``."""
         with self._lock:
@@ -127,13 +109,6 @@ class Outbox:
             oldest: float | None = self._read("SELECT MIN(at_s) FROM item", ())[0][0]
             return self._count, self._bytes, oldest
 
-    def close(self) -> None:
-        """Close the file; the next call opens it again."""
-        with self._lock:
-            if self._file is not None:
-                self._file.close()
-                self._file = None
-
     def _drop(self, which: str, values: tuple[float, ...]) -> int:
         count, size = self._read(f"{_TOTAL} WHERE {which}", values)[0]
         if count:
@@ -142,47 +117,8 @@ class Outbox:
             self._bytes -= size
         return int(count)
 
-    def _read(self, query: str, values: tuple[float, ...]) -> list[Any]:
-        try:
-            return self._opened().execute(query, values).fetchall()
-        except sqlite3.Error as error:
-            raise self._unusable(error) from error
-
     def _recount(self) -> None:
         self._count, self._bytes = self._read(_TOTAL, ())[0]
 
-    def _write(self, statement: str, rows: Sequence[tuple[object, ...]]) -> int:
-        """Do it for each row, all or none, and return how many rows of the file it was about."""
-        try:
-            with self._opened() as file:  # one transaction
-                return file.executemany(statement, rows).rowcount
-        except sqlite3.Error as error:
-            raise self._unusable(error) from error
-
-    def _opened(self) -> sqlite3.Connection:
-        if self._file is None:
-            try:
-                self._path.parent.mkdir(parents=True, exist_ok=True)
-            except OSError as error:
-                raise OutboxUnusable(f"{self._path.parent}: {error.strerror}") from error
-            file = sqlite3.connect(self._path, timeout=1.0, check_same_thread=False)
-            try:
-                file.execute("PRAGMA journal_mode = WAL")
-                file.execute("PRAGMA synchronous = NORMAL")  # a power cut loses the last second, never the file
-                file.execute(_TABLE)
-                file.execute(_OLDEST_FIRST)
-                self._count, self._bytes = file.execute(_TOTAL).fetchone()
-            except sqlite3.Error:
-                file.close()
-                raise
-            self._file = file
-        return self._file
-
-    def _unusable(self, error: sqlite3.Error) -> OutboxUnusable:
-        if self._file is not None:  # opened anew next time: the disk may have room, or be another one
-            self._file.close()
-            self._file = None
-        found = OutboxUnusable(f"{self._path.name}: {error}")
-        # sqlite's own words: what may pass is an OperationalError, a file that is damaged or none of ours is not
-        found.is_for_good = type(error) is sqlite3.DatabaseError
-        return found
+    def _look_at(self, file: sqlite3.Connection) -> None:
+        self._count, self._bytes = file.execute(_TOTAL).fetchone()

@@ -53,6 +53,8 @@ class ProposalBook:
         self._refused: dict[str, Wish] = {}
         self._fulfilled: dict[str, str] = {}  # mark by feature: on our map, though with changes of our own beside it
         self._left_out: dict[str, str] = {}  # id of the entity by that of the feature
+        self._refused_marks: dict[str, str] = {}  # of what the entity said when it was refused
+        self._withheld: frozenset[str] = frozenset()  # entities of the map that were not told when it was
 
     @property
     def left_out(self) -> int:
@@ -92,7 +94,9 @@ class ProposalBook:
         """Leave what was changed in the cloud as it is until it can be looked at."""
         for entity in entities:
             feature_id = feature_id_of(entity, self._urns) or str(entity["id"])[-64:]
-            if entity["type"] in KIND_OF and feature_id not in self._open and not is_as_told(entity):
+            is_known = feature_id in self._open or is_as_told(entity)
+            is_refused = self._refused_marks.get(feature_id) == mark_of(entity)  # it says what a person refused
+            if entity["type"] in KIND_OF and not is_known and not is_refused:
                 self._left_out[feature_id] = str(entity["id"])
 
     def gone(self, entity_id: str, model: str, features: Mapping[str, MapFeature], now: datetime) -> bool:
@@ -119,13 +123,12 @@ class ProposalBook:
 
     def vanished(self, entity_id: str) -> bool:
         """Forget what the cloud wants of one entity that is gone; return whether a proposal went."""
-        others = {one.entity_id for one in self._open.values()} | set(self._left_out.values())
-        return self.keep(others - {entity_id})
+        return self.keep(self._held() - {entity_id})
 
     def clear(self) -> bool:
         """Forget everything: the broker is another one; return whether a proposal went."""
         had_any = bool(self._open)
-        for kept in (self._open, self._refused, self._left_out, self._fulfilled):
+        for kept in (self._open, self._refused, self._left_out, self._fulfilled, self._refused_marks):
             kept.clear()
         return had_any
 
@@ -139,6 +142,7 @@ class ProposalBook:
         one = self._open.pop(proposal_id, None)
         if one is not None:
             self._refused[proposal_id] = one.after, one.problem
+            self._refused_marks[proposal_id] = one.mark
 
     def published(self, features: Mapping[str, MapFeature]) -> bool:
         """Take a map that was published: what it fulfils is done; return whether any was."""
@@ -154,14 +158,24 @@ class ProposalBook:
 
     def held_back(self, entities: Collection[KeyValues]) -> list[KeyValues]:
         """Return the entities that may be written: the cloud's change is not written over while it is open."""
-        held = {one.entity_id for one in self._open.values()} | set(self._left_out.values())
+        held = self._held()
+        self._withheld = frozenset(entity["id"] for entity in entities if entity["id"] in held)
         return [entity for entity in entities if entity["id"] not in held]
+
+    @property
+    def has_let_go(self) -> bool:
+        """Whether the map was told without an entity that may be written now."""
+        return not self._withheld <= self._held()
+
+    def _held(self) -> set[str]:
+        return {one.entity_id for one in self._open.values()} | set(self._left_out.values())
 
     def _put(self, feature_id: str, found: Proposal | None) -> None:
         known = self._open.get(feature_id)
         self._left_out.pop(feature_id, None)
         if found is None:
             self._refused.pop(feature_id, None)
+            self._refused_marks.pop(feature_id, None)
             self._open.pop(feature_id, None)
         elif self._refused.get(feature_id) == (found.after, found.problem):
             return

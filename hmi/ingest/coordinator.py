@@ -16,7 +16,7 @@ from typing import Any, Protocol
 
 from backend_clients.edge import machine
 from backend_clients.edge import messages_up as up
-from backend_clients.edge.codec import decode_body
+from backend_clients.edge.codec import decode_body, header_of
 from backend_clients.edge.mqtt import LinkState, MqttLink, OnLink, OnMessage
 from backend_clients.edge.topics import Address, Up, every_robot
 from backend_clients.errors import MalformedPayload, OversizedPayload, WireError, WrongIdentity
@@ -25,6 +25,7 @@ from hmi.domain.command import Acknowledgement
 from hmi.domain.event import RobotEvent
 from hmi.domain.robot import SafetyState, Stamp
 from hmi.ingest import translate, translate_machine
+from hmi.ingest.arrivals import Arrivals
 from hmi.ingest.mailbox import CADENCE_S, FIFO_LIMIT, Letter, Mailbox
 from hmi.ingest.pinger import Pinger
 from hmi.ingest.robot_clock import Refusal, RobotClock
@@ -131,6 +132,7 @@ class EdgeCoordinator:
         self._pinger: Pinger | None = None
         self.listeners = EdgeListeners()
         self.tally = Tally()
+        self.arrivals = Arrivals(clock.mono_s)
         self.messages = 0
         self.broker_text = "not started"
 
@@ -195,10 +197,14 @@ class EdgeCoordinator:
         if batch.lost:
             self.tally.count("overflow", number=batch.lost)
             self._tell(self.listeners.on_trouble, "ingest_overflow", f"{batch.lost} robot messages were lost.")
+        for letter in batch.replaced:
+            self._number(letter)
         for letter in batch.discrete:
             self._open(letter)
         for letter in batch.state:
             self._open(letter)
+        for robot, kind in batch.unread:
+            self.arrivals.begin_anew(robot, Up(kind))
         if batch.discrete or batch.state:
             self._store.announce()
         return batch.is_more
@@ -233,10 +239,12 @@ class EdgeCoordinator:
             message = decode_body(letter.address, letter.payload)
         except WireError as error:
             self.tally.count(_REASONS.get(type(error), "malformed"), robot, str(error))
+            self._arrived(letter, None)
             return
         if not self._store.admit(robot):
             self.tally.count("too_many_robots", robot)
             return
+        self._arrived(letter, message)
         try:
             self._apply(letter, message)
         except Refusal as refusal:
@@ -244,6 +252,21 @@ class EdgeCoordinator:
         except Exception:  # one bad robot must not silence the others
             log.exception("applying %s of %s failed", letter.address.kind, robot)
             self.tally.count("internal_error", robot)
+
+    def _number(self, letter: Letter) -> None:
+        with contextlib.suppress(WireError):
+            self._arrived(letter, header_of(letter.address, letter.payload))
+
+    def _arrived(self, letter: Letter, header: Any) -> None:
+        """Count a message, whether or not it may count for anything else; without a header it could not be read."""
+        robot, kind = letter.address
+        if letter.is_retained or self._store.registration(robot) is None:  # a retained copy was sent long ago
+            return
+        assert isinstance(kind, Up)
+        if header is None:
+            self.arrivals.begin_anew(robot, kind)
+        else:
+            self.arrivals.take(robot, kind, header, letter.received_s)
 
     def _apply(self, letter: Letter, message: Any) -> None:
         address = letter.address
@@ -339,6 +362,7 @@ class EdgeCoordinator:
     def look_after(self) -> None:
         """Judge silence and revive a dead network thread; called twice a second."""
         self._store.refresh_links()
+        self.arrivals.settle(self._store.registered_ids())
         if self._link is not None and not self._link.is_alive:
             self.tally.count("thread_died")
             self._tell(self.listeners.on_trouble, "ingest_thread", "The network thread had died and was started again.")

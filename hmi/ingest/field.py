@@ -301,7 +301,8 @@ def _report(said: messages.Data) -> Report:
         (Channel.of(one.quantity, None if one.depth_m is UNSET else one.depth_m), one.value) for one in said.values
     )
     battery = None if said.battery is UNSET else said.battery
-    return Report(said.station, said.boot, said.seq, said.utc, values, battery)
+    mono_s = None if said.mono_ms is UNSET else said.mono_ms / 1000
+    return Report(said.station, said.boot, said.seq, said.utc, values, battery, mono_s)
 
 
 def _notice(order: NoticeOrder) -> messages.Notice:

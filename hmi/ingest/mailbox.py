@@ -2,6 +2,7 @@
 
 State is conflated: only the newest payload per (robot, kind) waits. What happened once (acknowledgements,
 events, presence, nodes) waits in order in a bounded queue; its overflow is counted, never silent.
+What a newer payload replaced is handed over too, as far as there is room, so that it does not count as lost on the way.
 Nothing is decoded here, so that no payload can harm the network thread.
 """
 
@@ -21,6 +22,8 @@ from backend_clients.errors import WireError, WrongIdentity
 CADENCE_S = 0.025  # a drain at most this often; the first frame after a pause is drained at once
 FIFO_LIMIT = 10_000  # 2.5 s of a fleet that sends nothing but events at 4,000 a second
 KEY_LIMIT = 50_000  # 5,000 robots x 8 kinds and some that nobody registered; keys beyond it are refused and counted
+REPLACED_BYTES = 4 * 2**20  # a fifth of a second of a thousand robots
+LETTER_BYTES = 150  # beside the payload
 _address_of = lru_cache(maxsize=KEY_LIMIT)(parse)  # the same few topics come ten times a second
 CONFLATED = frozenset(
     {Up.FACTSHEET, Up.HEARTBEAT, Up.TELEMETRY, Up.STATE, Up.SAFETY, Up.BODY, Up.WORKSITE, Up.DETECTIONS}
@@ -37,12 +40,20 @@ class Letter(NamedTuple):
 
 
 class Batch(NamedTuple):
-    """What one drain takes out: discrete messages in order, then the newest state per key; ``is_more`` waits still."""
+    """What one drain takes out: discrete messages in order, then the newest state per key.
+
+    Args:
+        replaced: older state, in order, which only its number is read of.
+        unread: whose messages found no room, so that nobody has their numbers.
+        is_more: something waits still.
+    """
 
     discrete: list[Letter]
     state: list[Letter]
     lost: int
     refused: dict[str, int]
+    replaced: list[Letter]
+    unread: set[Address]
     is_more: bool = False
 
 
@@ -69,6 +80,9 @@ class Mailbox:
         self._lock = threading.Lock()
         self._state: dict[Address, Letter] = {}
         self._discrete: deque[Letter] = deque()
+        self._replaced: list[Letter] = []
+        self._replaced_bytes = 0
+        self._unread: set[Address] = set()
         self._refused: dict[str, int] = {}
         self._lost = 0
         self._is_called = False
@@ -98,8 +112,9 @@ class Mailbox:
             discrete = [self._discrete.popleft() for _ in range(min(most, len(self._discrete)))]
             state = [self._state.pop(key) for key in list(islice(self._state, most))]
             is_more = bool(self._discrete or self._state)
-            batch = Batch(discrete, state, self._lost, self._refused, is_more)
+            batch = Batch(discrete, state, self._lost, self._refused, self._replaced, self._unread, is_more)
             self._lost, self._refused = 0, {}
+            self._replaced, self._replaced_bytes, self._unread = [], 0, set()
             self._is_called = is_more  # whoever left something comes again by itself
         return batch
 
@@ -111,13 +126,24 @@ class Mailbox:
     def _keep(self, letter: Letter) -> None:
         if letter.address.kind not in CONFLATED:
             if len(self._discrete) >= self._fifo_limit:
-                self._discrete.popleft()  # the newest acknowledgement matters more than the oldest
+                oldest = self._discrete.popleft()  # the newest acknowledgement matters more than the oldest
+                self._unread.add(oldest.address)
                 self._lost += 1
             self._discrete.append(letter)
-        elif letter.address in self._state or len(self._state) < self._key_limit:
+        elif letter.address in self._state:
+            self._replace(self._state[letter.address])
+            self._state[letter.address] = letter
+        elif len(self._state) < self._key_limit:
             self._state[letter.address] = letter
         else:
             self._refused["too_many_keys"] = self._refused.get("too_many_keys", 0) + 1
+
+    def _replace(self, older: Letter) -> None:
+        self._replaced_bytes += len(older.payload) + LETTER_BYTES
+        if self._replaced_bytes <= REPLACED_BYTES:
+            self._replaced.append(older)
+        else:
+            self._unread.add(older.address)
 
     def _refuse(self, reason: str) -> None:
         with self._lock:

@@ -41,7 +41,7 @@ def form_of(wish: PlanWish) -> wire.Wish:
     return wire.Wish(
         datum=wire.Datum(lat_deg=wish.datum_lat_deg, lon_deg=wish.datum_lon_deg),
         field=_rings(wish.parcel),
-        machine=wire.Machine(**{name: getattr(machine, name) for name in LIMITS}),
+        machine=_machine(machine),
         width_m=wish.width_m,
         overlap=wish.overlap,
         angle_rad=wish.angle_rad,
@@ -59,6 +59,12 @@ def form_of(wish: PlanWish) -> wire.Wish:
             lead_out_m=job.doses.lead_out_m,
         ),
     )
+
+
+def _machine(machine: RobotProfile) -> wire.Machine:
+    limits = {name: getattr(machine, name) for name in LIMITS}
+    # on the ground it says nothing of it: a service of an older edition takes such a wish as before
+    return wire.Machine(**limits, family="uav" if machine.flies else "")
 
 
 def _only_known(wish: PlanWish) -> None:
@@ -101,7 +107,8 @@ def wish_of(form: wire.Wish) -> tuple[PlanWish, RobotProfile]:
             given.lead_out_m,
         ),
     )
-    return wish, RobotProfile(**{name: getattr(form.machine, name) for name in LIMITS})
+    flies = form.machine.family == "uav"
+    return wish, RobotProfile(**{name: getattr(form.machine, name) for name in LIMITS}, flies=flies)
 
 
 def _rings(geometry: Geometry) -> Any:

@@ -27,6 +27,7 @@ WORDS = {
     "silent": Words("Takes requests, does not answer", KEPT, "bad"),
     "failing": Words("Its broker fails", KEPT, "bad"),
     "busy": Words("Asks for fewer requests", KEPT, "watch"),
+    "narrow": Words("Takes only small requests", MEND, "bad"),
     "untrusted": Words("Its certificate is not trusted", MEND, "bad"),
     "refused": Words("Does not let us in", MEND, "bad"),
     "not_understood": Words("No context broker answers there", MEND, "bad"),

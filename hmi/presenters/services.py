@@ -26,6 +26,7 @@ HEADS = {
     "refused": ("Does not let us in", "bad"),
     "failing": ("It fails", "bad"),
     "busy": ("Asks for fewer requests", "watch"),
+    "narrow": ("Takes only small requests", "bad"),
     "not_understood": ("Its answers cannot be used", "bad"),
     "misset": ("Its settings cannot be used", "bad"),
 }

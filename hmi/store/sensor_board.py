@@ -265,7 +265,13 @@ class SensorBoard:
         waited_s = max(0.0, self._clock.mono_s() - received_s)
         now = self._clock.utc() - timedelta(seconds=waited_s)
         arrival = known.receipt.judge(
-            report.boot, report.seq, report.utc, now=now, now_s=received_s, period_s=known.station.period_s
+            report.boot,
+            report.seq,
+            report.utc,
+            now=now,
+            now_s=received_s,
+            period_s=known.station.period_s,
+            mono_s=report.mono_s,
         )
         if arrival.is_ahead and arrival.fate is not Fate.NEWEST:
             self._doubt(known, report)

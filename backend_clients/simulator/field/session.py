@@ -137,6 +137,7 @@ class StationSession:
             boot=self._boot,
             seq=self._seq,
             utc=self._utc(),
+            mono_ms=round((now_s - self._begin_s) * 1000),
             values=[reading(one) for one in self.faults.applied(self._probe.read(at_s), now_s)],
             battery=low.level if low is not None else battery(self.config, self._weather, at_s),
             notice=obeyed.id if obeyed is not None else msgspec.UNSET,

@@ -5,7 +5,8 @@ So a value's age when it arrives is taken as large as either can make it:
 the delay the two wall clocks show, and that plus the lead of a clock that was seen to run ahead.
 A clock that runs behind therefore makes values look old, and one that runs ahead makes none look fresh.
 Where a delay leaps, the clock was set or values waited, and nobody can tell which: no decision goes by them before the
-next message comes as late as the one before.
+next message comes as late as the one before. A station that tells its monotonic clock, too, shows which of the two it
+was: then a lead goes as its clock is set right, at once or slowly.
 """
 
 from __future__ import annotations
@@ -100,23 +101,36 @@ class Receipt:
     _delay_s: float = 0.0  # of the message before; of the first one, what a clock that is right shows
     _heard_s: float | None = None
     _utc: datetime | None = None
+    _mono: tuple[str, float, float] | None = None  # boot, the station's monotonic clock and ours, of the message before
     _boots: OrderedDict[str, deque[int]] = field(default_factory=OrderedDict)
     _top: dict[str, int] = field(default_factory=dict)
 
-    def judge(self, boot: str, seq: int, utc: datetime, *, now: datetime, now_s: float, period_s: float) -> Arrival:
+    def judge(
+        self,
+        boot: str,
+        seq: int,
+        utc: datetime,
+        *,
+        now: datetime,
+        now_s: float,
+        period_s: float,
+        mono_s: float | None = None,
+    ) -> Arrival:
         """Judge one message.
 
         Args:
             utc: when the station says it measured.
             now, now_s: the console's clocks when it arrived.
             period_s: between two messages, as the station declares it.
+            mono_s: when it measured by its monotonic clock, ``None`` if it does not say.
         """
         self._step(now.timestamp() - now_s)
         if self._is_repeated(boot, seq):
             return Arrival(Fate.REPEATED, now_s, now, self.skew_s)
         delay_s, is_ahead = (now - utc).total_seconds(), self._is_ahead(boot, seq)
         self._note(boot, seq)
-        is_dated = is_ahead and self._follow(utc, delay_s, now_s, period_s)
+        waited_s = self._waited_more_s(boot, mono_s, now_s) if is_ahead else None
+        is_dated = is_ahead and self._follow(utc, delay_s, now_s, period_s, waited_s)
         age_s = max(0.0, delay_s + max(0.0, self._lead_s))
         if not is_ahead:  # it was measured before what is known
             age_s = max(age_s, now_s - self.newest_s)
@@ -147,12 +161,42 @@ class Receipt:
             self._lead_s -= step_s
             self._delay_s += 0.0 if self._heard_s is None else step_s
 
-    def _follow(self, utc: datetime, delay_s: float, now_s: float, period_s: float) -> bool:
-        """Take what a message that is ahead tells of the station's clock; return whether its age is known."""
-        if self._utc is not None and utc < self._utc:  # measured later and called earlier: the clock was set back
+    def _waited_more_s(self, boot: str, mono_s: float | None, now_s: float) -> float | None:
+        """Return by how much a message was longer on its way than the one before, ``None`` where nobody knows."""
+        before, self._mono = self._mono, None if mono_s is None else (boot, mono_s, now_s)
+        if mono_s is None or before is None or before[0] != boot or mono_s < before[1]:
+            return None
+        return (now_s - before[2]) - (mono_s - before[1])
+
+    def _set(self, delay_s: float, waited_s: float, *, is_steady: bool) -> None:
+        """Move what is known of the station's clock by as much as it was set since the message before.
+
+        A lead is forgotten only as far as the delay grew, and by a message that came as the one before: a monotonic
+        clock that runs wrong makes nothing look fresh.
+        """
+        grown_s = delay_s - self._delay_s
+        ahead_s = waited_s - grown_s
+        if ahead_s < 0 and not is_steady:
+            return
+        moved_s = ahead_s if ahead_s >= 0 else max(ahead_s, -max(0.0, grown_s))
+        self._lead_s += moved_s
+        self._delays = deque((one - moved_s for one in self._delays), maxlen=RECENT)
+
+    def _follow(
+        self, utc: datetime, delay_s: float, now_s: float, period_s: float, waited_s: float | None = None
+    ) -> bool:
+        """Take what a message that is ahead tells of the station's clock; return whether its age is known.
+
+        Args:
+            waited_s: see ``_waited_more_s``.
+        """
+        leapt_s = delay_s - self._delay_s if waited_s is None else waited_s
+        is_dated = abs(leapt_s) <= max(STEP_S, STEADY_PERIODS * period_s)
+        if waited_s is not None:
+            self._set(delay_s, waited_s, is_steady=is_dated)
+        elif self._utc is not None and utc < self._utc:  # measured later and called earlier: the clock was set back
             self._delays.clear()
             self._lead_s = float("-inf")
-        is_dated = abs(delay_s - self._delay_s) <= max(STEP_S, STEADY_PERIODS * period_s)
         if is_dated and self._heard_s is not None:
             self._lead_s -= FADE * min(now_s - self._heard_s, period_s)
         self._lead_s = max(self._lead_s, -delay_s)

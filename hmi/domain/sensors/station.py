@@ -84,7 +84,10 @@ def new_station(said: Announcement) -> FieldStation:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """What a station measured at ``utc`` by its own clock; ``boot`` and ``seq`` name the message."""
+    """What a station measured at ``utc`` by its own clock; ``boot`` and ``seq`` name the message.
+
+    ``mono_s`` is the same moment since its boot by a clock that is never set, ``None`` if it has none.
+    """
 
     station_id: str
     boot: str
@@ -92,6 +95,7 @@ class Report:
     utc: datetime
     values: tuple[tuple[Channel, float], ...] = ()
     battery: float | None = None
+    mono_s: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

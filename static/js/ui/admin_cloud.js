@@ -75,7 +75,9 @@
       if (!told.waiting) return this.body.replaceChildren(); // not loaded yet, or settings nothing can be done with
       this.body.replaceChildren(
         el("h2", {}, "Waiting here"), this.waiting(told.waiting, told.counts),
+        ...(told.refused ? this.refused(told.refused) : []),
         el("h2", {}, "Delays"), this.delays(told.delays),
+        ...(told.arrivals ? [el("h2", {}, "Lost on the way"), this.losses(told.arrivals, told.counts)] : []),
         el("h2", {}, "Since the start"), this.counts(told.counts),
         el("h2", {}, "Changes made there"), this.changes(told.map),
         el("h2", {}, "Where"), table(["What", "Value"], [
@@ -114,6 +116,30 @@
       return table(["What", "Value"], rows.map((cells) => ({ cells })));
     }
 
+    // what the cloud would not take: kept here, each with the reason, until it goes up or a person forgets it
+    refused({ rows, records, more, is_sending: isSending }) {
+      if (!rows.length) return [];
+      return [el("h2", {}, "Refused by the cloud"), table(["What", "Happened", "Refused", "Why", "Kept here"], rows.map((one) => ({ hook: "cloud-refused-row", cells: [
+        `${one.type}, ${one.id.split(":").at(-1)}`, one.happened_utc ? HL.records.when(one.happened_utc) : "–", HL.records.when(one.utc), one.why, one.is_kept ? `yes, ${size(one.bytes)}` : "told again when it changes"] }))),
+      ...(more ? [el("p", { class: "h-2" }, `${more} more.`)] : []),
+      el("div", { class: "h-row" }, button(isSending ? "Sending again" : "Send again", () => this.act("POST", "/cloud/refused/send"), "cloud-refused-send"), ...(records ? [button("Forget", () => this.forget(records), "cloud-refused-forget")] : []))];
+    }
+
+    async act(method, path) {
+      const answer = await HL.port.api(method, path, {});
+      if (answer.ok) return this.draw(answer);
+      this.error.hidden = false;
+      return text(this.error, answer.text || "The server did not answer.");
+    }
+
+    forget(records) {
+      HL.sheet({
+        title: records === 1 ? "Forget this record?" : `Forget ${records} records?`,
+        body: [el("p", { class: "h-2 h-t16" }, "The cloud will never have them. This console's own history has them all the same.")],
+        buttons: [["Cancel", (close) => close()], ["Forget", (close) => { close(); this.act("DELETE", "/cloud/refused"); }, true]],
+      });
+    }
+
     delays({ robot_console, robot_cloud, mission, published_mean_s }) {
       const row = (label, one, beside, hook) => ({ hook, cells: [label, ms(one.mean_s), ms(one.p50_s), ms(one.p99_s), one.count, beside] });
       return table(["From, to", "Mean", "Median", "99 of 100 below", "Measured", "Published"], [
@@ -123,12 +149,26 @@
       ]);
     }
 
+    // robot to console by the numbers robots give their messages, robot to cloud by what could not be kept here
+    losses(heard, counts) {
+      const share = (one) => (one.lost_share ? ` (${(100 * one.lost_share).toFixed(one.lost_share < 0.01 ? 2 : 1)} %)` : "");
+      const lost = (one) => `${one.lost - one.late}${share(one)}`;
+      const kinds = (one) => Object.entries(one.kinds).filter(([, kind]) => kind.lost > kind.late).map(([name, kind]) => `${name} ${kind.lost - kind.late}`).join(", ");
+      const row = (label, one, which, hook) => ({ hook, cells: [label, one.received, el("span", { "data-testid": `${hook}-lost`, "data-value": one.lost - one.late }, lost(one)), one.twice, one.out_of_order, one.lost_utc ? HL.records.when(one.lost_utc) : "–", which] });
+      const silent = heard.not_numbered ? `${heard.not_numbered} of ${heard.numbered + heard.not_numbered} robots do not number their messages: theirs are not counted.` : "";
+      return el("div", {}, table(["From, to", "Arrived", "Lost", "Twice", "Out of order", "Last lost", "Of them"], [
+        row("Robots to console", heard, kinds(heard), "cloud-lost-console"),
+        ...heard.robots.map((one) => row(one.id, one, kinds(one), `cloud-lost-${one.id}`)),
+        { hook: "cloud-lost-cloud", cells: ["Robots to cloud", counts.states + counts.others + counts.records, counts.dropped, counts.sent_twice, "–", "–", counts.dropped ? "no room here, or too old" : ""] },
+      ]), ...(silent ? [el("p", { class: "h-2" }, silent)] : []), ...(heard.more_robots ? [el("p", { class: "h-2" }, `${heard.more_robots} more robots lost fewer.`)] : []));
+    }
+
     counts(counts) {
       return table(["What", "Value"], [
         ["Reports of robots", counts.states], ["Of field stations and cameras", counts.others], ["Events, alarms and missions", counts.records],
         ["Sent twice, since an answer was lost", counts.sent_twice],
-        ["Heard twice from robots", counts.heard_twice], ["Robot messages dropped here", counts.lost_from_robots],
-        ["Refused by the cloud", counts.refused ? `${counts.refused}, the last: ${counts.last_refusal}` : 0],
+        ["Events heard twice from robots", counts.heard_twice], ["Robot messages dropped here", counts.lost_from_robots],
+        ["Refused by the cloud, each time it was tried", counts.refused ? `${counts.refused}, the last: ${counts.last_refusal}` : 0],
       ].map((cells) => ({ cells })));
     }
 

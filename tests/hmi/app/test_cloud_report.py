@@ -8,6 +8,7 @@ from pathlib import Path
 import httpx
 
 from backend_clients.simulator.context_broker.faults import Faults
+from hmi.app.arrival_report import FromRobots
 from hmi.app.cloud_report import LOST_SHOWN_S, CloudReport
 from hmi.cloud.delays import Delays
 from hmi.cloud.outbox import Piece, Rank
@@ -20,7 +21,9 @@ def report_of(rig: Rig) -> CloudReport:
     """Return what a console with this rig says."""
     settings = Settings(demo=True, data=rig.folder, cloud_url="http://broker.test", cloud_tenant="farm")  # type: ignore[call-arg]
     book = ProposalBook(rig.urns)
-    return CloudReport(settings, rig.clock, rig.mirror, rig.backlog, book, Delays(), lambda: {"repeated": 3})
+    return CloudReport(
+        settings, rig.clock, rig.mirror, rig.backlog, book, Delays(), FromRobots(lambda: {"repeated": 3})
+    )
 
 
 def codes(report: CloudReport) -> list[str]:
@@ -54,7 +57,9 @@ async def test_a_cloud_that_is_away_is_no_degraded_console_and_one_that_refuses_
     await rig.close()
 
 
-async def test_a_record_the_cloud_never_takes_is_an_alarm_that_names_it_for_a_while(tmp_path: Path) -> None:
+async def test_a_record_the_cloud_never_takes_is_an_alarm_until_somebody_forgets_it(
+    tmp_path: Path,
+) -> None:
     rig = Rig(tmp_path)
     report = report_of(rig)
     await rig.run(1)
@@ -63,10 +68,15 @@ async def test_a_record_the_cloud_never_takes_is_an_alarm_that_names_it_for_a_wh
     rig.backlog.put(Piece("weeder-01", Rank.ALARM, rig.clock.utc().timestamp(), json.dumps(body)))
     await rig.run(3)
     (found,) = report.findings()
-    assert found.code == "cloud-dropped"
-    assert "1 refused by the cloud, the last: Alert: 413" in found.text
-    assert report.whole()["counts"]["refused"] == 1
+    assert found.code == "cloud-not-taken"
+    assert "1 record is refused by the cloud, the last: Alert: 413" in found.text
+    shown = report.whole()
+    assert (shown["counts"]["refused"], shown["counts"]["dropped"]) == (1, 0)
+    (row,) = shown["refused"]["rows"]
+    assert (row["id"], row["is_kept"], row["why"][:3]) == (body["id"], True, "413")
     rig.clock.advance(LOST_SHOWN_S)
+    assert codes(report) == ["cloud-not-taken"]
+    assert await rig.refused.forget_all() == 1
     assert codes(report) == []
     await rig.close()
 

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from hmi.app import cloud as cloud_module
+from hmi.app.arrival_report import FromRobots
 from hmi.app.cloud import CloudRoom
 from hmi.app.service_report import broker_findings, clock_finding
 from hmi.clock import FakeClock
@@ -27,7 +28,7 @@ def room(folder: Path, **settings: Any) -> CloudRoom:
     records: Any = SimpleNamespace(missions=SimpleNamespace(on_changed=lambda _: None, on_deleted=lambda _: None))
     fleet: Any = SimpleNamespace()
     made = Settings(demo=True, data=folder, **settings)
-    return CloudRoom(made, FakeClock(), records, fleet, dict, lambda _: None)
+    return CloudRoom(made, FakeClock(), records, fleet, FromRobots(), lambda _: None)
 
 
 async def test_settings_nothing_can_be_sent_with_are_shown_as_such_and_everything_is_kept(

@@ -26,6 +26,7 @@ from hmi.cloud.marker import Marker
 from hmi.cloud.mirror import Mirror
 from hmi.cloud.news import CloudNews
 from hmi.cloud.outbox import Outbox
+from hmi.cloud.refused import RefusedFile, RefusedRecords
 from hmi.cloud.states import RobotStates
 from hmi.domain.robot import Robot
 from hmi.fiware.normalized import key_values
@@ -101,9 +102,10 @@ class Rig:
         self.backlog = Backlog(self.outbox, self.clock, memory=500)
         self.news = CloudNews(self.urns, self.clock, self.backlog.put, lambda _robot: None)
         self.whole: list[KeyValues] = []
+        self.refused = RefusedRecords(RefusedFile(folder / "refused.db"), self.clock)
         self.link = self._link(Tenant("farm"), is_strict=is_strict)
         self.mirror = Mirror(self.link, RobotStates(self.fleet, self.urns, self.clock), self.backlog, self.clock,
-                             self._whole)  # type: ignore[arg-type]  # a fleet of its own  # fmt: skip
+                             self._whole, refused=self.refused)  # type: ignore[arg-type]  # a fleet of its own  # fmt: skip
 
     def _link(self, tenant: Tenant, *, is_strict: bool) -> CloudLink:
         broker = Broker("http://broker.test", tenant, timeout_s=5, retry=RetryPolicy(attempts=1))
@@ -131,4 +133,5 @@ class Rig:
     async def close(self) -> None:
         """End it as the console does."""
         await self.backlog.close()
+        await self.refused.close()
         await self.link.client.close()

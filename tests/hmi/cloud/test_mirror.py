@@ -320,6 +320,8 @@ def test_an_entity_the_broker_never_takes_does_not_hold_up_the_others(tmp_path: 
         assert (rig.backlog.total, rig.mirror.counts.refused) == (0, 1)
         assert "413" in rig.mirror.counts.last_refusal
         assert rig.link.link.state is LinkState.OK
+        (kept,) = rig.refused.all()
+        assert (kept.piece.stream, kept.why[:3]) == ("weeder-01", "413")
 
     played(tmp_path, story)
 

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from hmi.clock import FakeClock
 from hmi.cloud.backlog import Backlog
-from hmi.cloud.outbox import Outbox, OutboxUnusable, Piece, Rank
+from hmi.cloud.kept_file import OutboxUnusable
+from hmi.cloud.outbox import Outbox, Piece, Rank
 
 DAY_S = 86_400.0
 

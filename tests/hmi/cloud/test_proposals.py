@@ -14,7 +14,7 @@ from pydantic import SecretStr
 
 from backend_clients.ngsi import entity as make
 from backend_clients.ngsi.client import NgsiClient
-from backend_clients.ngsi.entity import entity_from_wire
+from backend_clients.ngsi.entity import Entity, entity_from_wire
 from backend_clients.ngsi.gate import Gate
 from backend_clients.ngsi.identifier import EntityRef
 from backend_clients.ngsi.subscription import Wanted
@@ -220,6 +220,22 @@ async def test_a_subscription_that_somebody_deleted_or_switched_off_is_made_agai
     assert changes.subscription.lost_at is not None
     assert [one.id for one in farm.book.all()] == ["north"]
     assert len([one async for one in ours.mine()]) == 1
+    await farm.rig.close()
+
+
+async def test_a_broker_that_forgot_everything_is_subscribed_to_at_once(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH, is_strict=False)
+    changes = farm.rig.mirror.changes
+    assert changes is not None
+    changes._subscriptions = ours = Subscriptions(farm.others.connection, "console-hof")
+    changes._wanted = Wanted(key="map", url="http://farm.test/notify", types=tuple(KIND_OF))
+    await farm.rig.run(2)
+    await ours.clean_up(keep=())
+    marker = EntityRef(farm.rig.urns.of("Headland", "console"), "Headland")
+    await farm.others.batch("delete", [Entity(ref=marker), Entity(ref=REF)])
+    await farm.rig.run(62, step_s=2)  # it is looked at once a minute, and after each failure
+    assert len([one async for one in ours.mine()]) == 1
+    assert changes.subscription.lost == 1
     await farm.rig.close()
 
 

@@ -224,3 +224,44 @@ async def test_names_that_are_never_told_hold_up_no_other_entity_and_nothing_is_
     await farm.rig.run(301, step_s=50)
     assert ([one.id for one in farm.book.all()], farm.book.left_out) == (["north"], 0)
     await farm.rig.close()
+
+
+async def test_a_change_refused_while_names_cannot_be_read_is_written_over_then_and_not_with_the_next_map(
+    tmp_path: Path,
+) -> None:
+    farm = Farm(tmp_path, NORTH)
+    await farm.rig.run(2)
+    await farm.others.patch(REF, {"name": make.text("Theirs")})
+    await farm.rig.run(301, step_s=50)
+    assert [one.id for one in farm.book.all()] == ["north"]
+    inner = farm.rig.road._inner
+
+    class Nameless(httpx.AsyncBaseTransport):
+        async def handle_async_request(self, request: httpx.Request) -> httpx.Response:
+            if request.method == "GET" and "AgriCrop" in str(request.url):
+                return httpx.Response(400, json={"error": "BadRequest", "description": "no"}, request=request)
+            return await inner.handle_async_request(request)
+
+    farm.rig.road._inner = Nameless()
+    farm.book.drop("north")
+    farm.tell()
+    await farm.rig.run(2)
+    assert (await farm.in_cloud())[REF.id]["name"] == NORTH.name
+    await farm.rig.close()
+
+
+async def test_what_was_published_beside_a_wish_goes_up_when_the_wish_is_taken_back(tmp_path: Path) -> None:
+    farm = Farm(tmp_path, NORTH)
+    await farm.rig.run(2)
+    told = (await farm.others.get(REF)).attributes["name"]
+    await farm.others.patch(REF, {"name": make.text("Theirs")})
+    await farm.rig.run(301, step_s=50)
+    farm.features["north"] = replace(NORTH, name="Ours, newer")
+    farm.tell()
+    await farm.rig.run(2)
+    assert (await farm.in_cloud())[REF.id]["name"] == "Theirs"
+    await farm.others.patch(REF, {"name": told})
+    await farm.rig.run(301, step_s=50)
+    assert farm.book.all() == []
+    assert (await farm.in_cloud())[REF.id]["name"] == "Ours, newer"
+    await farm.rig.close()

@@ -127,3 +127,39 @@ def words_only(state: str) -> dict[str, Any]:
     """Return what is told before there is a client."""
     found = broker_of(state)
     return {key: found[key] for key in found if key not in ("waiting", "delays", "counts", "map")}
+
+
+@pytest.mark.long
+def test_what_was_lost_on_the_way_and_what_the_cloud_refuses_is_listed_and_sent_again(look: Look) -> None:
+    count = {"received": 990, "lost": 12, "late": 2, "twice": 4, "out_of_order": 1, "lost_share": 0.01,
+             "lost_utc": "2026-06-15T11:00:00+00:00"}  # fmt: skip
+    heard = {**count, "kinds": {"state": count}, "numbered": 23, "not_numbered": 1, "more_robots": 0,
+             "robots": [{"id": "weeder-05", **count, "kinds": {"state": count}}]}  # fmt: skip
+    row = {"id": "urn:ngsi-ld:Alert:hof:a-1", "type": "Alert", "why": "413 RequestEntityTooLarge",
+           "is_kept": True, "bytes": 30_000, "utc": "2026-06-15T11:00:00+00:00",
+           "happened_utc": "2026-06-15T10:00:00+00:00"}  # fmt: skip
+    refused = {"records": 1, "rows": [row], "more": 0, "is_sending": False}
+    told = [broker_of("ok", arrivals=heard, refused=refused)]
+    asked: list[str] = []
+    page = look("/fleet", role="admin")
+
+    def reply(route: Route) -> None:
+        request = route.request
+        if request.method != "GET":
+            asked.append(f"{request.method} {request.url.rpartition('/api/v1')[2]}")
+            told[0] = broker_of("ok", arrivals=heard, refused={**refused, "records": 0, "rows": []})
+        route.fulfill(status=200, content_type="application/json", body=json.dumps(told[0]))
+
+    page.route("**/api/v1/cloud", reply)
+    page.route("**/api/v1/cloud/refused**", reply)
+    page.get_by_test_id("nav-admin").click()
+    page.get_by_test_id("admin-tab-cloud").click()
+    expect(page.get_by_test_id("cloud-lost-weeder-05-lost")).to_have_text("10 (1.0 %)")
+    expect(page.get_by_test_id("cloud-lost-console")).to_contain_text("state 10")
+    expect(page.get_by_text("1 of 24 robots do not number their messages")).to_be_visible()
+    listed = page.get_by_test_id("cloud-refused-row")
+    expect(listed).to_contain_text("413 RequestEntityTooLarge")
+    expect(listed).to_contain_text("yes, 30 kB")
+    page.get_by_test_id("cloud-refused-send").click()
+    expect(listed).to_have_count(0)
+    assert asked == ["POST /cloud/refused/send"]

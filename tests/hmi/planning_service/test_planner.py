@@ -96,6 +96,18 @@ def test_a_robot_that_backs_up_says_so_to_the_service_and_any_other_says_nothing
     assert plan_mission(again, machine).document["segments"] == own.document["segments"]
 
 
+@pytest.mark.slow
+def test_what_flies_says_so_and_is_planned_there_as_here() -> None:
+    assert "family" not in form_of(wish(robot=SHEET)).model_dump_json()
+    flying = replace(SHEET, family=Family.UAV, max_speed_mps=8.0, turning_radius_m=4.0, can_pivot=False)
+    air = {"type": "Polygon", "coordinates": [lon_lat((-90, -90), (200, -90), (200, 200), (-90, 200), (-90, -90))]}
+    home = tuple(lon_lat((-3, 1))[0])  # a short way, which it flies faster than a machine on the ground drives it
+    asked = wish(robot=flying, width_m=4.0, home=home, surroundings=Surroundings((), ((air, 0.0),)))
+    path = PlanPath.model_validate_json(planned(form_of(asked).model_dump_json().encode(), str(Path(os.devnull))))
+    there = checked_mission(asked, [one.model_dump() for one in path.segments], list(path.notes))
+    assert there.document["segments"] == plan_mission(asked).document["segments"]
+
+
 @dataclass(frozen=True, slots=True)
 class WiderWish(PlanWish):
     """A wish of a later version, for something the format has no word for."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 
 import pytest
@@ -11,7 +11,17 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
 from hmi.clock import FakeClock
-from hmi.domain.sensors.freshness import FADE, RECENT, Fate, Receipt, State, is_usable, silent_after_s, state_of
+from hmi.domain.sensors.freshness import (
+    FADE,
+    RECENT,
+    Arrival,
+    Fate,
+    Receipt,
+    State,
+    is_usable,
+    silent_after_s,
+    state_of,
+)
 
 START = datetime(2026, 5, 4, 12, tzinfo=UTC)
 PERIOD_S = 60.0
@@ -188,3 +198,83 @@ def test_once_a_message_came_at_once_no_later_one_looks_younger_than_it_is(
             "boot-one", number, claimed, now=START + timedelta(seconds=now_s), now_s=now_s, period_s=PERIOD_S
         )
         assert found.measured_s <= true_s + FADE * PERIOD_S * number + 1e-3
+
+
+@dataclass
+class Slewed:
+    """A station whose messages come at once while its clock is set; ``rate`` is how fast its monotonic clock runs."""
+
+    period_s: float = 60.0
+    rate: float = 1.0
+    with_mono: bool = True
+    receipt: Receipt = field(default_factory=Receipt)
+    number: int = 0
+    now_s: float = 0.0
+
+    def heard(self, skew_s: float, waited_s: float = 0.0) -> Arrival:
+        """Return how the next message is judged."""
+        self.number += 1
+        self.now_s += self.period_s + waited_s
+        true_s = self.now_s - waited_s
+        now = START + timedelta(seconds=self.now_s)
+        claimed = START + timedelta(seconds=true_s + skew_s)
+        mono_s = true_s * self.rate if self.with_mono else None
+        return self.receipt.judge(
+            "boot-one", self.number, claimed, now=now, now_s=self.now_s, period_s=self.period_s, mono_s=mono_s
+        )
+
+    def age_s(self, found: Arrival) -> float:
+        """Return how old it is said to be on arrival."""
+        return self.now_s - found.measured_s
+
+
+@pytest.mark.parametrize(("with_mono", "most_s"), [(True, 1.0), (False, 300.0)])
+def test_a_clock_that_is_slewed_right_is_believed_at_once_where_the_station_tells_its_monotonic_clock(
+    *, with_mono: bool, most_s: float
+) -> None:
+    station = Slewed(with_mono=with_mono)
+    found = [station.heard(max(0.0, 300.0 - 5.0 * number)) for number in range(80)]
+    assert all(one.is_dated for one in found[1:])
+    assert station.age_s(found[-1]) <= most_s
+    if not with_mono:
+        assert station.age_s(found[-1]) > 100.0  # nobody can tell: it may as well come later and later
+
+
+def test_a_clock_that_leaps_is_told_from_a_message_that_waited() -> None:
+    station = Slewed()
+    for _ in range(5):
+        station.heard(0.0)
+    leapt = station.heard(3600.0)
+    assert (leapt.is_dated, station.age_s(leapt)) == (True, 0.0)
+    back = station.heard(-3600.0)
+    assert (back.is_dated, station.age_s(back)) == (True, 3600.0)  # behind: rather old than fresh
+    station = Slewed()
+    for _ in range(5):
+        station.heard(0.0)
+    hidden = station.heard(1800.0, waited_s=1800.0)  # it leapt by exactly as much as the message waited
+    assert (hidden.is_dated, station.age_s(hidden)) == (False, 1800.0)
+
+
+@given(
+    steps=st.lists(st.tuples(st.floats(-600, 600), st.floats(0, 3600)), min_size=1, max_size=20),
+    skew_s=st.floats(-3600, 3600),
+)
+def test_however_a_clock_is_set_no_message_looks_younger_than_it_is(
+    steps: list[tuple[float, float]], skew_s: float
+) -> None:
+    station = Slewed(period_s=7200.0)
+    station.heard(skew_s)
+    for number, (set_s, waited_s) in enumerate(steps, 1):
+        skew_s += set_s
+        found = station.heard(skew_s, waited_s)
+        assert station.age_s(found) >= waited_s - FADE * station.period_s * number - 1e-3
+
+
+@pytest.mark.parametrize("rate", [0.0, 0.5, 0.99, 1.01, 1.5, 10.0])
+def test_a_monotonic_clock_that_runs_wrong_makes_nothing_look_fresh(rate: float) -> None:
+    station = Slewed(rate=rate)
+    for _ in range(30):
+        station.heard(600.0)
+    late = station.heard(600.0, waited_s=600.0)
+    assert station.age_s(late) >= 600.0 - FADE * station.period_s * 31
+    assert not late.is_dated
