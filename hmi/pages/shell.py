@@ -102,7 +102,7 @@ def _head(services: PageServices, session: SessionInfo | None) -> None:
     ui.add_head_html(
         f"<script>window.HEADLAND={text}</script>"
         f'<script src="{bundle.versioned("js/boot.js")}"></script>'
-        f'<link rel="stylesheet" href="{bundle.style_url()}">'
+        f'<link rel="stylesheet" href="{bundle.style_url()}">{bundle.case_links()}'
         f'<link rel="preload" href="{bundle.versioned("fonts/inter-latin.woff2")}" as="font" crossorigin>'
         f"{stop_slab.head_html(_stop(services, session), address=bundle.versioned)}"
         f'<script defer src="{bundle.versioned("js/lane.js")}"></script>'
