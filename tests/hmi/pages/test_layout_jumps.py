@@ -1,4 +1,4 @@
-"""What is on a screen stays where it came first: no jump while styles and first values arrive, however slow the radio."""
+"""What is on a screen stays where it came first: no jump while styles and first values arrive late."""
 
 from __future__ import annotations
 
@@ -53,7 +53,8 @@ def test_the_values_below_the_mission_stay_where_they_are_when_it_comes(look: Lo
     theatre.play("running")
     page = look("/fleet", is_new=True)
     page.add_init_script(
-        "addEventListener('DOMContentLoaded', () => { const watch = () => { const one = document.querySelector('.h-tiles');"
+        "addEventListener('DOMContentLoaded', () => { const watch = () => {"
+        " const one = document.querySelector('.h-tiles');"
         " if (one) (window.tops ??= new Set()).add(Math.round(one.getBoundingClientRect().top));"
         " requestAnimationFrame(watch); }; watch(); });"
     )
