@@ -8,5 +8,7 @@ from components.live_element import LiveElement
 class MissionCard(LiveElement):
     """Hooks ``value-row``, ``value-area`` and ``value-eta`` inside."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, has_mission: bool = False) -> None:
         super().__init__("hl-mission", classes="h-card h-mission", hook="mission-card")
+        if has_mission:  # its room is kept until the first values come: nothing below may jump then
+            self._props["data-awaited"] = ""

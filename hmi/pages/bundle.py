@@ -21,9 +21,11 @@ STYLES = ("tokens", "base", "frame", "panel", "control", "screens", "missions")
 
 SCREEN_STYLES = (
     "maps", "plan", "queue", "alarms", "fleet", "demo", "supervisor", "twin", "machine_dock", "cameras", "sensors",
-    "admin",
+    "admin", "small", "forced",
 )  # fmt: skip
-"""Styles that a screen fetches with its scripts."""
+"""Styles that a screen fetches with its scripts, and those of ``CASE_STYLES``."""
+CASE_STYLES = {"small": "(max-width: 899.98px)", "forced": "(forced-colors: active)"}
+"""Styles of every page that few windows need, and the media query that says which: no first picture waits for them."""
 STYLE_PARTS = {"supervisor": ("supervisor", "supervisor_panels")}
 """A screen's style that is more than one file."""
 
@@ -143,6 +145,12 @@ def style_url() -> str:
 def screen_style_url(name: str) -> str:
     """Return the versioned address of one of ``SCREEN_STYLES``."""
     return f"/static/bundle/{name}.css?v={_digest(screen_style(name))}"
+
+
+def case_links() -> str:
+    """Return the elements that fetch ``CASE_STYLES``, for the page's ``<head>``."""
+    links = ((screen_style_url(name), query) for name, query in CASE_STYLES.items())
+    return "".join(f'<link rel="stylesheet" href="{url}" media="{query}">' for url, query in links)
 
 
 def script_url(name: str = "headland") -> str:

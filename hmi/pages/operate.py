@@ -47,7 +47,7 @@ def build(services: PageServices, session: SessionInfo, robot_id: str) -> None:
             HoldToDrive()
             LiveElement("hl-connecting", classes="h-connecting", data_name=robot.name)
         with ui.element("aside").classes("h-side").props('aria-label="Values"'):
-            _panel(layout(robot))
+            _panel(layout(robot), has_mission=robot.state is not None and robot.state.order is not None)
             ActionDock()
 
 
@@ -68,9 +68,9 @@ def _overlay(services: PageServices, robot_id: str) -> None:
         LiveElement("hl-why", classes="h-card h-why", hook="robot-why", hidden="")
 
 
-def _panel(tiles: list[tuple[str, str]]) -> None:
+def _panel(tiles: list[tuple[str, str]], *, has_mission: bool) -> None:
     LiveElement("hl-stop-card", hook="stop-card", hidden="")
-    MissionCard()
+    MissionCard(has_mission=has_mission)
     StatePath()
     with ui.element("div").classes("h-tiles"):
         for key, label in tiles:

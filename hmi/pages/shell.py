@@ -44,7 +44,7 @@ def shell(services: PageServices) -> Callable[[], None]:
     def root() -> None:
         session = services.session()
         _head(services, session)
-        with ui.element("div").classes("h-app").props(f"data-screen={'start' if session else 'login'}"):
+        with ui.element("div").classes("h-app").props(f"data-screen={_first(session)}"):
             top_bar.build(services, session)
             if session is not None:
                 rail.build(session)
@@ -57,6 +57,14 @@ def shell(services: PageServices) -> Callable[[], None]:
         LiveElement("hl-toasts", classes="h-toasts", hook="toast", role="status", aria_live="polite")
 
     return root
+
+
+def _first(session: SessionInfo | None) -> str:
+    """Return what the frame is laid out for until the screen has announced itself: a wall screen has no rail."""
+    if session is None:
+        return "login"
+    request = ui.context.client.request
+    return "wall" if request is not None and request.url.path == "/wall" else "start"
 
 
 def _screens(services: PageServices, session: SessionInfo | None) -> None:
@@ -102,7 +110,7 @@ def _head(services: PageServices, session: SessionInfo | None) -> None:
     ui.add_head_html(
         f"<script>window.HEADLAND={text}</script>"
         f'<script src="{bundle.versioned("js/boot.js")}"></script>'
-        f'<link rel="stylesheet" href="{bundle.style_url()}">'
+        f'<link rel="stylesheet" href="{bundle.style_url()}">{bundle.case_links()}'
         f'<link rel="preload" href="{bundle.versioned("fonts/inter-latin.woff2")}" as="font" crossorigin>'
         f"{stop_slab.head_html(_stop(services, session), address=bundle.versioned)}"
         f'<script defer src="{bundle.versioned("js/lane.js")}"></script>'

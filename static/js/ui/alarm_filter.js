@@ -9,14 +9,14 @@
     constructor(onchange) {
       this.tab = "active";
       this.onchange = onchange;
-      this.tabs = TABS.map(([name, label]) => el("button", { type: "button", role: "tab", "data-tab": name, "data-testid": `alarms-tab-${name}`, onclick: () => this.go(name) }, label));
+      this.tabs = TABS.map(([name, label]) => el("button", { type: "button", "data-tab": name, "data-testid": `alarms-tab-${name}`, onclick: () => this.go(name) }, label));
       this.robot = el("select", { class: "h-select", "aria-label": "Robot", "data-testid": "alarm-filter-robot", onchange }, el("option", { value: "" }, "All robots"));
       this.level = el("select", { class: "h-select", "aria-label": "Priority", "data-testid": "alarm-filter-priority", onchange }, ...LEVELS.map(([value, label]) => el("option", { value }, label)));
       this.search = el("input", { class: "h-input", type: "search", placeholder: "Search", "aria-label": "Search alarms", "data-testid": "alarm-search", oninput: onchange });
       this.soundSign = icon("volume_up", "m");
       this.soundWord = el("span");
       this.sound = el("button", { type: "button", class: "h-btn al-sound", "data-testid": "alarm-sound-button", onclick: () => HL.bell?.turnOn() }, this.soundSign, this.soundWord);
-      this.node = el("div", { class: "al-tools" }, el("div", { class: "h-seg", role: "tablist", "aria-label": "Alarms" }, ...this.tabs), el("span", { class: "h-sp" }), this.robot, this.level, this.search, this.sound);
+      this.node = el("div", { class: "al-tools" }, el("div", { class: "h-seg", role: "group", "aria-label": "Alarms" }, ...this.tabs), el("span", { class: "h-sp" }), this.robot, this.level, this.search, this.sound);
     }
 
     go(name) {

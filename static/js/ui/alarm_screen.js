@@ -22,10 +22,11 @@
       this.detail = new HL.AlarmDetail(this.may, { close: () => this.choose("") });
       this.journal = new HL.AlarmJournal(() => this.filter.value());
       this.statistics = new HL.AlarmStatistics();
-      this.head = el("div", { class: "al-row al-th", role: "row" }, ...["Prio", "Raised", "Robot", "Alarm", "State", "Sequence", "For", ""].map((name, i) => el("span", { role: "columnheader", class: ["sign", "raised", "robot", "what", "state", "seq", "for", "act"][i] }, name)));
+      this.head = el("div", { class: "al-row al-th", role: "row", id: "al-head" }, ...["Prio", "Raised", "Robot", "Alarm", "State", "Sequence", "For", ""].map((name, i) => el("span", { role: "columnheader", class: ["sign", "raised", "robot", "what", "state", "seq", "for", "act"][i] }, name)));
       this.rights = el("p", { class: "h-t13 h-2 al-rights", "data-testid": "alarm-rights" }, !this.may.ack ? this.dataset.noAck : this.may.shelve ? "" : this.dataset.noShelve);
       this.list = el("section", { class: "al-list h-card", "aria-label": "Alarms" }, this.filter.node, this.rights, this.notes.old, this.notes.flood, this.head, this.rows.node, this.notes.blank, this.journal.node, this.statistics.node);
       this.append(this.kpis.node, this.list, this.detail.node, this.makeDock());
+      attr(this.rows.box, "aria-owns", "al-head"); // it stands still above what scrolls, and names its columns
       this.counted = null;
     }
 

@@ -15,7 +15,7 @@
       this.title = el("span");
       this.count = el("span", { class: "count" });
       this.note = el("span", { class: "note h-ell" });
-      this.node = el("h2", { class: "f-head" }, this.title, this.count, this.note);
+      this.node = el("div", { class: "f-head", role: "listitem" }, el("h2", {}, this.title, " ", this.count), this.note);
       if (line.hook) attr(this.node, "data-testid", line.hook);
     }
     paint(line) {

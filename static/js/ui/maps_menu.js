@@ -13,6 +13,7 @@
     const menu = { node, panel, close };
     function close() {
       if (panel.hidden) return;
+      if (panel.contains(document.activeElement)) button.focus({ preventScroll: true });
       panel.hidden = true;
       attr(button, "aria-expanded", "false");
       if (open === menu) open = null;

@@ -17,6 +17,7 @@
     }
     close() {
       if (!this.panel || this.panel.hidden) return;
+      if (this.panel.contains(document.activeElement)) this.button.focus({ preventScroll: true });
       this.panel.hidden = true;
       attr(this.button, "aria-expanded", "false");
     }

@@ -34,8 +34,10 @@
     paint() {
       const groups = HL.port.robot(HL.view.robot);
       const { mission } = groups;
-      attr(this.full, "hidden", !mission);
-      attr(this.empty, "hidden", Boolean(mission));
+      const isAwaited = !groups.mode && this.dataset.awaited !== undefined; // it is on its way: its room is kept
+      attr(this.full, "hidden", !mission && !isAwaited);
+      this.full.style.visibility = mission ? "" : "hidden";
+      attr(this.empty, "hidden", Boolean(mission) || isAwaited);
       text(this.name, mission ? `Mission ${mission.name || mission.id}` : "Mission");
       if (!mission) {
         text(this.age, "");

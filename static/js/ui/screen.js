@@ -7,6 +7,7 @@
   function show(screen) {
     Object.assign(HL.view, { screen: screen.dataset.screen, robot: screen.dataset.robot || null, title: screen.dataset.title || "" });
     document.querySelector(".h-app")?.setAttribute("data-screen", HL.view.screen);
+    attr(document.querySelector("main.q-page"), "role", "presentation"); // ours is the one landmark
     document.title = `${HL.view.title} · Headland`;
     for (const link of document.querySelectorAll("[data-nav]")) attr(link, "aria-current", link.dataset.nav === HL.view.screen ? "page" : null);
     document.querySelector(".h-app")?.toggleAttribute("data-one-robot", Boolean(HL.view.robot));

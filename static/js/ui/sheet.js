@@ -18,7 +18,9 @@
     function done() {
       scrim.remove();
       if (open === done) open = null;
-      if (back instanceof HTMLElement && back.isConnected) back.focus({ preventScroll: true });
+      // the button may have been made anew meanwhile: the one of the same name stands for it
+      const opener = back?.isConnected ? back : document.querySelector(`[data-testid="${back?.dataset?.testid}"]`);
+      opener?.focus({ preventScroll: true });
     }
     document.body.append(scrim);
     open = done;

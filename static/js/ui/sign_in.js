@@ -104,31 +104,45 @@
       this.isBusy = true;
       text(this.message, "");
       if (this.submit) text(this.submit, "Signing in");
+      if (this.asks) text(this.asks, "Signing in");
       const answer = await signIn(body);
       this.isBusy = false;
       if (answer.ok) return;
       if (this.submit) text(this.submit, "Sign in");
+      if (this.asks) text(this.asks, this.pinOf());
       text(this.message, answer.text || "Not signed in.");
       this.setPin("");
     }
     showPeople() {
       this.chosen ??= this.people[0];
-      const tile = (person) => el("button", { type: "button", class: "h-person", "data-testid": `login-person-${person.id}`, "aria-pressed": String(person === this.chosen), onclick: () => { this.chosen = person; this.setPin(""); this.showPeople(); } },
+      const tile = (person) => el("button", { type: "button", class: "h-person", "data-testid": `login-person-${person.id}`, "aria-pressed": String(person === this.chosen), onclick: () => this.choose(person) },
         el("span", { class: "face" }, words.initials(person.name)), el("span", {}, el("span", { class: "h-t18 h-b" }, person.name), el("br"), el("span", { class: "h-t13" }, person.role)), person === this.chosen ? icon("check", "h-end") : "");
-      this.dots = el("div", { class: "h-dots", "aria-label": "PIN" }, ...Array.from({ length: PIN_LENGTH }, () => el("i")));
+      this.dots = el("div", { class: "h-dots", role: "img" }, ...Array.from({ length: PIN_LENGTH }, () => el("i")));
       const key = (label, act, hook) => el("button", { type: "button", class: "h-btn", "data-testid": hook, onclick: act }, label);
       const digit = (n) => key(String(n), () => this.setPin(this.pin + n), `pin-${n}`);
       this.body.replaceChildren(
         el("div", { class: "cols" },
           el("div", {}, ...this.head("Who is working?"), el("div", { class: "h-people" }, ...this.people.map(tile)),
             el("button", { type: "button", class: "h-btn q", "data-testid": "login-other", onclick: () => this.showForm() }, icon("badge"), "Another name")),
-          el("div", { class: "pin" }, el("div", { class: "h-t14 h-b h-2" }, `PIN for ${this.chosen.name.split(" ")[0]}`), this.dots,
+          el("div", { class: "pin" }, (this.asks = el("div", { class: "h-t14 h-b h-2" }, this.pinOf())), this.dots,
             el("div", { class: "h-keys" }, ...[1, 2, 3, 4, 5, 6, 7, 8, 9].map(digit), el("span"), digit(0), key(icon("backspace"), () => this.setPin(this.pin.slice(0, -1)), "pin-back")), this.message)),
       );
       this.setPin(this.pin);
     }
+    pinOf() {
+      return `PIN for ${this.chosen.name.split(" ")[0]}`;
+    }
+    choose(person) {
+      if (this.isBusy) return; // the answer that is on its way is the other one's
+      this.chosen = person;
+      text(this.message, "");
+      this.setPin("");
+      this.showPeople();
+      this.body.querySelector(".h-person[aria-pressed=true]").focus({ preventScroll: true });
+    }
     setPin(pin) {
       this.pin = pin.slice(0, PIN_LENGTH);
+      if (this.dots) attr(this.dots, "aria-label", `${this.pin.length} of ${PIN_LENGTH} digits`);
       [...(this.dots?.children || [])].forEach((dot, i) => dot.classList.toggle("on", i < this.pin.length));
       if (this.pin.length === PIN_LENGTH && !this.isBusy) this.attempt({ name: this.chosen.id, pin: this.pin });
     }

@@ -236,12 +236,6 @@ def router(stage: SensorStage, sessions: Any) -> APIRouter:
         plans = role in PLANS
         return {"accept": plans, "limits": plans, "calibrate": plans, "trigger": role in TRIGGERS}
 
-    def refusal(path: str) -> JSONResponse | None:
-        for part, (status, body) in stage.wish.get("refuse", {}).items():
-            if part in path:
-                return JSONResponse(body, status)
-        return None
-
     @api.post("/stage-sensors")
     async def adjust(request: Request) -> dict[str, Any]:
         wish = await request.json()
@@ -280,11 +274,25 @@ def router(stage: SensorStage, sessions: Any) -> APIRouter:
 
     @api.get("/api/v1/sensors/{name}/series")
     async def series(name: str, quantity: str, span: str, depth_m: float | None = None) -> Any:
-        return refusal("series") or stage.series(name, quantity, depth_m, span)
+        return _refusal(stage, "series") or stage.series(name, quantity, depth_m, span)
 
     @api.get("/api/v1/sensors/{name}/calibration")
     async def calibrations(name: str) -> Any:
         return stage.calibrations.get(name, [])
+
+    _changes(api, stage)
+    return api
+
+
+def _refusal(stage: SensorStage, path: str) -> JSONResponse | None:
+    for part, (status, body) in stage.wish.get("refuse", {}).items():
+        if part in path:
+            return JSONResponse(body, status)
+    return None
+
+
+def _changes(api: APIRouter, stage: SensorStage) -> None:
+    """Add the routes by which people change limits and stations."""
 
     @api.get("/api/v1/sensor-limits")
     async def limits() -> Any:
@@ -294,7 +302,7 @@ def router(stage: SensorStage, sessions: Any) -> APIRouter:
     async def set_limits(request: Request) -> Any:
         body = await request.json()
         stage.asked.append({"path": "sensor-limits", **body})
-        refused = refusal("sensor-limits")
+        refused = _refusal(stage, "sensor-limits")
         if refused is None:
             known = {(one["quantity"], one["depth_m"]): one for one in stage.limits}
             fresh = {"by": "Pieter Bos", "at": datetime.now(UTC).isoformat()}
@@ -307,7 +315,7 @@ def router(stage: SensorStage, sessions: Any) -> APIRouter:
     async def change(name: str, rest: str, request: Request) -> Any:
         body = await request.json() if await request.body() else {}
         stage.asked.append({"method": request.method, "path": f"{name}{rest}", **(body or {})})
-        refused = refusal(f"{name}{rest}")
+        refused = _refusal(stage, f"{name}{rest}")
         if refused:
             return refused
         if rest == "/trigger":
@@ -321,5 +329,3 @@ def router(stage: SensorStage, sessions: Any) -> APIRouter:
             body["parcel_name"] = {"polder-17": "Polder 17", "nordfeld-12": "Nordfeld 12"}.get(body.get("parcel") or "")
             stage.changes.setdefault(name, {}).update(body, is_accepted=True)
         return {}
-
-    return api

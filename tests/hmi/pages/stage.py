@@ -315,6 +315,31 @@ def build(stage: Stage) -> FastAPI:
     app.state.access = Access(stage.sessions, None, authorize)  # type: ignore[arg-type]
     app.include_router(super_stage.router(stage.planter, stage.fleet, authorize))
 
+    _wishes(app, stage)
+
+    services = PageServices(
+        Settings(demo=True, farm_name="Hof Brandt", map_engine="full"),
+        stage.clock,
+        stage.fleet,
+        stage.sessions,
+        authorize,
+        StopAddress(1),
+    )
+    ui.run_with(
+        app,
+        root=shell(services),
+        title="Headland",
+        tailwind=False,
+        reconnect_timeout=30,
+        binding_refresh_interval=None,
+        show_welcome_message=False,
+    )
+    return app
+
+
+def _wishes(app: FastAPI, stage: Stage) -> None:
+    """Add the routes by which tests set the scene and hear what came, and the console's REST behind them."""
+
     @app.post("/stage/{scene}")
     async def play(scene: str) -> dict[str, Any]:
         stage.play(scene)
@@ -337,25 +362,6 @@ def build(stage: Stage) -> FastAPI:
     @app.api_route("/api/v1/{rest:path}", methods=["GET", "POST", "PATCH", "DELETE"])
     async def rest(rest: str, request: Request) -> JSONResponse:
         return await answer(stage, rest, request)
-
-    services = PageServices(
-        Settings(demo=True, farm_name="Hof Brandt", map_engine="full"),
-        stage.clock,
-        stage.fleet,
-        stage.sessions,
-        authorize,
-        StopAddress(1),
-    )
-    ui.run_with(
-        app,
-        root=shell(services),
-        title="Headland",
-        tailwind=False,
-        reconnect_timeout=30,
-        binding_refresh_interval=None,
-        show_welcome_message=False,
-    )
-    return app
 
 
 WEEDER = {

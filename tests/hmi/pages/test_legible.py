@@ -49,6 +49,10 @@ FAINT = """() => {
   });
 }"""
 
+# kept when every element has painted what it knows now: repainting is put together in one frame
+PAINTED = """() => new Promise((done) => {
+  HL.repaint(); requestAnimationFrame(() => requestAnimationFrame(() => requestAnimationFrame(done))); })"""
+
 
 def dress(page: Page, theme: str) -> None:
     """Change the theme."""
@@ -180,7 +184,7 @@ def test_the_strip_leaves_an_unconfirmed_stop_to_the_banner_and_keeps_other_alar
     expect(strip).to_have_attribute("data-value", STOP)  # no banner speaks of it
     banner = {"state": "not-confirmed", "level": "p1", "height": 112, "icon": "pan_tool", "title": "t", "text": "x"}
     page.evaluate(f"window.headlandStop.banner = () => ({json.dumps({**banner, 'robots': ['weeder-01']})})")
-    page.wait_for_timeout(600)
+    page.evaluate(PAINTED)
     expect(strip).to_have_attribute("data-value", STOP)  # it speaks of another robot
     page.evaluate(f"window.headlandStop.banner = () => ({json.dumps({**banner, 'robots': ['weeder-07']})})")
     expect(strip).to_have_attribute("data-value", LINK)
@@ -263,8 +267,7 @@ def test_names_in_the_queue_are_whole_where_the_row_is_free_and_now_touches_none
     page.get_by_test_id("queue-look-timeline").click()
     label = page.get_by_test_id("queue-bar-a").locator(".h-ell")
     expect(label).to_be_visible()
-    page.wait_for_timeout(200)
-    assert label.evaluate("(one) => one.scrollWidth <= one.clientWidth")
+    page.wait_for_function("(one) => one.scrollWidth <= one.clientWidth", arg=label.element_handle())
     gaps = page.evaluate(
         """[...document.querySelectorAll('.q-robot')].map((row) => {
           const now = row.querySelector('.q-now').getBoundingClientRect();

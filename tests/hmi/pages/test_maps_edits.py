@@ -277,7 +277,8 @@ def test_a_drawing_begun_meanwhile_is_not_left_by_the_answer_to_a_cut(show: Show
     page.get_by_test_id("editor-tool-parcel").click()
     page.evaluate("() => { surface.select = (ids) => surface.calls.push(['select', ids]); }")
     expect(page.get_by_test_id("map-editor")).to_have_attribute("data-features", "9")
-    page.wait_for_timeout(200)
+    # what follows the answer runs before the next frame but one
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
     assert page.evaluate("surface.calls.filter(([name]) => name === 'select')") == []
 
 

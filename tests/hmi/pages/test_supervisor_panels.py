@@ -150,13 +150,13 @@ def test_a_joint_moves_while_its_pad_is_held_and_rests_at_once(look: Look, machi
     page.mouse.up()
     expect(page.get_by_test_id("jog-slew-plus")).to_have_attribute("data-state", "idle")
     rest = [{"slew": 0}, {"slew": 0}]
-    for _ in range(50):  # one more may have gone out before the finger left
-        if machine.heard()["jogs"][-2:] == rest:
-            break
-        page.wait_for_timeout(50)
-    assert machine.heard()["jogs"][-2:] == rest
-    count = len(machine.heard()["jogs"])
-    page.wait_for_timeout(400)
+    # one more may have gone out before the finger left
+    count = len(machine.until_heard(lambda heard: heard["jogs"][-2:] == rest)["jogs"])
+    # four periods of a setpoint that would still be sent, measured by the page's own clock
+    page.evaluate(
+        "() => new Promise((done) => { const end = performance.now() + 400;"
+        " const look = () => (performance.now() < end ? requestAnimationFrame(look) : done()); look(); })"
+    )
     assert len(machine.heard()["jogs"]) == count
     page.get_by_test_id("jog-speed-slow").click()
     hold(page, "jog-extension-minus")
