@@ -212,8 +212,10 @@
 
     // of the robot that is chosen, not of the one it was planned for
     async battery(mission, robot, node) {
+      node.robot = robot;
       if (!robot || !mission.statistics?.battery_share) return text(node, "");
       const answer = await HL.port.api("GET", `${of(mission.id)}/battery?robot=${encodeURIComponent(robot)}`);
+      if (node.robot !== robot) return null; // another one was chosen meanwhile
       if (node.isConnected || answer.ok) attr(node, "data-state", answer.data?.is_enough === false ? "short" : null);
       return text(node, answer.ok ? answer.data.text : "");
     }

@@ -228,6 +228,7 @@ class StageMap:
         return {
             "base_version": draft.base, "saved_utc": draft.saved.isoformat(),
             "editor": {"user": draft.user, "name": draft.name}, "until_utc": draft.until.isoformat(),
+            "left_s": max((draft.until - datetime.now(UTC)).total_seconds(), 0.0),
             "is_mine": draft.user == session.user_id, "undo": done[-1].label if done else None,
             "redo": undone[0].label if undone else None,
             "undo_id": done[-1].id if done else None, "redo_id": undone[0].id if undone else None,

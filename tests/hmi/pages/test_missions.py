@@ -78,6 +78,8 @@ class Played:
             return 200, {"fields": [field], "homes": []}
         if path == "robots":
             return 200, {"robots": [{"id": "weeder-07", "name": "Weeder 07"}]}
+        if "/battery?" in path:
+            return 200, {"share": None, "charge": None, "of_robot": None, "text": ""}
         if path.endswith("map.geojson"):
             return 200, GEOMETRY
         if path == "missions/candidates":
