@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 from hmi.clock import Clock
 from hmi.domain.robot import Robot
@@ -12,12 +14,15 @@ from hmi.store.robot_record import Part
 FAST = frozenset({Part.TELEMETRY, Part.LINK})
 LOOK_S = 0.5  # telemetry and heartbeats come 15 times a second and robot; a sample a second is kept
 See = Callable[[Robot], None]
+T = TypeVar("T")
+log = logging.getLogger(__name__)
 
 
 class FleetWitness:
     """Shows every robot that changed to those who keep account, no more often than they need.
 
-    A change of state or safety is shown at once and never skipped; fast values alone twice a second.
+    A change of state or safety is shown at once and never skipped; fast values alone twice a second. What somebody
+    raises over one robot is logged: changes are told once, and the others have to see it and the other robots.
 
     Args:
         on_return: told the id of a robot that is heard again.
@@ -48,11 +53,17 @@ class FleetWitness:
             robot = self._fleet.robot(robot_id)
             if robot is not None and robot.is_registered:
                 for see in self._see:
-                    see(robot)
+                    self._tell(see, robot)
 
     def _notice_return(self, robot_id: str) -> None:
         if not self._fleet.is_online(robot_id):
             self._online.discard(robot_id)
         elif robot_id not in self._online and self._fleet.registration(robot_id) is not None:
             self._online.add(robot_id)
-            self._on_return(robot_id)
+            self._tell(self._on_return, robot_id)
+
+    def _tell(self, who: Callable[[T], None], what: T) -> None:
+        try:
+            who(what)
+        except Exception:
+            log.exception("whoever keeps account of robots failed")

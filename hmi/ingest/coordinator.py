@@ -229,8 +229,12 @@ class EdgeCoordinator:
             asyncio.get_running_loop().call_later(wait_s, self._turn)
 
     def _turn(self) -> None:
-        if self._drain_some():
-            asyncio.get_running_loop().call_soon(self._turn)
+        is_more = True
+        try:
+            is_more = self._drain_some()
+        finally:  # the mailbox calls once until it is empty: without another turn no robot would ever be heard again
+            if is_more:
+                asyncio.get_running_loop().call_soon(self._turn)
 
     def _open(self, letter: Letter) -> None:
         robot = letter.address.robot

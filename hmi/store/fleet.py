@@ -6,6 +6,7 @@ once read never changes.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
@@ -19,6 +20,7 @@ NODE_LIMIT = 64  # software nodes a robot may report
 CAMERA_LIMIT = 16  # cameras of a robot whose sights are kept
 RTT_WINDOW_S = 60.0
 REMOVED_KEPT = 1000
+log = logging.getLogger(__name__)
 
 
 class RobotAddress(NamedTuple):
@@ -152,9 +154,12 @@ class FleetStore:
         return lambda: self._listeners.remove(listener)
 
     def announce(self) -> None:
-        """Tell the listeners that a batch of changes is complete."""
+        """Tell the listeners that a batch of changes is complete; what one raises is logged and harms no other."""
         for listener in list(self._listeners):
-            listener()
+            try:
+                listener()
+            except Exception:  # a listener's fault is no robot's
+                log.exception("a listener of the fleet failed")
 
     def set_registry(self, entries: Iterable[Registered]) -> None:
         """Take over the registry: names, addresses, who may be operated."""

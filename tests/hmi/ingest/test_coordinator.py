@@ -453,3 +453,46 @@ async def test_what_cameras_found_is_kept_for_each_camera_with_the_time_of_its_p
         kept = rig.store.robot(ID)
         assert kept is not None
         assert len(kept.sights) == CAMERA_LIMIT
+
+
+async def _heard(rig: Rig, messages: int) -> None:
+    """Wait until so many were applied."""
+    async with asyncio.timeout(5):
+        while rig.edge.messages < messages:  # noqa: ASYNC110 - nobody is told of a message
+            await asyncio.sleep(0.01)
+
+
+async def test_a_fault_of_somebody_who_is_told_ends_the_hearing_of_no_robot() -> None:
+    crowd = [f"weeder-{n:04d}" for n in range(2 * LETTERS_A_TURN)]
+    async with Rig(*crowd) as rig:
+        told: list[int] = []
+
+        def fails_once() -> None:
+            told.append(rig.edge.messages)
+            if len(told) == 1:
+                raise RuntimeError("the disk is full")
+
+        rig.store.subscribe(fails_once)
+        for robot_id in crowd:
+            rig.post(rig.robot(robot_id).heartbeat())
+        await _heard(rig, len(crowd))
+        rig.post(rig.robot(crowd[0]).telemetry())
+        await _heard(rig, len(crowd) + 1)
+
+
+async def test_a_turn_that_fails_as_a_whole_is_followed_by_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
+    crowd = [f"weeder-{n:04d}" for n in range(2 * LETTERS_A_TURN)]
+    async with Rig(*crowd) as rig:
+        announce, failed = rig.store.announce, []
+
+        def fails_once() -> None:
+            if not failed:
+                failed.append(True)
+                raise RuntimeError("a fault of ours")
+            announce()
+
+        monkeypatch.setattr(rig.store, "announce", fails_once)
+        asyncio.get_running_loop().set_exception_handler(lambda *_: None)
+        for robot_id in crowd:
+            rig.post(rig.robot(robot_id).heartbeat())
+        await _heard(rig, len(crowd))
