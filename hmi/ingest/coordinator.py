@@ -296,7 +296,9 @@ class EdgeCoordinator:
                 self._store.put_factsheet(address.robot, translate.factsheet(message))
             case up.Presence():
                 is_shutdown = message.reason == "shutdown"
-                self._store.put_presence(address.robot, is_online=message.online, is_shutdown=is_shutdown)
+                self._store.put_presence(
+                    address.robot, is_online=message.online, is_shutdown=is_shutdown, received_s=stamp.received_s
+                )
             case up.Node():
                 to_console_s = self._to_console(clock, message, stamp)
                 self._store.put_node(address.robot, translate.node(message, stamp, to_console_s))
@@ -340,6 +342,7 @@ class EdgeCoordinator:
             boot=message.boot,
             challenge=message.challenge,
             heard_s=stamp.source_s,
+            received_s=stamp.received_s,
             wall_offset_s=message.wall_ms / 1000 - made_at if message.wall_ms else None,
         )
 

@@ -245,14 +245,26 @@ class FleetStore:
         self._touch(record, Part.WORKSITE)
 
     def put_heartbeat(
-        self, robot_id: str, *, boot: str, challenge: str, heard_s: float, wall_offset_s: float | None = None
+        self,
+        robot_id: str,
+        *,
+        boot: str,
+        challenge: str,
+        heard_s: float,
+        received_s: float | None = None,
+        wall_offset_s: float | None = None,
     ) -> None:
-        """Take a heartbeat; ``heard_s`` is when it was made, so that a held one does not count as hearing."""
+        """Take a heartbeat; ``heard_s`` is when it was made, so that a held one does not count as hearing.
+
+        One that came before the robot left (``received_s``, by default now) and waited here does not bring it back.
+        """
         record = self._records[robot_id]
+        received_s = self._mono_s() if received_s is None else received_s
         record.wall_offset_s = wall_offset_s
         record.boot, record.challenge, record.heard_s = boot, challenge, heard_s
         record.active_s = self._mono_s()
-        record.is_gone = record.said_goodbye = False
+        if received_s >= record.gone_s:
+            record.is_gone = record.said_goodbye = False
         record.is_online = record.is_heard(self._mono_s())
         self._touch(record, Part.LINK)
 
@@ -266,10 +278,13 @@ class FleetStore:
             record.rtts.popleft()
         self._touch(record, Part.LINK)
 
-    def put_presence(self, robot_id: str, *, is_online: bool, is_shutdown: bool = False) -> None:
-        """Take presence or last will. It can only take away: being heard is told by heartbeats."""
+    def put_presence(
+        self, robot_id: str, *, is_online: bool, is_shutdown: bool = False, received_s: float | None = None
+    ) -> None:
+        """Take presence or last will. It can only take away: being heard is told by heartbeats that come after it."""
         record = self._records[robot_id]
         record.said_goodbye = is_shutdown and not is_online
+        record.gone_s = float("-inf") if is_online else self._mono_s() if received_s is None else received_s
         if record.is_gone == is_online:
             record.is_gone = not is_online
             record.is_online = record.is_heard(self._mono_s())

@@ -89,6 +89,7 @@ class RobotRecord:
     is_online: bool = False
     is_gone: bool = False
     said_goodbye: bool = False
+    gone_s: float = float("-inf")
     rtt_s: float | None = None
     rtt_at_s: float | None = None
     wall_offset_s: float | None = None

@@ -496,3 +496,20 @@ async def test_a_turn_that_fails_as_a_whole_is_followed_by_the_next(monkeypatch:
         for robot_id in crowd:
             rig.post(rig.robot(robot_id).heartbeat())
         await _heard(rig, len(crowd))
+
+
+async def test_a_heartbeat_that_came_before_a_robot_left_and_waited_here_does_not_bring_it_back() -> None:
+    async with Rig(ID) as rig:
+        weeder = rig.robot()
+        rig.say(weeder.heartbeat())
+        rig.clock.advance(0.2)
+        rig.post(weeder.heartbeat())
+        rig.clock.advance(0.001)
+        rig.post(weeder.presence(online=False, reason="shutdown"))
+        rig.edge.drain()
+        link = rig.store.robot(ID).link  # type: ignore[union-attr]
+        assert (link.is_online, link.said_goodbye) == (False, True)
+        rig.clock.advance(0.2)
+        rig.say(weeder.heartbeat())
+        link = rig.store.robot(ID).link  # type: ignore[union-attr]
+        assert (link.is_online, link.said_goodbye) == (True, False)
