@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import struct
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -25,6 +26,9 @@ GROUPS_OF: dict[Part, tuple[str, ...]] = {
     Part.WORKSITE: (),
     Part.SIGHT: (),
 }
+
+
+log = logging.getLogger(__name__)
 
 
 class Groups:
@@ -101,19 +105,27 @@ class FleetTopic:
         self._entries: dict[str, dict[str, Any]] = {}
         self._texts: dict[str, str] = {}
         self._whole: str | None = None
+        self._failed: set[str] = set()
 
     def update(self, robots: Iterable[Robot], removed: Iterable[str], context: operate.Context) -> str | None:
-        """Take over changed robots; return what changed of them as JSON, ``None`` if nothing did."""
+        """Take over changed robots; return what changed of them as JSON, ``None`` if nothing did.
+
+        One that cannot be shown stays as it was, and no beat of it is told until it can: it is old.
+        """
         changed = []
         for robot in robots:
-            entry = {"n": self._numbers.of(robot.id), **fleet.slow(robot, context)}
-            before = self._entries.get(robot.id, {})
-            news = {key: value for key, value in entry.items() if key not in before or before[key] != value}
+            try:
+                news = self._news(robot, context)
+            except Exception:  # changes are told once: the other robots would stay as they were, and look fresh
+                if robot.id not in self._failed:
+                    log.exception("%s cannot be shown in the list of robots", robot.id)
+                self._failed.add(robot.id)
+                continue
+            self._failed.discard(robot.id)
             if news:
-                self._entries[robot.id] = entry
-                self._texts.pop(robot.id, None)
-                changed.append(f'"{robot.id}":{piece(news)}')
+                changed.append(f'"{robot.id}":{news}')
         for robot_id in removed:
+            self._failed.discard(robot_id)
             if self._entries.pop(robot_id, None) is not None:
                 self._texts.pop(robot_id, None)
                 changed.append(f'"{robot_id}":null')
@@ -122,13 +134,25 @@ class FleetTopic:
         self._whole = None
         return '{"robots":{' + ",".join(changed) + "}}"
 
+    def _news(self, robot: Robot, context: operate.Context) -> str:
+        """Take over a robot; return what changed of it as JSON, empty if nothing did."""
+        entry = {"n": self._numbers.of(robot.id), **fleet.slow(robot, context)}
+        before = self._entries.get(robot.id, {})
+        changed = {key: value for key, value in entry.items() if key not in before or before[key] != value}
+        if not changed:
+            return ""
+        news = piece(changed)
+        self._entries[robot.id] = entry
+        self._texts.pop(robot.id, None)
+        return news
+
     def has(self, robot_id: str) -> bool:
-        """Say whether browsers know this robot."""
-        return robot_id in self._entries
+        """Say whether browsers know this robot as it is now."""
+        return robot_id in self._entries and robot_id not in self._failed
 
     def beats(self, revision: int, now_s: float, heard: Iterable[Beat]) -> bytes:
         """Return one binary frame: see docs/protocols/lane.md for its layout."""
-        known = [one for one in heard if one.robot_id in self._entries]
+        known = [one for one in heard if self.has(one.robot_id)]
         frame = bytearray(_HEAD.size + _BEAT.size * len(known))
         _HEAD.pack_into(frame, 0, BEATS_MAGIC, revision & 0xFFFFFFFF, now_s * 1000, len(known))
         at = _HEAD.size

@@ -395,3 +395,40 @@ def test_a_robot_that_cannot_be_shown_stops_neither_ticks_nor_the_others(monkeyp
     late = rig.take(rig.lane("robot/bad", "inside/bad", "fleet", "alarms"))
     assert late[0]["k"] == "snap"
     assert late[0]["d"]["robot/bad"]["lease"] is None
+
+
+def test_a_robot_that_cannot_be_listed_keeps_no_news_of_others_back_and_gets_old(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rig = HubRig(ID, "bad", "weeder-02")
+    lane = rig.lane("fleet")
+    for robot_id in (ID, "bad", "weeder-02"):
+        rig.heartbeat(robot_id)
+    rig.clock.advance(FLEET_S)
+    rig.hub.beat()
+    rig.take(lane)
+    slow = topics.fleet.slow
+
+    def fails(robot: Any, *more: Any) -> dict[str, Any]:
+        if robot.id == "bad":
+            raise OverflowError("cannot convert float infinity to integer")
+        return slow(robot, *more)
+
+    monkeypatch.setattr(topics.fleet, "slow", fails)
+    for robot_id in (ID, "bad", "weeder-02"):
+        rig.pause(robot_id)
+        rig.heartbeat(robot_id)
+    rig.clock.advance(FLEET_S)
+    rig.hub.beat()
+    (told,) = [frame["d"]["fleet"]["robots"] for frame in rig.take(lane) if frame["k"] == "delta"]
+    assert {robot_id: entry["mode"] for robot_id, entry in told.items()} == {ID: "paused", "weeder-02": "paused"}
+    whole = rig.take(rig.lane("fleet", name="anna"))[0]["d"]["fleet"]
+    assert whole["robots"].keys() == {ID, "bad", "weeder-02"}
+    assert whole["beats"].keys() == {ID, "weeder-02"}
+    monkeypatch.setattr(topics.fleet, "slow", slow)
+    rig.pause("bad")
+    rig.heartbeat("bad")
+    rig.clock.advance(FLEET_S)
+    rig.hub.beat()
+    (told,) = [frame["d"]["fleet"]["robots"] for frame in rig.take(lane) if frame["k"] == "delta"]
+    assert told["bad"]["mode"] == "paused"
