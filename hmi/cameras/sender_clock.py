@@ -12,6 +12,7 @@ FRAME, HEAD_BYTES = 0x24, 4  # "$", channel, length: RTP between the words of RT
 REPORT, REPORT_BYTES = 200, 20
 RTCP = range(200, 208)
 CLOCK_PER_MS = 90.0
+REORDERED_MS = 2000.0  # pictures between two others (B) come after the later one and tell nothing of the way
 MOST_WORDS = 64 * 1024
 _WORDS_END = b"\r\n\r\n"
 
@@ -28,7 +29,7 @@ class SenderClock:
         self._buffer = bytearray()
         self._is_lost = False
         self._report: tuple[bytes, float, int] | None = None
-        self._stamp: int | None = None
+        self._newest: tuple[bytes, int] | None = None  # source and time stamp
 
     def feed(self, data: bytes, came_ms: float) -> None:
         """Take what came next; after anything that is not understood it says nothing any more."""
@@ -64,17 +65,26 @@ class SenderClock:
                 ntp_ms = int.from_bytes(packet[8:16], "big") * 1000 / 2**32
                 self._report = packet[4:8], ntp_ms, int.from_bytes(packet[16:20], "big")
             return
-        stamp = int.from_bytes(packet[4:8], "big")
-        if self._report is None or self._report[0] != packet[8:12] or stamp == self._stamp:
+        source, stamp = packet[8:12], int.from_bytes(packet[4:8], "big")
+        if self._report is None or self._report[0] != source or (source, stamp) == self._newest:
             return
-        self._stamp = stamp
-        apart = (stamp - self._report[2]) & 0xFFFFFFFF
-        taken_ms = self._report[1] + (apart - (apart >> 31 << 32)) / CLOCK_PER_MS
+        if self._newest is not None and self._newest[0] == source:
+            before_ms = -_apart(stamp, self._newest[1]) / CLOCK_PER_MS
+            if 0 < before_ms < REORDERED_MS:
+                return
+        self._newest = source, stamp
+        taken_ms = self._report[1] + _apart(stamp, self._report[2]) / CLOCK_PER_MS
         self.waited_ms = self._transit.waited_ms(taken_ms, came_ms)
 
     def _give_up(self) -> None:
         self._is_lost, self.waited_ms = True, 0.0
         self._buffer.clear()
+
+
+def _apart(stamp: int, other: int) -> int:
+    """Return how much later one time stamp is than another; they begin again at 0."""
+    ticks = (stamp - other) & 0xFFFFFFFF
+    return ticks - (ticks >> 31 << 32)
 
 
 def _body_bytes(head: bytes) -> int:

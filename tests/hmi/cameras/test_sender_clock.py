@@ -82,3 +82,13 @@ def test_what_is_not_understood_ends_it_without_a_word(bad: bytes) -> None:
         clock.feed(bytes(65_536), 20.0)
     assert clock.waited_ms == 0.0
     assert len(clock._buffer) <= 200_000
+
+
+def test_pictures_that_are_sent_out_of_order_hide_no_waiting() -> None:
+    clock = SenderClock()
+    clock.feed(ANSWER + report(0.0), 0.0)
+    order = [0, *(first + step for first in range(0, 300, 3) for step in (3, 1, 2))]  # two between each two others
+    for number, frame in enumerate(order):
+        waits_s = 0.0 if number < 100 else min(3.0, (number - 100) / 20)
+        clock.feed(picture(frame / 20), (number / 20 + waits_s) * 1000)
+    assert clock.waited_ms == pytest.approx(3000.0, abs=100.0)
