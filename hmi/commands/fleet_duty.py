@@ -111,8 +111,9 @@ class DutyDesk:
         """Be responsible no longer; they are nobody's then, and the screen says so."""
         async with self._changing:
             self._refuse_foreign(session, robots)
-            now = self._parts.clock.utc()
-            freed = [Duty(one, since=now if self._parts.duties.of(one).user_id else None, note=note) for one in robots]
+            now, duties = self._parts.clock.utc(), [self._parts.duties.of(one) for one in robots]
+            # what is nobody's already stays so since when it was: pressed twice, supervisors are told all the same
+            freed = [Duty(one.robot_id, since=now if one.user_id else one.since, note=note) for one in duties]
             return await self._write(session, freed, "released", "", note)
 
     async def hand_over(self, session: SessionInfo, robots: Sequence[str], to_user: str, note: str) -> list[Duty]:
@@ -176,7 +177,8 @@ class DutyDesk:
     async def _to_free(self, robots: Collection[str]) -> dict[tuple[str, str], list[Duty]]:
         able = {one.id for one in await self._operators()}
         changes: dict[tuple[str, str], list[Duty]] = defaultdict(list)
-        for duty in self._parts.duties.all():
+        duties = self._parts.duties
+        for duty in {one.robot_id: one for one in (*duties.all(), *duties.freed())}.values():
             if duty.robot_id in robots or not self._parts.is_robot(duty.robot_id):
                 changes["released", "Taken out of the registry."].append(Duty(duty.robot_id))
                 continue

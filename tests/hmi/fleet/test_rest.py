@@ -360,3 +360,17 @@ async def test_who_lost_robots_to_a_supervisor_is_named_to_every_page(console: F
     [told] = [one for one in console.field.events if one["kind"] == "duty"]
     assert (told["what"], told["by_id"], told["from_users"]) == ("taken", "supervisor", ["operator"])
     assert told["names"] == ["Weeder 01", "Weeder 02"]
+
+
+async def test_a_robot_given_up_twice_is_told_of_all_the_same_and_one_taken_out_no_more(console: FleetConsole) -> None:
+    martha = await console.browser(Role.OPERATOR)
+    anna = await console.browser(Role.SUPERVISOR, browser="2")
+    await martha.post("/fleet/duty/handover", json={"robots": BOTH, "to_user": "operator"})
+    await martha.post("/fleet/duty/release", json={"robots": BOTH})
+    before = (await anna.get("/fleet/duty")).json()["freed"]
+    console.field.clock.advance(5)
+    await martha.post("/fleet/duty/release", json={"robots": BOTH})
+    assert (await anna.get("/fleet/duty")).json()["freed"] == before
+    assert before.keys() == set(BOTH)
+    await console.duty.let_go(robots={"weeder-01"})  # it is there again before anybody looked
+    assert (await anna.get("/fleet/duty")).json()["freed"].keys() == {"weeder-02"}
