@@ -214,7 +214,7 @@ class CloudRoom:
         """See ``CloudDesk``."""
         if self._work is None:
             raise CloudRefused("There is no link to a cloud.")
-        count = await self._work.refused.forget_all()
+        count = await self._work.mirror.forget_refused()
         self._audit(session, "refused_forgotten", f"{count} records")
 
     def _audit(self, session: SessionInfo, what: str, text: str) -> None:

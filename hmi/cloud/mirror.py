@@ -135,6 +135,12 @@ class Mirror:
             for other in self._others():
                 other.forget()
 
+    async def forget_refused(self) -> int:
+        """Forget what the broker refused, since a person decided it; return how many there were."""
+        count = len(self.not_taken)
+        self.not_taken.clear()
+        return count + await self.refused.forget_all()
+
     async def _send_robots(self) -> bool:
         is_up = await self._send_reports()
         if is_up:  # after what is new: a long answer may not get through a slow way

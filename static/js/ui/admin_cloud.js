@@ -117,12 +117,12 @@
     }
 
     // what the cloud would not take: kept here, each with the reason, until it goes up or a person forgets it
-    refused({ rows, records, more, is_sending: isSending }) {
+    refused({ rows, more, is_sending: isSending }) {
       if (!rows.length) return [];
       return [el("h2", {}, "Refused by the cloud"), table(["What", "Happened", "Refused", "Why", "Kept here"], rows.map((one) => ({ hook: "cloud-refused-row", cells: [
         `${one.type}, ${one.id.split(":").at(-1)}`, one.happened_utc ? HL.records.when(one.happened_utc) : "–", HL.records.when(one.utc), one.why, one.is_kept ? `yes, ${size(one.bytes)}` : "told again when it changes"] }))),
       ...(more ? [el("p", { class: "h-2" }, `${more} more.`)] : []),
-      el("div", { class: "h-row" }, button(isSending ? "Sending again" : "Send again", () => this.act("POST", "/cloud/refused/send"), "cloud-refused-send"), ...(records ? [button("Forget", () => this.forget(records), "cloud-refused-forget")] : []))];
+      el("div", { class: "h-row" }, button(isSending ? "Sending again" : "Send again", () => this.act("POST", "/cloud/refused/send"), "cloud-refused-send"), button("Forget", () => this.forget(rows.length + more), "cloud-refused-forget"))];
     }
 
     async act(method, path) {
@@ -135,7 +135,7 @@
     forget(records) {
       HL.sheet({
         title: records === 1 ? "Forget this record?" : `Forget ${records} records?`,
-        body: [el("p", { class: "h-2 h-t16" }, "The cloud will never have them. This console's own history has them all the same.")],
+        body: [el("p", { class: "h-2 h-t16" }, "The cloud will never have what is kept here; this console's own history has it all the same. The rest is told again when it changes.")],
         buttons: [["Cancel", (close) => close()], ["Forget", (close) => { close(); this.act("DELETE", "/cloud/refused"); }, true]],
       });
     }

@@ -201,3 +201,19 @@ async def test_two_entities_of_a_map_under_one_id_never_write_over_each_other_an
     await rig.run(2)
     assert rig.mirror.not_taken == {}
     await rig.close()
+
+
+async def test_what_is_told_again_when_it_changes_is_forgotten_with_the_records(tmp_path: Path) -> None:
+    rig = Rig(tmp_path)
+    rig.switch.set(Faults(max_body=4000))
+    rig.whole = [{"id": "urn:ngsi-ld:AgriParcel:hof:f1", "type": "AgriParcel", "name": "x" * 5000}]
+    await rig.run(2)
+    alert(rig, "a", size=5000)
+    await rig.run(2)
+    assert (len(rig.mirror.not_taken), len(rig.refused.all())) == (1, 1)
+    assert await rig.mirror.forget_refused() == 2
+    assert (rig.mirror.not_taken, rig.refused.all()) == ({}, [])
+    rig.mirror.tell_whole()
+    await rig.run(2)
+    assert len(rig.mirror.not_taken) == 1
+    await rig.close()
