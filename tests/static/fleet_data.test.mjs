@@ -54,3 +54,18 @@ test('a group of the filter that is gone is let go, and one that is not known ye
   assert.equal(HL.fleet.filter.state, 'working');
   assert.equal(said.length, 1);
 });
+
+
+test('an answer that a newer one overtook changes nothing any more', async () => {
+  const { HL } = screen({});
+  const waiting = [];
+  HL.port.api = () => new Promise((resolve) => waiting.push(resolve));
+  const first = HL.fleet.loadDuty();
+  const second = HL.fleet.loadDuty();
+  const duty = (user) => ({ ok: true, duty: { 'weeder-01': { user } }, people: [], book: [] });
+  waiting[1](duty('anna'));
+  await second;
+  waiting[0](duty('martha'));
+  await first;
+  assert.equal(HL.fleet.duty['weeder-01'].user, 'anna');
+});

@@ -5,9 +5,14 @@
   let duty = null;
   let isUsed = false; // a farm where nobody takes robots is not told that nobody has them
 
+  let asked = 0;
+  let answered = 0;
+
   async function load() {
+    const number = (asked += 1);
     const answer = await HL.port.api("GET", "/fleet/duty");
-    if (!answer.ok) return; // the names that are shown stay
+    if (!answer.ok || number < answered) return; // the names that are shown stay, also before an answer that a newer one overtook
+    answered = number;
     duty = answer.duty;
     isUsed = Object.values(duty).some((one) => one.user);
     HL.repaint();

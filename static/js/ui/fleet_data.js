@@ -20,9 +20,13 @@
   const can = (right) => HL.config.rights.includes(right);
   const changed = () => (data.listeners.forEach((listener) => listener()), HL.repaint());
 
+  const asked = {}; // by path: how often it was asked for, and the newest of these answers
+  const answered = {};
   async function load(path, take) {
+    const number = (asked[path] = (asked[path] ?? 0) + 1);
     const answer = await HL.port.api("GET", path);
-    if (answer.ok) {
+    if (answer.ok && number > (answered[path] ?? 0)) { // one that a newer answer overtook says nothing any more
+      answered[path] = number;
       take(answer);
       look();
     }
