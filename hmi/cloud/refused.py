@@ -16,6 +16,7 @@ from hmi.cloud.outbox import Piece, Rank
 from hmi.fiware.urn import KeyValues
 
 MOST, MOST_BYTES = 500, 32 * 2**20
+MOST_UNREAD = 20_000  # of what arrived while the file could not be read: some hours of a farm's events
 MAX_WHY = 300
 _TABLE = """
 CREATE TABLE IF NOT EXISTS refused (
@@ -148,6 +149,8 @@ class RefusedRecords:
         gone = self._known.keys() & refs
         for ref in gone:
             self._drop(ref)
+        if not self._is_read and len(self._unforgotten) < MOST_UNREAD:
+            self._unforgotten.update(refs)  # an older record of them may be in the file
         if gone:
             await self.settle()
 

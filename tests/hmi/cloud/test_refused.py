@@ -14,8 +14,9 @@ from backend_clients.ngsi.identifier import EntityRef
 from backend_clients.simulator.context_broker.faults import Faults
 from hmi.clock import FakeClock
 from hmi.cloud import refused as refused_module
+from hmi.cloud.kept_file import OutboxUnusable
 from hmi.cloud.outbox import Piece, Rank
-from hmi.cloud.refused import RefusedFile, RefusedRecords
+from hmi.cloud.refused import Refused, RefusedFile, RefusedRecords
 from hmi.service_link import NEEDS_PERSON, LinkState
 from tests.hmi.cloud.rig import Rig
 
@@ -217,3 +218,27 @@ async def test_what_is_told_again_when_it_changes_is_forgotten_with_the_records(
     await rig.run(2)
     assert len(rig.mirror.not_taken) == 1
     await rig.close()
+
+
+async def test_what_arrived_while_the_file_could_not_be_read_makes_the_record_in_it_of_no_use(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock, ref = FakeClock(), EntityRef("urn:ngsi-ld:Alert:hof:a", "Alert")
+    before = RefusedRecords(RefusedFile(tmp_path / "refused.db"), clock)
+    await before.keep([(ref, Piece("weeder-01", Rank.ALARM, 1.0, "{}"), "413")])
+    await before.close()
+
+    file = RefusedFile(tmp_path / "refused.db")
+    after = RefusedRecords(file, clock)
+    with monkeypatch.context() as locked:
+        locked.setattr(file, "all", _locked)
+        await after.settle()
+        await after.arrived({ref})
+    await after.settle()
+    assert after.all() == []
+    assert file.all() == []
+    await after.close()
+
+
+def _locked() -> list[Refused]:
+    raise OutboxUnusable("refused.db: database is locked")
