@@ -7,6 +7,7 @@ import logging
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime, timedelta
+from functools import partial
 from typing import Any
 
 from fastapi import APIRouter
@@ -238,10 +239,10 @@ class AlarmRoom:
         self.watch.report(CONSOLE, "console", self._console.look(self._health, now_s))
         self.watch.report(CONSOLE, "notifications", self.notifications.findings())
         for name, look in self.further.items():
-            self.watch.report(CONSOLE, name, look())
-        self._look_at_gateway()
-        self._look_at_weather()
-        self._look_at_stations()
+            self._each(name, partial(self._look_further, name, look))
+        self._each("gateway", self._look_at_gateway)
+        self._each("weather", self._look_at_weather)
+        self._each("stations", self._look_at_stations)
         self._look_for_missing(now_s)
         if now_s - self._started_s >= GRACE_S:
             self.watch.let_go_restored(self._is_judged)
@@ -260,6 +261,15 @@ class AlarmRoom:
             due_s = loop.time() + ROUND_S
             await asyncio.sleep(ROUND_S)
             late_s = loop.time() - due_s
+
+    def _each(self, what: str, look: Callable[[], None]) -> None:
+        try:
+            look()
+        except Exception:  # a fault over one thing must not keep the robots from being looked at
+            log.exception("the supervision could not look at %s", what)
+
+    def _look_further(self, name: str, look: Callable[[], Findings]) -> None:
+        self.watch.report(CONSOLE, name, look())
 
     def _look_at_gateway(self) -> None:
         told = self._health_of.not_confirmed

@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from datetime import timedelta
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -18,6 +19,7 @@ from hmi.domain.alarm import life
 from hmi.domain.alarm.alarm import CONSOLE, Alarm, AlarmKey
 from hmi.domain.alarm.conditions import Change, Turn
 from hmi.domain.alarm.finding import Finding
+from hmi.domain.freshness import LOST_S
 from hmi.security.authorization import Authorizer
 from hmi.settings import Settings
 from hmi.store.alarms import Person
@@ -48,7 +50,7 @@ class Farm:
         """Return the alarms of a console as it starts."""
         records = Records(self.settings, self.clock, lambda _robot_id: False)
         records.open()
-        fleet = FleetStore(self.clock.mono_s)
+        fleet = self.fleet = FleetStore(self.clock.mono_s)
         fleet.set_registry([Entry("w")])
         room = AlarmRoom(
             self.settings, self.clock, records, fleet, Authorizer(records.robots.of_any_farm),
@@ -160,3 +162,18 @@ async def test_a_robot_that_comes_back_after_it_was_taken_out_has_nothing_put_as
         assert {one.alarm.state.value for one in room.store.of("w")} == {"returned"}
         why = "It was taken out of the registry."
         assert steps[2:] == [("unshelved", why), ("in_service", why)]
+
+
+async def test_a_fault_over_the_cloud_or_the_stations_keeps_no_alarm_of_a_robot_from_coming(farm: Farm) -> None:
+    def fails() -> Any:
+        raise RuntimeError("a fault of ours")
+
+    async with farm.room() as room:
+        room.further["cloud"] = room.stations = fails
+        room.further["planner"] = lambda: (Finding("planner-away", "It does not answer."),)
+        farm.fleet.put_heartbeat("w", boot="b", challenge="c", heard_s=farm.clock.mono_s())
+        await farm.pass_time(room, 1)
+        farm.clock.advance(LOST_S)
+        farm.fleet.refresh_links()
+        await farm.pass_time(room, 1860, step_s=20)
+        assert {PLANNER, LINK} <= _states(room).keys()
