@@ -17,6 +17,7 @@ _WIDER_M = (0.0, 0.1, 0.2, 0.4, 0.7, 1.1, 1.7, 2.6, 4.0, 6.0, 9.0)
 _WIDER = sorted(((later, sooner) for later in _WIDER_M for sooner in _WIDER_M), key=sum)
 _MOST_TRIES = 250  # places of corners looked at for one way
 _MOST_CORNERS = 300  # of a way of kilometres
+_LAST_TRIES = _MOST_CORNERS  # after those a way is ended as it comes; each turn on the spot would double them
 _STRAIGHT_RAD = math.radians(0.5)
 _STEP_M = 0.05
 _STEP_RAD = math.radians(8)
@@ -61,6 +62,8 @@ class BentWay:
         corners = self._corners
         if k == len(corners) - 1:
             return True
+        if self._left <= -_LAST_TRIES:
+            return False
         there = corners[k]
         u, v = _unit(there - corners[k - 1]), _unit(corners[k + 1] - there)
         for later_m, sooner_m in _WIDER:

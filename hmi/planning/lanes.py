@@ -21,6 +21,7 @@ from hmi.planning.bent_way import BentWay
 from hmi.planning.dubins import Pose
 from hmi.planning.ground import bends_of, erode, polygons_of
 from hmi.planning.links import Linker
+from hmi.planning.plan import GENTLE_RAD, headings
 from hmi.planning.polyline import distinct, length_m, part_of, pose_at
 from hmi.planning.projection import Floats
 from hmi.planning.ways import Ways
@@ -165,8 +166,7 @@ class Lanes:
             stop = pose_at(first, left_m)
             for turn in self._turns(start, stop):
                 kept = part_of(first, left_m, whole_m)
-                joined = distinct(np.vstack([turn[-1], kept])) if len(kept) > 1 else turn[-1]
-                found.append((sum(map(length_m, turn)) - left_m, [*turn[:-1], joined, *pieces[1:]]))
+                found.append((sum(map(length_m, turn)) - left_m, [*turn[:-1], *_fused(turn[-1], [kept]), *pieces[1:]]))
         return min(found, key=lambda one: one[0])[1] if found else None
 
     def _left_m(self, whole_m: float) -> Iterator[float]:
@@ -184,9 +184,13 @@ class Lanes:
             yield turns
 
 
-def _fused(kept: Floats, turn: list[Floats]) -> list[Floats]:
-    """Join a turn to the piece that leads to it."""
-    return [distinct(np.vstack([kept, turn[0]])), *turn[1:]] if len(kept) > 1 else turn
+def _fused(before: Floats, after: list[Floats]) -> list[Floats]:
+    """Join a piece to the one that leads to it; where they meet in a corner the machine turns on the spot."""
+    if len(before) < 2 or len(after[0]) < 2:
+        return after if len(before) < 2 else [before, *after[1:]]
+    if abs(math.remainder(float(headings(after[0])[0] - headings(before)[-1]), 2 * math.pi)) > GENTLE_RAD:
+        return [before, *after]
+    return [distinct(np.vstack([before, after[0]])), *after[1:]]
 
 
 def _nearest(area: BaseGeometry, place: Place) -> tuple[float, float]:

@@ -209,9 +209,10 @@ class Missions:
         def change(_session: Session, mission: Mission, document: Document) -> tuple[Mission, Document]:
             if mission.status not in EDITABLE:
                 raise MissionRefused("in_use", f"{mission.name} is {mission.status.value}. Copy it instead.")
+            if not document:  # whoever has the draft open is told when they save it
+                return replace(mission, name=name, revision=mission.revision + 1), document
             # what a robot drove stays as it was, bit by bit: to go on, it asks for that
-            is_kept = mission.status in ENDED or not document
-            return replace(mission, name=name), document if is_kept else renamed(document, name=name)
+            return replace(mission, name=name), document if mission.status in ENDED else renamed(document, name=name)
 
         return self._change(farm_id, mission_id, change, by, "Renamed.", {"name": name})
 

@@ -5,8 +5,8 @@ import vm from 'node:vm';
 import { test } from 'node:test';
 
 const HL = { el: () => ({}), icon: () => ({}), queue: {} };
-vm.runInNewContext(fs.readFileSync(new URL('../../static/js/ui/queue_calendar.js', import.meta.url), 'utf8'), { HL });
-const { comesAgain } = HL.queue;
+for (const one of ['queue_data', 'queue_calendar']) vm.runInNewContext(fs.readFileSync(new URL(`../../static/js/ui/${one}.js`, import.meta.url), 'utf8'), { HL });
+const { comesAgain, calendarDays } = HL.queue;
 const week = ['2026-06-15', '2026-06-16', '2026-06-17', '2026-06-18', '2026-06-19', '2026-06-20', '2026-06-21', '2026-06-22']; // from a Monday
 const again = (rule, first = '2026-06-15') => week.filter((date) => comesAgain(rule, first, date)).map((date) => Number(date.slice(8)));
 
@@ -27,4 +27,11 @@ test('days are counted through a change of the clocks', () => {
   const rule = { kind: 'every_n_days', days: [], every_days: 2, until: null };
   assert.equal(comesAgain(rule, '2026-10-24', '2026-10-26'), true);
   assert.equal(comesAgain(rule, '2026-10-24', '2026-10-25'), false);
+});
+
+test('a job that runs since yesterday stands in the cell of today', () => {
+  const now = Date.parse('2026-06-15T06:00Z');
+  const entry = { id: 'a', robot_id: 'r', mission_id: 'm', name: 'Night', state: 'open', status: 'running', started_utc: '2026-06-14T20:00Z', earliest_utc: null, repeat: null };
+  const days = calendarDays({ entries: [entry], ended: [], blackouts: [], zone: 'UTC' }, { robot_id: 'r' }, now, Date.parse('2026-06-15'));
+  assert.equal(days.map((one) => one.rows.map((row) => `${one.date} ${row.told} ${row.name}`)).flat().join(), '2026-06-15 now Night');
 });

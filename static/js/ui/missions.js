@@ -43,7 +43,7 @@
       this.rows = new Map();
       this.missions = [];
       this.chosen = "";
-      this.planButton = el("button", { type: "button", class: "h-btn pri", "data-testid": "mission-plan", onclick: () => this.plan() }, icon("add", "m"), "Plan a mission");
+      this.planButton = el("button", { type: "button", class: "h-btn pri", "data-testid": "mission-plan", onclick: () => this.leaving(() => this.plan()) }, icon("add", "m"), "Plan a mission");
       this.search = el("input", { class: "h-input", type: "search", placeholder: "Search", "aria-label": "Search missions", oninput: () => this.draw() });
       this.said = el("div");
       this.list = el("div", { class: "h-mlist", role: "list" });
@@ -78,11 +78,16 @@
     tab(key) {
       if (key === "plan") {
         if (!this.may.edit) return HL.toast(this.dataset.noEdit, "lock");
-        this.showTab("plan");
-        return this.plan();
+        return this.leaving(() => this.plan());
       }
-      if (key === "list" && this.form) this.close();
+      if (key === "list" && this.form) return this.leaving(() => (this.close(), this.showTab(key)));
       return this.showTab(key);
+    }
+
+    // what was changed in a draft and not saved is asked about first, wherever the form is left to
+    leaving(leave) {
+      const { form } = this;
+      return form?.keeper ? form.keeper.leave(() => (form.end(), leave())) : leave();
     }
 
     showTab(key) {
@@ -138,7 +143,7 @@
       this.bulk.replaceChildren(...(this.picked === null ? [] : [HL.missionsBulk.bar(picked, this.may, () => (this.select(false), this.load(false)))]));
       this.said.replaceChildren(...(this.missions.length ? (found.length ? [] : [empty("Nothing found", words ? "No mission has these words." : "No mission is there now.")]) : [el("div", { "data-testid": "missions-empty" }, empty("No missions yet", this.may.edit ? "Plan a mission" : this.dataset.noEdit))]));
       for (const one of found) {
-        if (!this.rows.has(one.id)) this.rows.set(one.id, new Row(one, (id) => this.open(id), (id, isOn) => this.pick(id, isOn)));
+        if (!this.rows.has(one.id)) this.rows.set(one.id, new Row(one, (id) => this.leaving(() => this.open(id)), (id, isOn) => this.pick(id, isOn)));
         this.rows.get(one.id).paint(one, one.id === this.chosen, this.picked === null ? null : this.picked.has(one.id));
       }
       this.list.replaceChildren(...found.map((one) => this.rows.get(one.id).node));

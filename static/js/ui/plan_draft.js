@@ -39,6 +39,8 @@
         ? await HL.port.api("PUT", `/missions/${encodeURIComponent(form.draft.id)}/draft`, { ...given, revision: form.draft.revision })
         : await HL.port.api("POST", "/missions/drafts", given);
       this.button.disabled = false;
+      // the form was left before the answer came: what is open now stays open
+      if (!form.node.isConnected) return HL.toast(answer.ok ? `${answer.data.name} is kept as a draft` : `${given.name} was not kept: ${answer.text || "no answer"}`, answer.ok ? "check" : "block");
       if (!answer.ok) {
         text(form.problem, `Not kept: ${answer.text || "no answer. Try again."}`);
         return form.steps.preview.open();

@@ -30,7 +30,7 @@
     return Array.from({ length: DAYS }, (_, k) => text(first + k * DAY)).map((date) => {
       const rows = [];
       for (const bar of bars) {
-        const start = local(bar.from, queue.zone);
+        const start = local(bar.look === "running" ? now : bar.from, queue.zone); // one of yesterday that goes on is today's
         if (start.slice(0, 10) === date) rows.push({ at: start.slice(11), told: at(bar, start.slice(11)), name: bar.entry?.name ?? bar.name, entry: bar.entry, look: bar.look, isAgain: false });
         const planned = bar.entry?.earliest_utc ? local(Date.parse(bar.entry.earliest_utc), queue.zone) : start;
         if (bar.entry?.state === "open" && comesAgain(bar.entry.repeat, planned.slice(0, 10), date)) rows.push({ at: planned.slice(11), told: planned.slice(11), name: bar.entry.name, entry: bar.entry, look: "again", isAgain: true });
@@ -67,8 +67,8 @@
       const none = found.every((one) => !one.rows.length) ? el("span", { class: "h-t13 h-2" }, "Nothing in this week") : "";
       return el("section", { class: "q-weekrow", "aria-label": `Week of ${robot.name}` }, el("div", { class: "q-name" }, el("b", { class: "h-t16 h-ell" }, robot.name), none), ...cells);
     });
-    return el("div", { class: "q-week", "data-testid": "queue-calendar" }, head, names, ...rows);
+    return el("div", { class: "q-cal", "data-testid": "queue-calendar" }, head, names, ...rows);
   }
 
-  Object.assign(HL.queue, { calendar, comesAgain });
+  Object.assign(HL.queue, { calendar, comesAgain, calendarDays: days });
 })();

@@ -81,6 +81,18 @@ async def test_what_others_saved_meanwhile_is_neither_overwritten_nor_planned_ov
     assert (known.status, known.wish) == (MissionStatus.DRAFT, CHOSEN)
 
 
+async def test_a_name_that_somebody_gave_meanwhile_is_not_overwritten(rig: Rig) -> None:
+    draft = await kept(rig)
+    async with rig.client(Role.PLANNER) as client:
+        renamed = await client.patch(f"/missions/{draft['id']}", json={"name": "Beans, north"})
+        late = await put(client, draft, CHOSEN, 1)
+    assert renamed.json()["revision"] == 2
+    assert (late.status_code, late.json()["code"]) == (409, "draft_changed")
+    known = rig.missions.known(draft["id"])
+    assert known is not None
+    assert known.name == "Beans, north"
+
+
 async def test_a_draft_that_was_planned_or_deleted_is_one_no_more(rig: Rig) -> None:
     draft = await kept(rig)
     plan = {**CHOSEN, "draft_id": draft["id"], "draft_revision": 1}

@@ -116,6 +116,39 @@ def test_row_orders_are_compared_and_the_tapped_one_is_stored_and_sent(
     ]
 
 
+@pytest.mark.parametrize("hook", ["missions-tab-list", "missions-tab-plan"])
+def test_changes_of_a_draft_are_asked_about_wherever_its_form_is_left_to(look: Look, hook: str) -> None:
+    page = look("/operate", role="supervisor", size="landscape")
+    played = PlayedPlans(page)
+    played.missions = [mission("m-1", "draft", wish={"width_m": 3}, revision=1, name="Beans", statistics={}, sha256="")]
+    page.get_by_test_id("nav-missions").click()
+    page.get_by_test_id("draft-open").click()
+    page.get_by_test_id("plan-width").fill("4")
+    page.get_by_test_id(hook).click()
+    expect(page.get_by_test_id("draft-leave")).to_contain_text("Beans was changed and not saved.")
+    page.get_by_test_id("draft-leave").get_by_role("button", name="Leave them").click()
+    title = page.get_by_test_id("plan-title")
+    expect(title).to_have_count(0) if hook == "missions-tab-list" else expect(title).to_have_text("Plan a mission")
+
+
+def test_an_answer_about_a_draft_that_was_left_does_not_take_the_form_that_is_open_now(look: Look) -> None:
+    page = look("/operate", role="supervisor", size="landscape")
+    played = PlayedPlans(page)
+    waiting: list[Route] = []
+    page.route("**/api/v1/missions/drafts", lambda route: waiting.append(route))
+    page.get_by_test_id("nav-missions").click()
+    page.get_by_test_id("mission-plan").click()
+    page.get_by_test_id("plan-draft").click()
+    expect(page.get_by_test_id("plan-draft")).to_be_disabled()
+    page.get_by_test_id("missions-tab-plan").click()
+    expect(page.get_by_test_id("plan-draft")).to_be_enabled()
+    kept = mission("m-2", "draft", wish={}, revision=1, name="Beans", statistics={}, sha256="")
+    played.missions = [kept, *played.missions]
+    waiting[0].fulfill(status=201, content_type="application/json", body=json.dumps(kept))
+    expect(page.get_by_test_id("toast")).to_contain_text("Beans is kept as a draft")
+    expect(page.get_by_test_id("plan-title")).to_have_text("Plan a mission")
+
+
 OFFERED = """() => {
   const ring = (lon) => [[lon, 52], [lon + 0.002, 52], [lon + 0.002, 52.002], [lon, 52.002], [lon, 52]];
   const field = ([id, lon]) => ({

@@ -112,6 +112,20 @@ def test_each_robot_says_what_it_waits_for_and_keys_move_missions(
     expect(page.get_by_test_id("queue-entry-a")).to_contain_text("Waits: wind 6.1 m/s, limit 5.0.")
 
 
+def test_days_of_a_blackout_window_stand_beside_each_other_and_the_calendar_fills_the_screen(
+    show: Callable[..., tuple[Page, PlayedQueue]],
+) -> None:
+    page, _ = show(whole(), role="supervisor")
+    page.get_by_test_id("queue-blackouts-open").click()
+    page.get_by_role("button", name="Add a window").click()
+    days = page.get_by_role("group", name="Days on which it begins").get_by_role("button")
+    tops = {round((one.bounding_box() or {"y": 0.0})["y"]) for one in days.all()}
+    assert (days.count(), len(tops)) == (7, 1)
+    page.keyboard.press("Escape")
+    page.get_by_test_id("queue-look-calendar").click()
+    expect(page.get_by_test_id("queue-calendar")).to_have_css("align-self", "stretch")
+
+
 def test_dragging_a_bar_before_another_one_moves_it(show: Callable[..., tuple[Page, PlayedQueue]]) -> None:
     page, played = show(whole())
     bar, goal = page.get_by_test_id("queue-bar-c").bounding_box(), page.get_by_test_id("queue-bar-a").bounding_box()

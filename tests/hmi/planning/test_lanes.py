@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 from shapely.geometry import LineString, Polygon
 
 from hmi.domain.mission_plan import PlanRefused
+from hmi.planning.bent_way import BentWay
 from hmi.planning.coverage import plan_coverage
 from hmi.planning.ground import Ground
 from hmi.planning.job import Job
@@ -19,7 +21,7 @@ from hmi.planning.lanes import Lanes
 from hmi.planning.links import Linker
 from hmi.planning.machine import RobotProfile
 from hmi.planning.path_check import check_path
-from hmi.planning.plan import LegKind, headings
+from hmi.planning.plan import GENTLE_RAD, LegKind, headings
 from hmi.planning.projection import Floats
 from tests.hmi.planning.grounds import square
 
@@ -122,3 +124,34 @@ def test_whatever_way_is_found_stays_on_the_ground_and_can_be_steered(
         assert len(way) == 1
         assert ground.outside_m(way[0]) == 0
         assert _is_driven(way[0], radius_m)
+
+
+def test_where_two_pieces_meet_in_a_corner_it_turns_on_the_spot_between_them() -> None:
+    machine = RobotProfile(3.75, 1.86, 1.875, turning_radius_m=4.0, can_pivot=True)
+    lane = LineString([(0, 0), (15, 0)]).buffer(1.23)
+    road = LineString([(13, 0), (15, 0), (15.45, -9.7), (7.29, -10.16)]).buffer(2.66)
+    ground = Ground(shapely.union_all([shapely.Point(0, 0).buffer(2.4), lane, road]), machine)
+    end = (7.29, -10.16, -1.357)
+    for way in (Lanes(Linker(ground)).from_place((0.0, 0.0), end), Lanes(Linker(ground)).to_place(end, (0.0, 0.0))):
+        assert way is not None
+        assert max(float(np.abs(np.diff(np.unwrap(headings(line)))).max(initial=0.0)) for line in way) <= GENTLE_RAD
+        assert all(math.dist(a[-1], b[0]) < 0.02 for a, b in pairwise(way))
+        assert sum(ground.outside_m(line) for line in way) == 0
+
+
+def test_a_corner_too_tight_behind_many_roomy_ones_is_given_up_soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    machine, asked, fits = RobotProfile(), [0], Ground.fits
+
+    def counted(self: Ground, points: Floats, *, is_crop_free: bool = False, is_backward: bool = False) -> bool:
+        asked[0] += 1
+        assert asked[0] < 3000
+        return fits(self, points, is_crop_free=is_crop_free, is_backward=is_backward)
+
+    zigzag = [(12.0 * k, 5.0 * (k % 2)) for k in range(21)]
+    (x, y), tight = zigzag[-1], (zigzag[-1][0] + 20, zigzag[-1][1])
+    wide = LineString(zigzag).buffer(3, join_style="mitre", cap_style="flat")
+    lane = LineString([(x - 1, y), tight, (x + 20, y + 25)]).buffer(1, join_style="mitre")
+    ground = Ground(shapely.union_all([wide, lane]), machine)
+    monkeypatch.setattr(Ground, "fits", counted)
+    way = np.array([*zigzag, tight, (x + 20, y + 25)])
+    assert BentWay(Linker(ground), way, machine.turning_radius_m).pieces() is None
