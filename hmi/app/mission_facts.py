@@ -6,9 +6,10 @@ import asyncio
 import logging
 from typing import Any, NamedTuple
 
-from hmi.commands.map_watch import MapWatch
+from hmi.commands.map_watch import MapWatch, flown_of
 from hmi.commands.ports import FleetReader
 from hmi.commands.refusal import OrderRefused
+from hmi.domain.mission_rest import kept_of
 from hmi.domain.planned_machine import battery_share_on
 from hmi.domain.robot import Factsheet
 from hmi.presenters.start_checks import BATTERY_RESERVE, MissionFacts, Place
@@ -33,6 +34,12 @@ class _Around(NamedTuple):
     map_number: int | None
     map_text: str | None
     flight_text: str | None
+    flown: int | None
+    kept: int
+
+    def is_from(self, flown: int | None) -> bool:
+        """Say whether its path was looked at from there: beyond what a rest kept, all of the path is, always."""
+        return self.kept == 0 or _up_to(self.kept, flown) == _up_to(self.kept, self.flown)
 
 
 class MissionFactsBook:
@@ -54,10 +61,10 @@ class MissionFactsBook:
             return None
         robot = self._fleet.robot(mission.robot_id or "")
         sheet = None if robot is None else robot.factsheet
-        around, key = self._around.get(mission_id), self._key(mission, sheet)
-        is_known = around is not None and around.key == key
+        around, key, flown = self._around.get(mission_id), self._key(mission, sheet), flown_of(mission, robot)
+        is_known = around is not None and around.key == key and around.is_from(flown)
         if not is_known and mission_id not in self._reading:
-            task = asyncio.get_running_loop().create_task(self._read(mission, sheet), name="mission facts")
+            task = asyncio.get_running_loop().create_task(self._read(mission, sheet, flown), name="mission facts")
             self._reading[mission_id] = task
         figures = mission.statistics
         return MissionFacts(
@@ -94,7 +101,7 @@ class MissionFactsBook:
             task.cancel()
         await asyncio.gather(*self._reading.values(), return_exceptions=True)
 
-    async def _read(self, mission: Mission, sheet: Factsheet | None) -> None:
+    async def _read(self, mission: Mission, sheet: Factsheet | None, flown: int | None) -> None:
         key = self._key(mission, sheet)
         try:
             document = await self._database.run(self._missions.document, mission.farm_id, mission.id)
@@ -103,16 +110,19 @@ class MissionFactsBook:
             start = await asyncio.to_thread(_start, document)  # the first one loads the geometry
             number = mission.planned_on(document)
             text = await self._map_text(mission.farm_id, number, document)
-            in_flight = await self._flight_text(mission.farm_id, document, sheet)
-            self._around[mission.id] = _Around(key, start, fences, number, text, in_flight)
+            in_flight = await self._flight_text(mission.farm_id, document, sheet, flown)
+            kept = kept_of(document)
+            self._around[mission.id] = _Around(key, start, fences, number, text, in_flight, flown, kept)
         except (NotFound, StoreError) as error:
             log.info("nothing is known around mission %s: %s", mission.id, error)
         finally:
             self._reading.pop(mission.id, None)
 
-    async def _flight_text(self, farm_id: str, document: dict[str, Any], sheet: Factsheet | None) -> str:
+    async def _flight_text(
+        self, farm_id: str, document: dict[str, Any], sheet: Factsheet | None, flown: int | None
+    ) -> str:
         try:
-            await self._watch.check_flight(farm_id, document, sheet)
+            await self._watch.check_flight(farm_id, document, sheet, flown)
         except OrderRefused as refused:
             return refused.text
         return ""
@@ -125,6 +135,10 @@ class MissionFactsBook:
         except OrderRefused as refused:
             return refused.text[0].upper() + refused.text[1:]
         return ""
+
+
+def _up_to(kept: int, flown: int | None) -> int:
+    return kept if flown is None else min(flown, kept)
 
 
 def _start(document: dict[str, Any]) -> Place:

@@ -14,7 +14,8 @@ import msgspec
 from hmi.commands.plan_wish import is_flying, surroundings_of
 from hmi.commands.refusal import IN_FLIGHT_PATH, MAP_CHANGED, OrderRefused
 from hmi.domain.map_log import MapFeatures
-from hmi.domain.robot import Factsheet
+from hmi.domain.mission_rest import Progress
+from hmi.domain.robot import Factsheet, Robot
 from hmi.mapping.errors import BadFeature
 from hmi.mapping.feature import MapFeature, parse_feature
 from hmi.mapping.jobs import compare
@@ -22,6 +23,7 @@ from hmi.store.database import Database
 from hmi.store.errors import NotFound
 from hmi.store.features import Feature
 from hmi.store.maps import Maps
+from hmi.store.missions import Mission
 
 if TYPE_CHECKING:
     from hmi.mapping.diff import Difference
@@ -86,11 +88,16 @@ class MapWatch:
         text = f"map is v{now.number} now, plan uses v{planned_on}. Plan again. {told}{more}."
         raise OrderRefused(MAP_CHANGED, text)
 
-    async def check_flight(self, farm_id: str, document: Mapping[str, Any], sheet: Factsheet | None) -> None:
+    async def check_flight(
+        self, farm_id: str, document: Mapping[str, Any], sheet: Factsheet | None, flown: int | None = None
+    ) -> None:
         """Return if nothing on the map as it is now stands in the path of what flies; at once for what does not.
 
         Asked of each path, not of what changed since it was planned: the robot may fly lower now, and plans of before
         knew no heights.
+
+        Args:
+            flown: segments that are behind the robot, see ``flown_of``.
 
         Raises:
             OrderRefused: something does, or may.
@@ -98,7 +105,7 @@ class MapWatch:
         if not is_flying(sheet):
             return
         features = await self.features_of(farm_id, (await self.now(farm_id)).number)
-        text = await asyncio.to_thread(_met_in_flight, document, features or [], sheet)
+        text = await asyncio.to_thread(_met_in_flight, document, features or [], sheet, flown)
         if text:
             raise OrderRefused(IN_FLIGHT_PATH, text)
 
@@ -112,6 +119,18 @@ class MapWatch:
         return await asyncio.to_thread(_near, before, after, document)
 
 
+def flown_of(mission: Mission, robot: Robot | None) -> int | None:
+    """Return how many segments of a mission are behind its robot, ``None`` if nobody knows.
+
+    What the robot says now goes before what it said last; the segments that a rest kept have the same numbers in both.
+    """
+    order = None if robot is None or robot.state is None else robot.state.order
+    if order is not None and order.mission_id == mission.id and order.sha256 == mission.sha256:
+        return order.segment
+    progress = Progress.from_json(mission.progress)
+    return None if progress is None else progress.segment
+
+
 def _near(before: MapFeatures, after: MapFeatures, document: Mapping[str, Any]) -> list[Difference]:
     from hmi.mapping.near_path import NearPath  # geometry: only a newer map needs it
 
@@ -119,11 +138,13 @@ def _near(before: MapFeatures, after: MapFeatures, document: Mapping[str, Any]) 
     return compare(near.of(_parsed(before)), near.of(_parsed(after)))
 
 
-def _met_in_flight(document: Mapping[str, Any], features: list[Feature], sheet: Factsheet | None) -> str:
+def _met_in_flight(
+    document: Mapping[str, Any], features: list[Feature], sheet: Factsheet | None, flown: int | None
+) -> str:
     from hmi.mapping.flight_path import met_in_flight
 
     parcel = {"type": "Polygon", "coordinates": document["parcel"]}
-    return met_in_flight(document, surroundings_of(features, parcel, None, sheet))
+    return met_in_flight(document, surroundings_of(features, parcel, None, sheet), flown)
 
 
 def _parsed(features: MapFeatures) -> Iterator[MapFeature]:

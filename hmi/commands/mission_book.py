@@ -11,7 +11,7 @@ from typing import Any
 
 from hmi.clock import Clock
 from hmi.commands.audit_line import audit_line
-from hmi.commands.map_watch import MapStamp, MapWatch
+from hmi.commands.map_watch import MapStamp, MapWatch, flown_of
 from hmi.commands.mission_machine import misfit, planned_machine
 from hmi.commands.plan_wish import FAR_M, PlanOrder, metres, wish_for
 from hmi.commands.ports import AuditSink, FleetReader, StoredMission
@@ -266,7 +266,7 @@ class MissionBook:
         robot = self._parts.fleet.robot(robot_id)
         if robot is not None:
             _refuse_if_far(robot, mission, document)
-            await self._map.check_flight(farm_id, document, robot.factsheet)
+            await self._map.check_flight(farm_id, document, robot.factsheet, flown_of(mission, robot))
         note = await self._map.check(farm_id, mission.planned_on(document), document)
         if is_fresh:  # the same bytes again would be no new beginning for a robot that has them
             statistics = self._with_machine(mission, statistics)

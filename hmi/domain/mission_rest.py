@@ -59,6 +59,14 @@ class Progress:
         return None if not raw else cls(**{name: raw[name] for name in cls.__slots__ if name in raw})
 
 
+def kept_of(document: Mapping[str, Any]) -> int:
+    """Return how many segments the rest of a mission kept of the one before, 0 for a whole mission.
+
+    Of a rest that was changed under way the last of them are still ahead of the robot.
+    """
+    return int((document.get("continues") or {}).get("segments", 0))
+
+
 @dataclass(frozen=True, slots=True)
 class Piece:
     """A row or headland lap still to do, or a piece of one.

@@ -8,16 +8,18 @@ from typing import Any
 import pytest
 
 from hmi.app.mission_facts import MissionFactsBook
-from hmi.commands.map_watch import MapWatch
+from hmi.commands.map_watch import MapWatch, flown_of
 from hmi.commands.plan_wish import PlanOrder
 from hmi.commands.refusal import OrderRefused
 from hmi.commands.start_rules import MissionStartRules
 from hmi.domain.map_log import FeatureChange, Transaction
+from hmi.domain.mission_document import mission_sha256
 from hmi.domain.robot import OrderStatus
 from hmi.domain.role import Role
 from hmi.presenters.start_checks import start_checks
 from hmi.store.checklists import Checklists
 from hmi.store.maps import Maps
+from hmi.store.mission_revisions import MissionRevisions
 from hmi.store.missions import Mission
 from tests.hmi.missions.rig import FARM, Rig, lon_lat, order
 from tests.hmi.planning.test_flight import KITE
@@ -135,3 +137,52 @@ async def test_who_drives_is_asked_nothing_of_heights(rig: Rig) -> None:
     held = order(mission.id, mission.sha256, OrderStatus.LOADED)
     rig.fleet.robots["weeder-01"] = replace(rig.fleet.robots["weeder-01"], factsheet=None)
     rules.check_flight(rig.fleet.report("weeder-01", held, 1.0), held)
+
+
+async def test_what_a_rest_kept_counts_as_long_as_it_is_ahead_of_the_robot(rig: Rig) -> None:
+    mission = await planned(rig, height_m=12)
+    document = rig.missions.document(FARM, mission.id)
+    kept = len(document["segments"])  # changed in flight: the rest begins behind all of them
+    rest = {**document, "continues": {"base_sha256": mission.sha256, "segments": kept}}
+    publish(rig, height_m=27)
+    watch = MapWatch(Maps(rig.database, rig.clock), rig.database)
+    sheet = rig.fleet.robots["weeder-01"].factsheet
+
+    async def told(flown: int | None) -> str:
+        try:
+            await watch.check_flight(FARM, rest, sheet, flown)
+        except OrderRefused as refused:
+            return refused.text
+        return ""
+
+    assert "Silo is in its path" in await told(0)
+    assert await told(kept) == await told(None) == ""
+    held = order(mission.id, mission.sha256, OrderStatus.RUNNING)
+    assert flown_of(mission, rig.fleet.report("weeder-01", held, 1.0)) == held.segment
+    assert flown_of(mission, None) is None
+    elsewhere = replace(mission, progress={"sha256": "0" * 64, "segment": 7, "segment_s_m": 1.0})
+    assert flown_of(elsewhere, rig.fleet.report("weeder-01", replace(held, mission_id="other"), 1.0)) == 7
+
+
+async def test_a_rest_is_looked_at_again_as_its_robot_comes_on(rig: Rig) -> None:
+    mission = await planned(rig, height_m=12)
+    document = rig.missions.document(FARM, mission.id)
+    rest = {**document, "continues": {"base_sha256": mission.sha256, "segments": len(document["segments"])}}
+    revisions = MissionRevisions(rig.missions, rig.database, rig.clock)
+    sha256 = mission_sha256(rest)
+    revisions.propose(FARM, mission.id, rest, dict(mission.statistics), "Anna", "")
+    revisions.take(FARM, mission.id, sha256, "Anna", "")
+    publish(rig, height_m=27)
+    watch = MapWatch(Maps(rig.database, rig.clock), rig.database)
+    facts = MissionFactsBook(rig.missions, rig.features, watch, rig.database, rig.fleet)
+    held = order(mission.id, sha256, OrderStatus.PAUSED)
+
+    async def told(segment: int) -> str | None:
+        rig.fleet.report("weeder-01", replace(held, segment=segment), 1.0)
+        facts.in_flight(mission.id)
+        for task in tuple(facts._reading.values()):
+            await task
+        return facts.in_flight(mission.id)
+
+    assert "Silo is in its path" in (await told(0) or "")
+    assert await told(len(document["segments"])) == ""
