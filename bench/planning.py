@@ -154,7 +154,8 @@ def _path_for(published: Published, job: Job, plan: Plan) -> int | None:
         return None
     before_m2, after_m2 = _worked_m2(legs[: low - 1], job), _worked_m2(legs[:low], job)
     share = (wanted_m2 - before_m2) / (after_m2 - before_m2)
-    return round(sum(leg.length_m for leg in legs[: low - 1]) + share * legs[low - 1].length_m)
+    length_m: float = sum(leg.length_m for leg in legs[: low - 1]) + share * legs[low - 1].length_m
+    return round(length_m)
 
 
 def _worked_m2(legs: Sequence[Leg], job: Job) -> float:

@@ -83,7 +83,7 @@ def _ours(server: viser.ViserServer) -> Callable[[int], None]:
             for robot in range(ROBOTS):
                 x_m, turn, joints = _where(robot, number)
                 posture = Posture(Place((x_m, 8.0 * robot, 0.0), yaw(turn)), joints)
-                world.show(f"robot-{robot}", form, posture, has_ghost=False)
+                world.show(f"robot-{robot}", form, posture, 0.1 * number, has_ghost=False)
 
     return move
 

@@ -237,7 +237,7 @@ def _crowd(site: Site) -> Iterator[subprocess.Popen[str]]:
 def _used_s(process: psutil.Process) -> float:
     """Return the CPU a process used so far."""
     times = process.cpu_times()
-    return times.user + times.system
+    return float(times.user + times.system)
 
 
 def _units(crowd: subprocess.Popen[str]) -> int:
