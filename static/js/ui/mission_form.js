@@ -55,13 +55,14 @@
         robot: new Step(1, "Robot and home", "robot", ...this.inputs.where(), this.mend),
         field: new Step(2, "Field", "field", input("field_id")),
         treatment: new Step(3, "Treatment", "treatment", this.treatment.node),
-        preview: new Step(4, "Preview", "preview", ...this.inputs.how(), this.previewButton, this.problem),
+        preview: new Step(4, "Preview", "preview", ...this.inputs.how()),
         send: new Step(5, "Send", "send"),
       };
       this.steps.send.tell("Sending does not move the robot.");
       this.form = el("form", { class: "p-steps", novalidate: true, onsubmit: (event) => (event.preventDefault(), this.isPlanning ? this.cancel() : this.look()) },
         el("div", { class: "h-row h-wrap p-title" }, el("button", { type: "button", class: "h-btn q ico", "aria-label": "Back to the missions", onclick: () => this.leave() }, icon("arrow_back")), el("h2", { class: "h-sp h-ell", "data-testid": "plan-title" }, this.draft?.name ?? "Plan a mission"), el("span", { class: "h-row" }, this.keeper.button, el("button", { type: "button", class: "h-btn", "data-testid": "plan-templates", onclick: () => HL.planner.templates.choose((one) => this.apply(one)) }, "Templates"))),
-        ...Object.values(this.steps).map((step) => step.node));
+        ...Object.values(this.steps).map((step) => step.node),
+        el("div", { class: "p-go" }, this.problem, this.previewButton)); // in sight wherever the form is scrolled to
       this.picture = new Picture();
       this.scrubber = new Scrubber((t) => this.picture.place(t));
       this.picture.node.append(this.scrubber.node);
