@@ -123,8 +123,9 @@ export function paintDial(context, dial, palette, isChosen) {
   line(context, [[-7, 4], [0, -5], [7, 4]], palette.ink, 2.4);
   context.restore();
   disc(context, cx, cy, 5.5, { fill: palette.ink });
-  // inside the circle, above the bar: outside, corners and lengths of the field stand
-  const isLeft = kx < cx;
-  if (isSet) haloText(context, degreesText(bearing), kx + (isLeft ? 24 : -24), ky - 26, { palette, size: 18, weight: 700, align: isLeft ? 'left' : 'right' });
+  // beside the bar, half way to the knob: at the rim and outside stand corners and lengths of the field
+  const aside = 16 + 24 * Math.abs(Math.cos(angle));
+  const [x, y] = [(cx + kx) / 2 + Math.cos(angle) * aside, (cy + ky) / 2 + Math.sin(angle) * aside];
+  if (isSet) haloText(context, degreesText(bearing), x, y, { palette, size: 18, weight: 700, align: 'center' });
   else haloText(context, 'Row direction not set', cx, cy + radius * 0.55, { palette, size: 14, weight: 650, align: 'center' });
 }

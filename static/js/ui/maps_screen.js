@@ -11,6 +11,7 @@
     build() {
       this.may = { edit: this.dataset.mayEdit === "yes", take: this.dataset.mayTake === "yes" };
       this.chosen = [];
+      this.shownChoice = "";
       this.tool = "select";
       this.checks = null;
       this.client = new M.MapClient({ changed: () => this.changed(), replaced: () => this.replaced(), patched: (changes) => this.patched(changes), refused: (labels, why) => this.refused(labels, why), looked: (words) => HL.toast(words, "info") });
@@ -324,6 +325,7 @@
       attr(this, "data-state", client.isEditing ? "draft" : client.published ? "published" : "loading");
       attr(this, "data-features", client.features.size);
       if (!client.published) return;
+      if (!this.shownChoice) this.listTop = this.side.scrollTop;
       const reason = this.editReason();
       const lock = this.lockReason();
       this.tools.paint(this.tool, reason, this.editor?.drawingReason ?? "");
@@ -341,6 +343,15 @@
       });
       this.chips.paint(client);
       this.cloud.follow();
+      this.beginAtTop();
+    }
+
+    // another choice is read from its name on; the list of the farm stays where it was scrolled to
+    beginAtTop() {
+      const shown = this.chosen.join(" ");
+      if (shown === this.shownChoice) return;
+      this.shownChoice = shown;
+      this.side.scrollTop = shown ? 0 : this.listTop;
     }
 
     paintHint() {

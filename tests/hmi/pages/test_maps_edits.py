@@ -24,6 +24,17 @@ def test_the_chosen_parcel_shows_its_measures_and_attributes(show: Show) -> None
     expect(page.get_by_test_id("feature-row-bearing-deg")).to_have_value("11.5")
 
 
+def test_a_field_tapped_far_down_the_list_is_read_from_its_name_on(show: Show) -> None:
+    page = show()
+    side = page.get_by_role("complementary", name="Details")
+    side.evaluate("node => { node.style.height = '120px'; node.style.flex = 'none'; node.scrollTop = 40; }")
+    expect(page.get_by_test_id("feature-row-nordfeld")).to_be_visible()
+    assert side.evaluate("node => node.scrollTop") == 40
+    page.evaluate("document.querySelector('[data-testid=feature-row-nordfeld]').click()")
+    expect(page.get_by_test_id("feature-name")).to_be_visible()
+    assert side.evaluate("node => node.scrollTop") == 0
+
+
 def test_an_attribute_is_saved_as_a_change_that_can_be_undone_and_redone(show: Show, theatre: Theatre) -> None:
     page = editing(show())
     choose(page, "nordfeld")
