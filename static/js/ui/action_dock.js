@@ -17,6 +17,7 @@
     if (verdict && !verdict.ok) return verdict.reason;
     const gate = action === "start" || (action === "resume" && groups.why?.code === "continued") ? HL.startChecks ? HL.startChecks.reason(robot) : "The checks are being loaded" : "";
     if (gate) return gate;
+    if (action === "fresh" && !HL.rest) return "What it forgets is being loaded";
     return NEEDS_CONTROL.has(action) ? HL.lease.obstacle(robot) : "";
   }
 
@@ -46,6 +47,7 @@
 
   const order = (action) => () => HL.port.command(HL.view.robot, action);
   const onRobot = () => HL.port.robot(HL.view.robot).mission;
+  const forgotten = () => HL.rest?.forgets(onRobot()) ?? "";
   // others may send a mission at any moment: the order names the one that was shown when the slide began
   const shown = () => [onRobot()?.id, onRobot()?.sha256];
   const start = (action) => ([mission_id, mission_sha256]) => HL.port.command(HL.view.robot, action, { mission_id, mission_sha256, checklist_id: HL.startChecks?.recordId(HL.view.robot) ?? null });
@@ -79,8 +81,8 @@
     drive: (dock) => [button("drive-open", "sports_esports", "Drive", () => HL.drive.open(HL.view.robot)), "drive"],
     start: (dock) => [slide(dock, { hook: "mission-start", label: "Slide to start", line: motionLine(), seen: shown, act: start("start") }), "start", motionLine],
     checks: () => [checks(), null],
-    later: () => [button("mission-later", "history", "Resume later", () => void HL.rest?.later(onRobot()), "pri", "Drives back, goes on where it stopped"), "later"],
-    fresh: (dock) => [slide(dock, { hook: "mission-fresh", icon: "refresh", label: "Hold to start fresh", line: HL.rest?.forgets(HL.port.robot(HL.view.robot).mission), goal: "refresh", isHold: true, button: { icon: "refresh", label: "Start fresh" }, act: () => HL.rest.fresh(onRobot().id) }), "fresh"],
+    later: () => [button("mission-later", "history", "Resume later", () => void HL.late("rest").then((rest) => rest?.later(onRobot())), "pri", "Drives back, goes on where it stopped"), "later"],
+    fresh: (dock) => [slide(dock, { hook: "mission-fresh", icon: "refresh", label: "Hold to start fresh", line: forgotten(), goal: "refresh", isHold: true, button: { icon: "refresh", label: "Start fresh" }, act: () => HL.rest.fresh(onRobot().id) }), "fresh", forgotten],
     resume: (dock) => [slide(dock, { hook: "mission-resume", label: "Slide to resume", line: motionLine(), seen: shown, act: start("resume") }), "resume", motionLine],
     reset: (dock) => [slide(dock, { hook: "stop-reset", label: "Slide to reset stop", line: "Robot stays still. Check the area is clear.", goal: "lock_open", seen: () => HL.stops.openIds(HL.view.robot), act: reset }), "reset"],
     endManual: (dock) => [button("drive-close", "autoplay", "End manual", () => HL.drive.end() ?? HL.port.command(HL.view.robot, "drive_close"), "pri"), null],
@@ -114,7 +116,7 @@
   }
 
   function checks() {
-    const made = button("mission-checks", "check", "Checks", () => void HL.startChecks?.open(HL.view.robot));
+    const made = button("mission-checks", "check", "Checks", () => void HL.late("startChecks").then((list) => list?.open(HL.view.robot)));
     const sub = made.node.querySelector(".sub");
     return { ...made, allow: () => text(sub, HL.startChecks?.summary(HL.view.robot) ?? "") };
   }

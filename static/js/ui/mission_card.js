@@ -20,9 +20,9 @@
       const fact = (label, ...nodes) => el("div", {}, el("div", { class: "h-h" }, label), ...nodes);
       this.figure = el("span");
       this.area.append(this.figure, this.of);
-      this.change = el("button", { type: "button", class: "h-btn h-cardbtn", "data-testid": "mission-change", onclick: () => HL.rest?.change(HL.port.robot(HL.view.robot).mission) }, icon("edit_road", "m"), "Change the rest");
+      this.change = el("button", { type: "button", class: "h-btn h-cardbtn", "data-testid": "mission-change", onclick: () => HL.late("rest").then((rest) => rest?.change(HL.port.robot(HL.view.robot).mission)) }, icon("edit_road", "m"), "Change the rest");
       this.pending = el("div", { class: "h-t14 h-b", role: "status", "data-testid": "mission-pending", hidden: true }, "Update sent, not confirmed");
-      this.full = el("div", {},
+      this.full = el("div", { class: "h-now" },
         el("div", { class: "h-row h-base top" }, el("span", { class: "h-t18 h-b" }, "Row"), this.row, this.rows, el("span", { class: "h-sp" }), this.share),
         this.ticks,
         el("div", { class: "h-facts" }, fact("Area", this.area), fact("Done at", this.done), fact("Left", this.leftTime)), this.pending, this.change);

@@ -20,14 +20,22 @@
   }
 
   // scripts that only this screen needs, those of data-late after the first picture; its elements come to life when they have arrived
-  const loaded = new Set();
+  const loaded = new Map();
   function load(src) {
-    if (loaded.has(src)) return;
-    loaded.add(src);
-    const script = el("script", { src });
-    script.async = false; // the first named comes first
-    script.onerror = () => (loaded.delete(src), HL.toast("This screen did not load. Open it again.", "cloud_off"));
-    document.head.append(script);
+    if (!loaded.has(src)) loaded.set(src, new Promise((done) => {
+      const script = el("script", { src, onload: done });
+      script.async = false; // the first named comes first
+      script.onerror = () => (loaded.delete(src), HL.toast("This screen did not load. Open it again.", "cloud_off"), done());
+      document.head.append(script);
+    }));
+    return loaded.get(src);
+  }
+  const sources = (list) => (list || "").split(" ").filter(Boolean);
+
+  // what a late script brings, for who asks before it has come; undefined where it did not load
+  async function late(name) {
+    if (!HL[name]) await Promise.all(sources(document.querySelector("hl-screen")?.dataset.late).map(load));
+    return HL[name];
   }
 
   // a section pressed before its script has come: it says so at once and is the one that opens
@@ -42,7 +50,6 @@
     connectedCallback() {
       show(this);
       if (this.querySelector("[data-tab]")) this.addEventListener("click", pressEarly);
-      const sources = (list) => (list || "").split(" ").filter(Boolean);
       for (const src of sources(this.dataset.code)) load(src);
       if (this.dataset.late) HL.port.firstPicture().then(() => sources(this.dataset.late).forEach(load));
     }
@@ -112,5 +119,5 @@
   define("hl-pick-robot", PickRobot);
   define("hl-connecting", Connecting);
   define("hl-dock-hint", DockHint);
-  Object.assign(HL, { go, load, startScreens: () => define("hl-screen", Screen) });
+  Object.assign(HL, { go, load, late, startScreens: () => define("hl-screen", Screen) });
 })();

@@ -8,7 +8,7 @@ import urllib.request
 from collections.abc import Callable
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Route, expect
 
 from tests.hmi.pages.conftest import SIZES, TABLETS, Theatre
 from tests.hmi.pages.fingers import hold
@@ -357,3 +357,17 @@ def test_the_screen_stays_on_exactly_while_one_has_control(look: Look, theatre: 
     page.wait_for_function("window.locks.every((lock) => !lock.isOn)")
     page.get_by_test_id("user-menu").click()
     expect(page.get_by_test_id("stay-awake")).to_have_text("This screen stays on while you have control.")
+
+
+def test_what_is_pressed_before_its_script_has_come_opens_when_it_has(look: Look, theatre: Theatre) -> None:
+    """The sheets of a mission come after the first picture, which takes seconds on a slow tablet."""
+    theatre.play("idle")
+    page = look("/fleet")
+    held: list[Route] = []
+    page.route("**/static/bundle/run.js*", lambda route: held.append(route))
+    with page.expect_request("**/static/bundle/run.js*"):
+        page.goto("/operate/weeder-07")
+        page.get_by_test_id("mission-checks").click()
+    expect(page.get_by_test_id("start-sheet")).to_have_count(0)
+    held[0].continue_()
+    expect(page.get_by_test_id("start-sheet")).to_be_visible()
