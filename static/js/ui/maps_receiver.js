@@ -76,5 +76,13 @@
     }
   }
 
-  Object.assign(HL.maps, { TABLET, TabletReceiver, RobotReceiver, tabletWhy: why });
+  // where this tablet is, once and roughly: {place: [lon, lat]} or {problem}
+  function tabletPlace() {
+    const problem = why();
+    if (problem) return Promise.resolve({ problem });
+    const ask = (found, failed) => navigator.geolocation.getCurrentPosition(found, failed, { maximumAge: 60000, timeout: 20000 });
+    return new Promise((done) => ask(({ coords }) => done({ place: [coords.longitude, coords.latitude] }), (error) => done({ problem: WHY[error.code] ?? "This tablet gives no position." })));
+  }
+
+  Object.assign(HL.maps, { TABLET, tabletPlace, TabletReceiver, RobotReceiver, tabletWhy: why });
 })();

@@ -187,9 +187,16 @@
         late: () => el("div", { class: "h-card h-skeleton m-loading", "data-testid": "maps-loading" }, el("span", { class: "h-t14 h-2" }, "Loading map. It is large, or the link is slow."), ...bars()),
         error: () => el("div", { class: "h-card h-notice", role: "alert", "data-testid": "maps-error" }, icon("cloud_off", "l"), el("b", { class: "h-t18 h-b" }, "Map did not load"), el("span", { class: "h-2" }, this.failure.text || "Server did not answer. STOP still works."), again),
         kept: () => el("div", { class: "h-card m-kept", role: "alert", "data-testid": "maps-error" }, icon("cloud_off", "m"), el("span", { class: "h-b" }, `Map did not load. Showing v${version} from this tablet.`), again),
-        empty: () => el("div", { class: "h-card h-notice m-empty", "data-testid": "maps-empty" }, el("b", { class: "h-t18 h-b" }, "No map yet"), el("span", { class: "h-2" }, this.may.edit ? "Draw a field, walk its edge, or import" : this.dataset.noEdit), this.may.edit ? el("div", { class: "h-row h-wrap" }, el("button", { type: "button", class: "h-btn pri", "data-testid": "empty-draw", onclick: () => this.start() }, icon("pentagon", "m"), "Draw a field"), el("button", { type: "button", class: "h-btn", onclick: () => this.file.click() }, icon("upload_file", "m"), "Import")) : ""),
+        empty: () => el("div", { class: "h-card h-notice m-empty", "data-testid": "maps-empty" }, el("b", { class: "h-t18 h-b" }, "No map yet"), el("span", { class: "h-2" }, this.may.edit ? "Draw a field, walk its edge, or import" : this.dataset.noEdit), this.may.edit ? el("div", { class: "h-row h-wrap" }, el("button", { type: "button", class: "h-btn pri", "data-testid": "empty-draw", onclick: () => this.start() }, icon("pentagon", "m"), "Draw a field"), el("button", { type: "button", class: "h-btn", onclick: () => this.file.click() }, icon("upload_file", "m"), "Import"), el("button", { type: "button", class: "h-btn", "data-testid": "empty-here", onclick: () => this.lookHere() }, icon("my_location", "m"), "Go to where I am")) : ""),
       }[state];
       this.notice.replaceChildren(...(made ? [made()] : []));
+    }
+
+    // a farm that has neither map nor robots yet lies anywhere
+    async lookHere() {
+      const { place, problem } = await M.tabletPlace();
+      if (problem) return HL.toast(problem, "block");
+      return this.surface.fit(M.robotSite([{ lon: place[0], lat: place[1] }]));
     }
 
     notices() {

@@ -30,7 +30,7 @@ export class MapEditor {
   choose(position) { this.vertex = { position }; this.options.onPoint(position); }
   setTool(name) { this.host.dataset.tool = name; }
   select(ids) { this.selected = ids; this.host.dataset.selected = ids.join(' '); }
-  fit(all) { this.host.dataset.fit = (all ?? []).map((one) => one.id ?? one).join(' '); }
+  fit(all) { this.host.dataset.fit = (all ?? []).map((one) => one.id ?? one).join(' '); this.fitted = all; }
   setFindings(all) { this.host.dataset.findings = all.length; }
   setSnap(isOn) { this.calls.push(['snap', isOn]); }
   setSeveral(isOn) { this.calls.push(['several', isOn]); }

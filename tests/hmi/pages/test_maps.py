@@ -55,6 +55,21 @@ def test_an_empty_map_says_how_to_begin(show: Show) -> None:
     expect(page.get_by_test_id("maps-empty")).to_have_count(0)
 
 
+def test_an_empty_map_goes_to_where_the_tablet_is_or_says_why_not(show: Show) -> None:
+    page = show(is_empty=True, is_new=True)
+    page.context.grant_permissions([])
+    page.get_by_test_id("empty-here").click()
+    expect(page.locator(".h-toast")).to_contain_text("This tablet may not tell its position. Allow it")
+    page.context.grant_permissions(["geolocation"])
+    page.context.set_geolocation({"latitude": 52.1, "longitude": 5.3})
+    page.get_by_test_id("empty-here").click()
+    page.wait_for_function("surface.fitted?.[0]?.geometry")
+    (west, south), (east, north) = page.evaluate("surface.fitted[0].geometry.coordinates")
+    assert west < 5.3 < east
+    assert south < 52.1 < north
+    assert east - west < 0.01
+
+
 @pytest.mark.long
 def test_an_error_gives_a_way_to_try_again(show: Show, theatre: Theatre) -> None:
     page = show(is_down=True)
