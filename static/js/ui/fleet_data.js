@@ -32,7 +32,7 @@
     }
     return answer;
   }
-  const loadGroups = () => load("/fleet/groups", (answer) => (Object.assign(data, { groups: answer.groups, areGroupsKnown: true }), isGroupGone() && setFilter({})));
+  const loadGroups = () => load("/fleet/groups", (answer) => (Object.assign(data, { groups: answer.groups, areGroupsKnown: true }), isGroupGone() && setFilter({}), HL.emit("hl-groups")));
   const loadViews = () => load("/fleet/views", (answer) => (data.views = answer.views));
   const loadDuty = () => load("/fleet/duty", (answer) => Object.assign(data, { duty: answer.duty, freed: answer.freed ?? {}, people: answer.people, book: answer.book }));
   const loadDay = () => load("/fleet/kpis", (answer) => (data.day = { ...answer, at: performance.now() }));

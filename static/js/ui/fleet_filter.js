@@ -29,13 +29,23 @@
     return el("label", { class: "f-check" }, box, el("span", {}, label));
   };
 
+  // draws now and whenever somebody saved or deleted a group, as long as the node is shown
+  function whileOpen(node, draw) {
+    draw();
+    const again = () => (node.isConnected ? draw() : window.removeEventListener("hl-groups", again));
+    window.addEventListener("hl-groups", again);
+  }
+
   function openFilters() {
-    const { filter, groups } = HL.fleet;
+    const { filter } = HL.fleet;
     const families = Object.entries(HL.fleetOrder.FAMILIES).filter(([key]) => HL.fleet.items.some((one) => one.robot.family === key));
     const state = el("select", { class: "h-select", "data-testid": "fleet-filter-state", onchange: () => HL.fleet.setFilter({ state: state.value }) }, ...STATES.map(([value, label]) => el("option", { value }, label)));
-    const group = el("select", { class: "h-select", "data-testid": "fleet-filter-group", onchange: () => HL.fleet.setFilter({ group: group.value }) }, el("option", { value: "" }, "Any group"), ...groups.map((one) => el("option", { value: one.id }, `${one.name} (${one.robots.length})`)));
+    const group = el("select", { class: "h-select", "data-testid": "fleet-filter-group", onchange: () => HL.fleet.setFilter({ group: group.value }) });
     state.value = filter.state;
-    group.value = filter.group;
+    whileOpen(group, () => {
+      group.replaceChildren(el("option", { value: "" }, "Any group"), ...HL.fleet.groups.map((one) => el("option", { value: one.id }, `${one.name} (${one.robots.length})`)));
+      group.value = HL.fleet.filter.group;
+    });
     const kinds = families.map(([key, label]) => check(label, filter.families.includes(key), `fleet-filter-${key}`, (isOn) => HL.fleet.setFilter({ families: isOn ? [...HL.fleet.filter.families, key] : HL.fleet.filter.families.filter((one) => one !== key) })));
     HL.sheet({
       title: "Filters and views", hook: "fleet-filters",
@@ -93,13 +103,16 @@
   }
 
   function groupsOf() {
-    if (!HL.fleet.groups.length) return "";
     const list = el("div", { class: "f-kept" });
-    const draw = () => list.replaceChildren(...HL.fleet.groups.map((one) => el("div", { class: "h-row" },
-      el("button", { type: "button", class: "h-btn f-view", "data-testid": `fleet-choose-${one.id}`, onclick: () => (HL.fleet.chooseAll(one.robots.filter((id) => id in HL.port.fleet())), HL.closeSheet()) }, `Choose ${one.name}`, el("span", { class: "h-2" }, ` ${one.robots.length}`)),
-      HL.fleet.can("pause") ? el("button", { type: "button", class: "h-btn q ico", "aria-label": `Delete group ${one.name}`, "data-testid": `fleet-group-drop-${one.id}`, onclick: () => dropGroup(one) }, icon("delete", "m")) : "")));
-    draw();
-    return el("section", { class: "f-kepts" }, el("b", { class: "h-t16" }, "Groups of this farm"), list);
+    const node = el("section", { class: "f-kepts" }, el("b", { class: "h-t16" }, "Groups of this farm"), list);
+    const draw = () => {
+      attr(node, "hidden", !HL.fleet.groups.length);
+      list.replaceChildren(...HL.fleet.groups.map((one) => el("div", { class: "h-row" },
+        el("button", { type: "button", class: "h-btn f-view", "data-testid": `fleet-choose-${one.id}`, onclick: () => (HL.fleet.chooseAll(one.robots.filter((id) => id in HL.port.fleet())), HL.closeSheet()) }, `Choose ${one.name}`, el("span", { class: "h-2" }, ` ${one.robots.length}`)),
+        HL.fleet.can("pause") ? el("button", { type: "button", class: "h-btn q ico", "aria-label": `Delete group ${one.name}`, "data-testid": `fleet-group-drop-${one.id}`, onclick: () => dropGroup(one) }, icon("delete", "m")) : "")));
+    };
+    whileOpen(node, draw);
+    return node;
   }
 
   Object.assign(HL, { FleetFilter, fleetFilters: openFilters, fleetFilterWords: filterWords });

@@ -145,6 +145,19 @@ def test_robots_whose_person_is_gone_are_named_to_a_supervisor_until_somebody_ta
     anna.wait_for_function("HL.fleet.duty['weeder-07'].user === 'supervisor'")
 
 
+def test_a_group_that_somebody_saves_meanwhile_is_offered_in_the_open_sheet(
+    look: Look, fleet: Callable[..., dict[str, Any]], theatre: Theatre
+) -> None:
+    page = look("/fleet")
+    page.get_by_test_id("fleet-filter").click()
+    expect(page.get_by_text("Groups of this farm")).to_be_hidden()
+    fleet(groups=[{"id": "g-0", "name": "North", "robots": ["weeder-07"], "changed_by": "Martha Keller"}])
+    theatre.alarms(tell=[{"kind": "fleet", "what": "groups"}])
+    expect(page.get_by_test_id("fleet-choose-g-0")).to_be_visible()
+    page.get_by_test_id("fleet-filter-group").select_option(label="North (1)")
+    expect(page.get_by_test_id("fleet-row-planter-02")).to_have_count(0)
+
+
 @pytest.mark.long
 def test_a_saved_view_and_a_group_survive_a_reload(look: Look, fleet: Callable[..., dict[str, Any]]) -> None:
     page = look("/fleet")
