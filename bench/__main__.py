@@ -7,7 +7,7 @@ import json
 import sys
 
 MODULES: dict[str, tuple[str, ...]] = {
-    "bench.stop": ("stop_idle_p99_ms", "stop_loaded_p99_ms", "stop_storm_p99_ms"),
+    "bench.stop": ("stop_idle_p99_ms", "stop_loaded_p99_ms", "stop_burst_p99_ms", "stop_storm_p99_ms"),
     "bench.fanout": ("fanout_cpu_pct", "fanout_naive_ratio"),
     "bench.ingest": ("ingest_4k_cpu_pct", "ingest_4k_lost"),
     "bench.alarm_watch": ("alarm_watch_cpu_pct", "alarm_burst_ms"),

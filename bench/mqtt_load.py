@@ -1,7 +1,8 @@
-"""Robots at a steady rate, cheap enough that the sender is not what is measured.
+"""Robots at a steady rate or in bursts, cheap enough that the sender is not what is measured.
 
 ``python -m bench.mqtt_load --port P --robots 200 --rate 4000 --seconds 10`` publishes and then prints one JSON line:
-how many messages, and the newest sequence of every robot and kind. Packets are written to the socket as MQTT 3.1.1
+how many messages, and the newest sequence of every robot and kind. With ``--burst 10000 --every 2`` so many come at
+once every 2 s, as after a broken link; ``--rate`` says nothing then. Packets are written to the socket as MQTT 3.1.1
 has them; per robot 10 telemetry, 5 heartbeats, 4 safety states and 1 acknowledgement (QoS 1) of 20 messages.
 """
 
@@ -102,29 +103,63 @@ def _discard(sock: socket.socket) -> None:
         return
 
 
+class Load:
+    """Makes one message after the other and counts them."""
+
+    def __init__(self, robots: int) -> None:
+        self.sent, self.acks, self.newest = 0, 0, dict[str, int]()
+        self._robots = robots
+        self._started_s = time.monotonic()
+
+    def passed_s(self) -> float:
+        """Return how long ago the first message could have been made."""
+        return time.monotonic() - self._started_s
+
+    def packets(self, count: int) -> bytes:
+        """Return the next ``count`` messages."""
+        return b"".join(self._next() for _ in range(count))
+
+    def told(self) -> dict[str, Any]:
+        """Return what was sent."""
+        return {"sent": self.sent, "acks": self.acks, "newest": self.newest}
+
+    def _next(self) -> bytes:
+        number, turn = self.sent % self._robots, self.sent // self._robots
+        kind = "ack" if turn % len(PATTERN) == ACK_AT else PATTERN[turn % len(PATTERN)]
+        self.sent += 1
+        self.acks += kind == "ack"
+        self.newest[f"{robot_id(number)}/{kind}"] = self.sent
+        payload = body(kind, number, self.sent, round(self.passed_s() * 1000) + 1)
+        packet_id = self.sent % 65535 + 1 if kind == "ack" else 0
+        return packet(f"headland/v1/{robot_id(number)}/{kind}", payload, packet_id)
+
+
 def publish(port: int, robots: int, rate: float, seconds: float) -> dict[str, Any]:
     """Publish at ``rate`` messages a second and return what was sent."""
     sock = connect(port)
-    started_s = time.monotonic()
-    sent, acks, newest = 0, 0, dict[str, int]()
-    while (passed_s := time.monotonic() - started_s) < seconds:
-        burst: list[bytes] = []
-        for _ in range(min(BURST, int(passed_s * rate) - sent)):
-            number, turn = sent % robots, sent // robots
-            kind = "ack" if turn % len(PATTERN) == ACK_AT else PATTERN[turn % len(PATTERN)]
-            sent += 1
-            acks += kind == "ack"
-            newest[f"{robot_id(number)}/{kind}"] = sent
-            payload = body(kind, number, sent, round((time.monotonic() - started_s) * 1000) + 1)
-            burst.append(
-                packet(f"headland/v1/{robot_id(number)}/{kind}", payload, sent % 65535 + 1 if kind == "ack" else 0)
-            )
-        if burst:
-            sock.sendall(b"".join(burst))
+    load = Load(robots)
+    while (passed_s := load.passed_s()) < seconds:
+        if due := min(BURST, int(passed_s * rate) - load.sent):
+            sock.sendall(load.packets(due))
         time.sleep(BEAT_S)
+    return _closed(sock, load)
+
+
+def publish_bursts(port: int, robots: int, size: int, every_s: float, seconds: float) -> dict[str, Any]:
+    """Publish ``size`` messages at once every ``every_s`` and return what was sent."""
+    sock = connect(port)
+    load = Load(robots)
+    while load.passed_s() < seconds:
+        begun_s = load.passed_s()
+        sock.sendall(load.packets(size))
+        time.sleep(max(0.0, begun_s + every_s - load.passed_s()))
+    return _closed(sock, load)
+
+
+def _closed(sock: socket.socket, load: Load) -> dict[str, Any]:
     time.sleep(0.5)
     sock.close()
-    return {"sent": sent, "acks": acks, "newest": newest}
+    return load.told()
 
 
 def main() -> None:
@@ -134,8 +169,14 @@ def main() -> None:
     parser.add_argument("--robots", type=int, default=200)
     parser.add_argument("--rate", type=float, default=4000)
     parser.add_argument("--seconds", type=float, default=10)
+    parser.add_argument("--burst", type=int, default=0)
+    parser.add_argument("--every", type=float, default=2)
     options = parser.parse_args()
-    print(json.dumps(publish(options.port, options.robots, options.rate, options.seconds)), flush=True)
+    if options.burst:
+        told = publish_bursts(options.port, options.robots, options.burst, options.every, options.seconds)
+    else:
+        told = publish(options.port, options.robots, options.rate, options.seconds)
+    print(json.dumps(told), flush=True)
 
 
 if __name__ == "__main__":

@@ -1,10 +1,11 @@
 """STOP: from a press to the last of 20 browsers showing the robot's acknowledgement.
 
-Prints ``stop_idle_p99_ms``, ``stop_loaded_p99_ms`` and ``stop_storm_p99_ms``. Ours is the gateway process with a real
-mosquitto and a robot in a process of its own that answers at once; the browsers are raw websockets here. *Loaded* is
-4,000 messages a second of 200 robots on the same broker, half of which the gateway has to read. *Storm* is a console
-that builds a heavy page every half second. The naive way is one NiceGUI process that also is the console: the press
-comes by its event, its loop sends, and labels show the answer (``bench.stop_naive``).
+Prints ``stop_idle_p99_ms``, ``stop_loaded_p99_ms``, ``stop_burst_p99_ms`` and ``stop_storm_p99_ms``. Ours is the
+gateway process with a real mosquitto and a robot in a process of its own that answers at once; the browsers are raw
+websockets here. *Loaded* is 4,000 messages a second of 200 robots on the same broker, half of which the gateway has to
+read. *Burst* is 10,000 of them at once every two seconds. *Storm* is a console that builds a heavy page every half
+second. The naive way is one NiceGUI process that also is the console: the press comes by its event, its loop sends, and
+labels show the answer (``bench.stop_naive``).
 """
 
 from __future__ import annotations
@@ -46,6 +47,7 @@ SECRET = secrets.token_hex(16)
 LOADS = {
     "stop_idle_p99_ms": "idle",
     "stop_loaded_p99_ms": "4,000 msg/s of 200 robots on the broker",
+    "stop_burst_p99_ms": "10,000 messages of 200 robots at once every 2 s",
     "stop_storm_p99_ms": "a heavy page is built every 0.5 s in the console's process",
 }
 
@@ -97,6 +99,8 @@ def loads(name: str, port: int) -> list[list[str]]:
     """Return the processes, as arguments of Python's ``-m``, that make the load called ``name``."""
     if name == "stop_loaded_p99_ms":
         return [["bench.mqtt_load", "--port", str(port), "--robots", "200", "--rate", "4000", "--seconds", "120"]]
+    if name == "stop_burst_p99_ms":
+        return [["bench.mqtt_load", "--port", str(port), "--robots", "200", "--burst", "10000", "--seconds", "120"]]
     return [["bench.stop", "--storm"]] if name == "stop_storm_p99_ms" else []
 
 
