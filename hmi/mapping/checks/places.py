@@ -6,9 +6,10 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from hmi.mapping.checks.finding import BLOCKS, Finding, Fix
-from hmi.mapping.coordinates import is_ring, paths
+from hmi.mapping.coordinates import paths
 from hmi.mapping.feature import MapFeature
 from hmi.mapping.ground import distance_m
+from hmi.mapping.operations.cut_antimeridian import can_cut
 
 FAR_M = 200_000.0
 
@@ -33,7 +34,7 @@ def antimeridian(features: Sequence[MapFeature]) -> Iterator[Finding]:
                 "Shape crosses the line of longitude 180.",
                 "Check its corners. If it lies there, it must be one feature on each side.",
                 at=list(paths(one.geometry)[0][0]),
-                fix=Fix("Cut at 180°", "cut_antimeridian", (one.id,)) if is_ring(one.geometry) else None,
+                fix=Fix("Cut at 180°", "cut_antimeridian", (one.id,)) if can_cut(one) else None,
             )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 import shapely
 
+from hmi.mapping.checks import check
 from hmi.mapping.feature import parse_feature
 from tests.hmi.mapping.farms import area, box, degrees, do, draft, line, metres, point, raw
 from tests.hmi.mapping.small_farm import BOW, FARM, HOLED, LANE, NORTH, label, refused
@@ -184,6 +185,24 @@ def test_an_area_across_longitude_180_becomes_one_on_each_side() -> None:
     assert [min(p[0] for p in one.geometry["coordinates"][0]) for one in (east, west)] == [-180.0, 179.99]
     assert west.properties == {"crop": "Taro"}
     assert refused("cut_antimeridian", FARM, ["east"]).code == "nothing_to_do"
+
+
+def test_a_road_across_longitude_180_becomes_one_on_each_side_with_one_tap() -> None:
+    places = [[179.98, -16.8], [179.99, -16.79], [-179.97, -16.75]]
+    road = parse_feature(raw("ring", "road", {"type": "LineString", "coordinates": places}, width_m=4))
+    fix = next(one.fix for one in check([road]) if one.code == "antimeridian")
+    assert fix is not None
+    assert (fix.label, fix.op) == ("Cut at 180°", "cut_antimeridian")
+    after = do("cut_antimeridian", draft(road), ["ring"])
+    east, west = after["ring"].geometry["coordinates"], after["ring-b"].geometry["coordinates"]
+    assert [west[0], west[-1]] == [[179.98, -16.8], [180.0, west[-1][1]]]
+    assert [east[0], east[-1]] == [[-180.0, west[-1][1]], [-179.97, -16.75]]
+    assert west[-1][1] == pytest.approx(-16.78, abs=1e-8)
+    assert not [one for one in check(list(after.values())) if one.code == "antimeridian"]
+    lanes = {"type": "MultiLineString", "coordinates": [places, [[1, 2], [1, 3]]]}
+    rows = parse_feature(raw("rows-9", "rows", lanes))
+    assert next(one.fix for one in check([rows]) if one.code == "antimeridian") is None
+    assert refused("cut_antimeridian", draft(rows), ["rows-9"]).code == "cannot_cut"
 
 
 def test_a_removed_parcel_takes_its_rows_along() -> None:
