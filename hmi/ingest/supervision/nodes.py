@@ -23,7 +23,7 @@ CODES = {"node-failed", "node-silent", "node-slow", "node-clock", "node-start-or
 class Nodes:
     """One alarm for each node and each thing that is wrong with it; one alone where no node is reported any more.
 
-    A node that is declared and was never heard is silent, too, while others are heard.
+    A node that is declared and was never heard is silent, too; where none of them was, that is one alarm.
 
     Args:
         slow_of: the type as it is set now; its limit is in percent of the usual rate.
@@ -63,7 +63,7 @@ class Nodes:
         if self._online_s is None:
             self._online_s = view.now_s
         if not nodes:
-            return None
+            return self._none_ever(robot, view.now_s)
         if nodes is not self._nodes:
             self._count_restarts(nodes, view.now_s)
             before = self._nodes
@@ -77,6 +77,18 @@ class Nodes:
         elif view.now_s >= self._due_s:
             self._judge(robot, view.now_s)
         return self._found
+
+    def _none_ever(self, robot: Robot, now_s: float) -> Findings | None:
+        """Judge a robot none of whose nodes was heard since the console started: its node supervisor may be dead."""
+        infos = () if robot.factsheet is None else robot.factsheet.nodes
+        if not infos or now_s <= max(self._missed_s(one, robot) for one in infos):
+            return None
+        text = (
+            f"None of its {len(infos)} nodes was ever heard."
+            if len(infos) > 1
+            else f"{infos[0].label} was never heard."
+        )
+        return (Finding("node-silent", text, since_s=self._online_s),)
 
     def _judge(self, robot: Robot, now_s: float) -> None:
         every = list(judge(robot, now_s).values())

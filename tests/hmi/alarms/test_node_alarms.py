@@ -174,6 +174,20 @@ async def test_a_declared_node_that_never_reports_is_an_alarm_while_others_are_h
         assert rig.states() == {"node-silent.weeder-01.camera": "returned"}
 
 
+async def test_a_robot_none_of_whose_nodes_was_ever_heard_has_one_alarm_that_ends_with_the_first() -> None:
+    async with AlarmRig(ROBOT) as rig:
+        begin(rig)
+        none = [node.name for node in NODES]
+        live(rig, 14, *none)
+        assert rig.states() == {}
+        live(rig, 10, *none)
+        [alarm] = rig.alarms.all()
+        told = ("node-silent.weeder-01", f"None of its {len(none)} nodes was ever heard.")
+        assert (alarm.id, alarm.alarm.text) == told
+        live(rig, 10)
+        assert rig.states() == {"node-silent.weeder-01": "returned"}
+
+
 async def test_a_node_that_was_never_heard_is_missed_by_the_slowest_period_of_the_others() -> None:
     async with AlarmRig(ROBOT) as rig:
         begin(rig)
