@@ -149,6 +149,7 @@ def test_a_side_that_nobody_heard_is_told_before_it_becomes_an_edge(show: Show, 
 def test_a_walk_goes_on_while_another_screen_is_shown_and_keeps_the_tablet_awake(show: Show, theatre: Theatre) -> None:
     page = show(is_new=True)
     page.context.add_init_script(WAKE_LOCK)
+    expect(page.get_by_test_id("editor-edit")).to_be_visible()  # or it is another screen that is loaded again
     page.reload()
     editing(page)
     page.get_by_test_id("editor-walk").click()
