@@ -62,6 +62,7 @@ class MachineStage:
         if wish.get("off"):
             self.wish = None
             self._registry(False)
+            self._fleet._left.clear()  # the next is another robot, of which nothing stands at the broker
             return
         if self.wish is None:
             self._registry(True)

@@ -209,9 +209,7 @@ def test_every_control_is_large_enough_and_nothing_is_cut(look: Look, machine: T
 @pytest.mark.long
 def test_a_robot_that_tells_nothing_of_its_inside_says_so(look: Look, machine: Theatre) -> None:
     machine.machine(off=True)
-    page = look("/fleet")
-    page.wait_for_function("HL.port.server().isKnown && !HL.port.fleet()['planter-09']")  # what it told is forgotten
     machine.machine(is_mute=True)
-    page.goto(SCREEN)
+    page = look(SCREEN)
     expect(page.locator("hl-super-nodes")).to_contain_text("Planter 09 tells nothing of its nodes.")
     expect(page.locator("hl-super-functions")).to_contain_text("Planter 09 does not tell what it can do.")
