@@ -41,7 +41,7 @@ def let_it_drive(martha: Person, calm: Installation) -> None:
     """Start the stored mission and wait until the robot is under way."""
     send_mission(martha)
     martha.operate(ROBOT)
-    martha.slide("mission-start")
+    martha.slide_into("mission-start", "auto")  # locked until its nodes are heard
     wait_for(lambda: calm.world(ROBOT)["speed_mps"] > 0.1, within_s=20, what="it drives")
 
 
@@ -75,7 +75,7 @@ def test_a_start_asked_while_the_broker_is_dead_never_acts(person: Come, calm: I
     before_m = calm.world(ROBOT)["distance_m"]
     os.kill(calm.pid("broker"), signal.SIGSTOP)
     try:
-        martha.slide("mission-start")
+        martha.slide_into("mission-start", "auto")  # locked until its nodes are heard
         martha.page.wait_for_timeout(3000)
     finally:
         os.kill(calm.pid("broker"), signal.SIGCONT)
