@@ -9,7 +9,7 @@ test('what concerns no robot is looked at anew when the number of robots changes
   const alarms = {};
   const counted = [];
   const fleetOrder = { worstAlarms: () => ({}), notices: (_alarms, all) => (counted.push(Object.keys(all).length), []), rank() {}, judge: () => ({}), isMoved: () => false };
-  const HL = { config: { user: null, rights: [] }, keep: { read: (_key, otherwise) => otherwise, write() {} }, repaint() {}, words: {}, LOST_MS: 3500, fleetOrder, port: { fleet: () => robots, ids: new Set() } };
+  const HL = { config: { user: null, rights: [] }, keep: { read: (_key, otherwise) => otherwise, write() {} }, repaint() {}, emit() {}, words: {}, LOST_MS: 3500, fleetOrder, port: { fleet: () => robots, ids: new Set() } };
   const lane = { state: (topic) => (topic === 'alarms' ? { alarms } : {}), now: () => 0 };
   const context = vm.createContext({ HL, window: { headland: lane, addEventListener() {} }, performance, setTimeout, setInterval });
   vm.runInContext(fs.readFileSync(new URL('../../static/js/ui/fleet_data.js', import.meta.url), 'utf8'), context);
@@ -29,7 +29,7 @@ function screen(answers, kept = {}) {
   const heard = {};
   const fleetOrder = { worstAlarms: () => ({}), notices: () => [], rank() {}, judge: () => ({}), isMoved: () => false };
   const port = { fleet: () => ({}), ids: new Set(), api: async (_method, path) => (asked.push(path), answers[path] ?? { ok: false }) };
-  const HL = { config: { user: null, rights: [] }, keep: { read: () => kept, write() {} }, repaint() {}, words: {}, LOST_MS: 3500, fleetOrder, port, toast: (words) => said.push(words) };
+  const HL = { config: { user: null, rights: [] }, keep: { read: () => kept, write() {} }, repaint() {}, emit() {}, words: {}, LOST_MS: 3500, fleetOrder, port, toast: (words) => said.push(words) };
   const lane = { state: () => null, now: () => 0, on: (topic, fn) => ((heard[topic] = fn), () => {}) };
   const context = vm.createContext({ HL, window: { headland: lane, addEventListener() {} }, performance, setTimeout, setInterval: () => 0 });
   vm.runInContext(fs.readFileSync(new URL('../../static/js/ui/fleet_data.js', import.meta.url), 'utf8'), context);
