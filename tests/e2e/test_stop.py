@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import signal
 from collections.abc import Callable
 
@@ -37,6 +38,7 @@ def test_one_press_leads_to_confirmed_standstill_with_the_time_of_each_step(pers
     martha.press_stop()
     martha.sees("stop", "standstill")
     steps = martha.hook("stop-steps")
+    expect(steps).to_have_attribute("data-standstill-ms", re.compile(r"\d"))  # drawn a frame after the slab
     sent, acknowledged, standing = (
         float(steps.get_attribute(f"data-{name}-ms") or "nan") for name in ("sent", "ack", "standstill")
     )
