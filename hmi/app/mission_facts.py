@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from hmi.commands.map_watch import MapWatch, flown_of
 from hmi.commands.ports import FleetReader
 from hmi.commands.refusal import OrderRefused
-from hmi.domain.mission_rest import kept_of
+from hmi.domain.mission_rest import kept_behind, kept_of
 from hmi.domain.planned_machine import battery_share_on
 from hmi.domain.robot import Factsheet
 from hmi.presenters.start_checks import BATTERY_RESERVE, MissionFacts, Place
@@ -39,7 +39,7 @@ class _Around(NamedTuple):
 
     def is_from(self, flown: int | None) -> bool:
         """Say whether its path was looked at from there: beyond what a rest kept, all of the path is, always."""
-        return self.kept == 0 or _up_to(self.kept, flown) == _up_to(self.kept, self.flown)
+        return kept_behind(self.kept, flown) == kept_behind(self.kept, self.flown)
 
 
 class MissionFactsBook:
@@ -135,10 +135,6 @@ class MissionFactsBook:
         except OrderRefused as refused:
             return refused.text[0].upper() + refused.text[1:]
         return ""
-
-
-def _up_to(kept: int, flown: int | None) -> int:
-    return kept if flown is None else min(flown, kept)
 
 
 def _start(document: dict[str, Any]) -> Place:

@@ -67,6 +67,11 @@ def kept_of(document: Mapping[str, Any]) -> int:
     return int((document.get("continues") or {}).get("segments", 0))
 
 
+def kept_behind(kept: int, flown: int | None) -> int:
+    """Return how many of the segments that a rest kept are behind the robot: all, where nobody knows how far it is."""
+    return kept if flown is None else min(flown, kept)
+
+
 @dataclass(frozen=True, slots=True)
 class Piece:
     """A row or headland lap still to do, or a piece of one.

@@ -10,7 +10,7 @@ import shapely
 
 from hmi.domain.flight import in_the_way
 from hmi.domain.mission_plan import Surroundings
-from hmi.domain.mission_rest import kept_of
+from hmi.domain.mission_rest import kept_behind, kept_of
 from hmi.planning.projection import LocalFrame
 from hmi.planning.surroundings import area_of
 
@@ -26,8 +26,7 @@ def met_in_flight(document: Mapping[str, Any], around: Surroundings, flown: int 
         flown: segments behind the robot: what the rest kept of the mission before and is still ahead counts, too.
     """
     frame = LocalFrame(document["datum"]["lat_deg"], document["datum"]["lon_deg"])
-    kept = kept_of(document)
-    first = kept if flown is None else min(flown, kept)
+    first = kept_behind(kept_of(document), flown)
     lines = [np.asarray(one["points"], dtype=float) for one in document["segments"][first:]]
     path = shapely.MultiLineString(lines)
     shapely.prepare(path)

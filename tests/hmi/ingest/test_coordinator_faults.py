@@ -191,6 +191,8 @@ async def test_a_fault_of_somebody_who_is_told_ends_the_hearing_of_no_robot() ->
         await _heard(rig, len(crowd))
         rig.post(rig.robot(crowd[0]).telemetry())
         await _heard(rig, len(crowd) + 1)
+        assert len(told) > 1, "who failed is told again"
+        assert all(rig.store.is_online(robot_id) for robot_id in crowd)
 
 
 async def test_a_turn_that_fails_as_a_whole_is_followed_by_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -209,6 +211,8 @@ async def test_a_turn_that_fails_as_a_whole_is_followed_by_the_next(monkeypatch:
         for robot_id in crowd:
             rig.post(rig.robot(robot_id).heartbeat())
         await _heard(rig, len(crowd))
+        assert failed
+        assert all(rig.store.is_online(robot_id) for robot_id in crowd)
 
 
 async def _heard(rig: Rig, messages: int) -> None:
