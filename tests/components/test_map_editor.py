@@ -316,6 +316,18 @@ def test_what_is_not_in_the_draft_is_shown_where_it_was(surface: EditorPage) -> 
     assert surface.call("return editor.bench.draft.get('well')") is None
 
 
+def test_the_first_point_is_told_as_well_as_the_last_one_taken_back(surface: EditorPage) -> None:
+    surface.open(DRAFT)
+    surface.call("editor.setSnap(false); editor.setTool('road')")
+    assert surface.call("return editor.isDrawing") is False
+    surface.click(0, 110)
+    assert surface.heard("measure") == [""]
+    assert surface.call("return editor.isDrawing") is True
+    surface.call("editor.undoPoint()")
+    assert surface.heard("measure")[-1] == ""
+    assert surface.call("return editor.isDrawing") is False
+
+
 def test_measuring_says_lengths_and_changes_nothing(surface: EditorPage) -> None:
     surface.open(DRAFT)
     surface.call("editor.setSnap(false); editor.setTool('measure')")

@@ -10,7 +10,7 @@ import { drawnOf } from './drawn.js';
 import { handleAt } from './handles.js';
 import { Keyboard } from './keyboard.js';
 import { markAt } from './finding_marks.js';
-import { BodyNudge, CornerNudge, DialNudge } from './nudge.js';
+import { nudgeOf } from './nudge.js';
 import { PENS, Pen, PenPress } from './pen.js';
 import { kept } from '../map/plane.js';
 import { Pointer } from './pointer.js';
@@ -209,6 +209,11 @@ export class MapEditor {
     return this.bench.pen?.isEnough ?? false;
   }
 
+  /** Whether points are set that are not a shape yet. */
+  get isDrawing() {
+    return this.bench.pen?.isDrawing ?? false;
+  }
+
   finish() {
     this.bench.pen?.finish();
   }
@@ -334,19 +339,9 @@ export class MapEditor {
 
   #push(east, north) {
     if (!this.#canEdit) return false;
-    this.#held ??= this.#nudgeOf();
+    this.#held ??= nudgeOf(this.bench, this.#isBodyFree);
     this.#held?.push(east, north);
     return Boolean(this.#held);
-  }
-
-  #nudgeOf() {
-    const { bench } = this;
-    const { corner, only, ids, isDial } = this.#selection;
-    if (only && isDial) return new DialNudge(bench, ids[0]);
-    if (only && (corner || only.geometry.type === 'Point')) return new CornerNudge(bench, ids[0], corner ?? { part: 0, ring: 0, index: 0 });
-    if (ids.length && this.#isBodyFree) return new BodyNudge(bench, ids);
-    if (ids.length) bench.notice('Choose a corner to move it. The whole shape is locked.');
-    return null;
   }
 
   #settle() {

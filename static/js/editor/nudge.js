@@ -7,7 +7,7 @@ import { cornerAt, cornerName, laid, moved, rebuilt } from './shape.js';
 import { movedText } from './words.js';
 
 /** A corner by metres east and north. */
-export class CornerNudge {
+class CornerNudge {
   constructor(core, id, address) {
     Object.assign(this, { core, id, address, east: 0, north: 0 });
     this.before = core.draft.get(id);
@@ -31,7 +31,7 @@ export class CornerNudge {
 }
 
 /** Whole shapes by metres east and north. */
-export class BodyNudge {
+class BodyNudge {
   constructor(core, ids) {
     Object.assign(this, { core, east: 0, north: 0 });
     this.before = ids.map((id) => [id, core.draft.get(id)]);
@@ -51,7 +51,7 @@ export class BodyNudge {
 }
 
 /** The row direction by half degrees: right and up turn clockwise. */
-export class DialNudge {
+class DialNudge {
   constructor(core, id) {
     Object.assign(this, { core, id, turned: 0 });
     this.before = core.draft.get(id);
@@ -66,4 +66,14 @@ export class DialNudge {
   finish() {
     this.core.commit(turnText(this.before, this.live), [{ id: this.id, before: this.before, after: this.live }]);
   }
+}
+
+/** What arrow keys move: the row direction or corner in hand, or whole shapes while they are unlocked; null: nothing. */
+export function nudgeOf(bench, isBodyFree) {
+  const { corner, only, ids, isDial } = bench.selection;
+  if (only && isDial) return new DialNudge(bench, ids[0]);
+  if (only && (corner || only.geometry.type === 'Point')) return new CornerNudge(bench, ids[0], corner ?? { part: 0, ring: 0, index: 0 });
+  if (ids.length && isBodyFree) return new BodyNudge(bench, ids);
+  if (ids.length) bench.notice('Choose a corner to move it. The whole shape is locked.');
+  return null;
 }

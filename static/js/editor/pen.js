@@ -61,7 +61,7 @@ export class Pen {
     const found = this.#aim(at);
     const tip = this.#tipOf(found);
     this.next = { ...found, tip, finger: isTouch ? at : null };
-    this.#measured([...this.points, found.position]);
+    if (this.isDrawing) this.core.measured(this.#textOf([...this.points, found.position]));
     this.core.repaint();
   }
 
@@ -111,12 +111,12 @@ export class Pen {
     this.finished = null;
     if (!isDouble) this.points = [...this.points, found.position];
     this.lift();
-    this.#measured(this.points);
+    this.core.measured(this.#textOf(this.points));
     if (this.shape === 'point' || this.points.length === PENS[this.tool].most) this.finish();
   }
 
-  #measured(points) {
-    if (points.length > 1) this.core.measured(measureText(points, this.shape === 'area'));
+  #textOf(points) {
+    return points.length > 1 ? measureText(points, this.shape === 'area') : '';
   }
 
   /** Take the last corner back; false when there is none. */
@@ -125,8 +125,7 @@ export class Pen {
     this.points = this.points.slice(0, -1);
     this.lastTap = null;
     this.lift();
-    if (this.points.length > 1) this.#measured(this.points);
-    else this.core.measured('');
+    this.core.measured(this.#textOf(this.points));
     return true;
   }
 

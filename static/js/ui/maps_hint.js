@@ -27,11 +27,11 @@
       this.merge = el("button", { type: "button", class: "h-btn pri", "data-testid": "editor-merge", onclick: () => act.merge() }, icon("merge", "m"), "Merge");
       this.done = el("button", { type: "button", class: "h-btn pri", "data-testid": "editor-finish", onclick: () => act.finish() }, icon("check", "m"), "Done");
       this.leave = el("button", { type: "button", class: "h-btn", "data-testid": "editor-leave", onclick: () => act.tool("select") }, "Leave");
-      this.node = el("div", { class: "h-card m-hint", hidden: true, "data-testid": "editor-hint" }, this.kinds, this.words, this.round, this.point, this.merge, this.done, this.leave);
+      this.node = el("div", { class: "h-card m-hint", hidden: true, "data-testid": "editor-hint" }, this.kinds, this.words, this.round, el("span", { class: "h-row" }, this.point, this.merge, this.done, this.leave));
     }
 
-    // canFinish: what is drawn is enough to be done
-    paint(tool, pen, measured, chosen, canFinish) {
+    // isDrawing: points are set; canFinish: what is drawn is enough to be done
+    paint(tool, pen, measured, chosen, { isDrawing = false, canFinish = false }) {
       attr(this.node, "hidden", tool === "select");
       const variants = VARIANTS[tool] ?? [];
       if (this.tool !== tool) this.build(tool, variants);
@@ -41,6 +41,7 @@
       text(this.words, isTold ? measured : tool === "merge" ? (chosen ? HL.maps.count(chosen, "parcel chosen", "parcels chosen") : MERGE) : waits);
       attr(this.round, "hidden", pen !== "circle");
       attr(this.point, "hidden", tool === "merge" || tool === "home" || pen === "circle");
+      attr(this.point, "disabled", !isDrawing);
       attr(this.merge, "hidden", tool !== "merge");
       attr(this.merge, "disabled", chosen < 2);
       attr(this.done, "hidden", !canFinish);

@@ -75,7 +75,7 @@
     actions() {
       const { client } = this;
       return {
-        tool: (name) => this.leaving(() => this.take(name)),
+        tool: (name) => name === this.tool && this.editor?.isDrawing || this.leaving(() => this.take(name)), // the tool in hand again: its drawing goes on
         undo: () => this.step("undo"),
         redo: () => this.step("redo"),
         snap: (isOn) => this.editor?.setSnap(isOn),
@@ -362,7 +362,7 @@
     }
 
     paintHint() {
-      this.hint.paint(this.tool, this.pen, this.measured, this.tool === "merge" ? this.mergeable().length : 0, Boolean(this.editor?.canFinish));
+      this.hint.paint(this.tool, this.pen, this.measured, this.tool === "merge" ? this.mergeable().length : 0, this.editor ?? {});
     }
 
     key(event) {

@@ -277,6 +277,18 @@ def test_a_drawing_is_done_by_a_button_and_not_thrown_away_unasked(show: Show) -
     assert page.evaluate("surface.calls") == [["finish"]]
 
 
+def test_the_tool_in_hand_again_goes_on_drawing_and_no_point_is_taken_back_before_one_is_set(show: Show) -> None:
+    page = editing(show())
+    page.get_by_test_id("editor-tool-road").click()
+    expect(page.get_by_test_id("editor-undo-point")).to_be_disabled()
+    page.evaluate("surface.isDrawing = true; surface.options.onMeasure('')")
+    expect(page.get_by_test_id("editor-undo-point")).to_be_enabled()
+    page.evaluate("surface.canFinish = true; surface.options.onMeasure('20 m'); surface.host.dataset.tool = 'as it was'")
+    page.get_by_test_id("editor-tool-road").click()
+    expect(page.get_by_test_id("unfinished")).to_have_count(0)
+    expect(page.get_by_test_id("map-editor")).to_have_attribute("data-tool", "as it was")
+
+
 def test_a_drawing_begun_meanwhile_is_not_left_by_the_answer_to_a_cut(show: Show, theatre: Theatre) -> None:
     page = editing(show())
     page.get_by_test_id("editor-tool-split").click()
