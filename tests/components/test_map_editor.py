@@ -366,6 +366,8 @@ def test_a_tap_takes_the_smallest_a_second_one_the_next_and_shift_adds(surface: 
     surface.click(20, 60)
     surface.click(160, 50, is_shifted=True)
     surface.click(20, 60, is_shifted=True)
+    surface.call("editor.several = (one) => one.properties.kind === 'parcel'")
+    surface.click(100, -15)  # neither a road nor the farm around it
     surface.call("editor.several = true")
     surface.click(100, -15)
     surface.call("editor.several = false")
@@ -375,6 +377,7 @@ def test_a_tap_takes_the_smallest_a_second_one_the_next_and_shift_adds(surface: 
         ["farm-1"],
         ["parcel-north"],
         ["parcel-north", "parcel-east"],
+        ["parcel-east"],
         ["parcel-east"],
         ["parcel-east", "road-south"],
         ["farm-1"],

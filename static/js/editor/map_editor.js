@@ -145,7 +145,7 @@ export class MapEditor {
     return [...this.#selection.ids];
   }
 
-  /** While several may be selected, each tap adds or takes away. */
+  /** While several may be selected, each tap adds or takes away; a function says which may be added. */
   set several(isSeveral) {
     this.#selection.isSeveral = isSeveral;
   }

@@ -8,7 +8,7 @@ const DOUBLE_TAP_MS = 350; // a double tap zooms, it does not change what is sel
 export class Selection {
   constructor(draft) {
     this.draft = draft;
-    this.isSeveral = false;
+    this.isSeveral = false; // or true, or which features a tap may add
     this.set([]);
   }
 
@@ -40,7 +40,8 @@ export class Selection {
   /** A tap on features, smallest first: take the first, and with a second tap at the same place the next. */
   tap(found, at, { shiftKey, timeStamp }) {
     if (this.isSeveral || shiftKey) {
-      const [id] = found;
+      const { isSeveral } = this;
+      const [id] = typeof isSeveral === 'function' ? found.filter((one) => this.ids.includes(one) || isSeveral(this.draft.get(one))) : found;
       if (id) this.set(this.ids.includes(id) ? this.ids.filter((other) => other !== id) : [...this.ids, id]);
       return;
     }

@@ -86,7 +86,7 @@
       this.lat = degrees("corner-lat", "Latitude", 90);
       this.lon = degrees("corner-lon", "Longitude", 180);
       const steps = STEPS.map(([word, sign, x, y]) => this.tool(`corner-${word.toLowerCase()}`, sign, `${word} 0.1 m`, () => this.act.nudge(x * STEP_M, y * STEP_M), canEdit));
-      return el("div", { class: "m-corner", hidden: true, "data-testid": "feature-corner" }, el("div", { class: "h-t16 h-b" }, "Chosen corner"), el("div", { class: "m-form" }, this.lat.node, this.lon.node), el("div", { class: "h-row" }, ...steps, el("span", { class: "h-t13 h-2" }, "0.1 m"), el("span", { class: "h-sp" }), this.tool("corner-remove", "delete", "Remove corner", () => this.act.removeVertex(), canEdit)));
+      return el("div", { class: "m-corner", hidden: true, "data-testid": "feature-corner" }, el("div", { class: "h-t16 h-b" }, "Chosen corner"), el("div", { class: "m-form" }, this.lat.node, this.lon.node), el("div", { class: "h-row" }, ...steps, el("span", { class: "h-t13 h-2 h-nw" }, "0.1 m"), el("span", { class: "h-sp" }), this.tool("corner-remove", "delete", "Remove corner", () => this.act.removeVertex(), canEdit)));
     }
 
     setCorner() {

@@ -14,6 +14,7 @@
     measure: [["measure", "Measure", "Tap points to measure between them."]],
   };
   const MERGE = "Tap the parcels to merge, then Merge.";
+  const ONE_MORE = "1 chosen. Tap what it is merged with.";
 
   // act: {undoPoint, finish, merge, tool, pen(name), radius(metres) -> was it taken}
   class Hint {
@@ -38,7 +39,7 @@
       for (const button of this.kinds.children) attr(button, "aria-checked", String(button.dataset.pen === pen));
       const waits = (variants.find(([name]) => name === pen) ?? variants[0])?.[2] ?? "";
       const isTold = measured && (tool === "measure" || pen === "circle");
-      text(this.words, isTold ? measured : tool === "merge" ? (chosen ? HL.maps.count(chosen, "parcel chosen", "parcels chosen") : MERGE) : waits);
+      text(this.words, isTold ? measured : tool === "merge" ? (chosen > 1 ? `${chosen} chosen` : chosen ? ONE_MORE : MERGE) : waits);
       attr(this.round, "hidden", pen !== "circle");
       attr(this.point, "hidden", tool === "merge" || tool === "home" || pen === "circle");
       attr(this.point, "disabled", !isDrawing);

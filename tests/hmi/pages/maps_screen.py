@@ -33,7 +33,6 @@ export class MapEditor {
   fit(all) { this.host.dataset.fit = (all ?? []).map((one) => one.id ?? one).join(' '); this.fitted = all; }
   setFindings(all) { this.host.dataset.findings = all.length; }
   setSnap(isOn) { this.calls.push(['snap', isOn]); }
-  setSeveral(isOn) { this.calls.push(['several', isOn]); }
   unlockBody(isOn) { this.calls.push(['unlock', isOn]); }
   nudge(x, y) { this.calls.push(['nudge', x, y]); }
   setVertex(place) { this.calls.push(['vertex', ...place]); }

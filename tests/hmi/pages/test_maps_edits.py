@@ -111,8 +111,12 @@ def test_parcels_are_chosen_and_merged(show: Show, theatre: Theatre) -> None:
     page = editing(show())
     page.get_by_test_id("editor-tool-merge").click()
     expect(page.get_by_test_id("editor-merge")).to_be_disabled()
+    choose(page, "nordfeld")
+    expect(page.get_by_test_id("editor-hint")).to_contain_text("1 chosen. Tap what it is merged with.")
+    kinds = "[...surface.features.values()].filter((one) => surface.several(one)).map((one) => one.properties.kind)"
+    assert set(page.evaluate(kinds)) == {"parcel"}, "neither obstacles nor the farm around them"
     choose(page, "nordfeld", "westschlag")
-    expect(page.get_by_test_id("editor-hint")).to_contain_text("2 parcels chosen")
+    expect(page.get_by_test_id("editor-hint")).to_contain_text("2 chosen")
     page.get_by_test_id("editor-merge").click()
     saved(page, theatre, "Parcels merged")
     expect(page.get_by_test_id("map-editor")).to_have_attribute("data-features", "7")
