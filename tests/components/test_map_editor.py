@@ -423,6 +423,29 @@ def test_somebody_who_may_only_look_selects_and_moves_nothing(surface: EditorPag
     assert surface.call("return editor.tool") == "select"
 
 
+def test_the_button_shows_one_site_whole_and_pressed_again_the_next(surface: EditorPage) -> None:
+    abroad = feature("parcel-abroad", "parcel", "Polygon", [ring((1e6, 0), (1e6, 60), (1e6 + 60, 60), (1e6 + 60, 0))])
+    surface.open([*DRAFT, abroad])
+
+    def middle() -> list[float]:
+        at = surface.call(
+            "const { clientWidth, clientHeight } = editor.host;"
+            "return editor.bench.surface.toLonLat([clientWidth / 2, clientHeight / 2])"
+        )
+        return list(at)
+
+    home = middle()
+    assert math.dist(home, at_m(50, 50)) < 0.01, "it begins at the site with the largest parcel"
+    surface.call("editor.fit(['parcel-north'])")
+    button = surface.page.get_by_test_id("map-fit")
+    button.click()
+    assert middle() == pytest.approx(home), "the site at hand, whole"
+    button.click()
+    assert math.dist(middle(), at_m(1e6 + 30, 30)) < 0.01
+    button.click()
+    assert middle() == pytest.approx(home)
+
+
 def test_findings_stand_at_their_place_and_crossing_edges_are_orange(surface: EditorPage) -> None:
     bow = feature("parcel-bow", "parcel", "Polygon", [ring((0, 0), (60, 60), (60, 0), (0, 60))])
     surface.open([bow])

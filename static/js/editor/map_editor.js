@@ -15,6 +15,7 @@ import { PENS, Pen, PenPress } from './pen.js';
 import { kept } from '../map/plane.js';
 import { Pointer } from './pointer.js';
 import { cornerName, isArea, moved, partsOf, rebuilt, removed } from './shape.js';
+import { sitesOf } from './sites.js';
 import { TurnDrag } from './trial.js';
 import { kindWord } from './words.js';
 import { Workbench } from './workbench.js';
@@ -34,7 +35,7 @@ export class MapEditor {
     this.options = options;
     this.say = Object.fromEntries(HEARD.map((name) => [name, (value) => options[name]?.(value)]));
     this.bench = new Workbench(host, options, {
-      fit: () => this.fit(),
+      fit: () => this.bench.surface.fitSite(this.bench.draft.features),
       lost: () => this.#lost(),
       tap: (at, event) => this.#tap(at, event),
       drawn: (tool, points) => this.#drawn(tool, points),
@@ -192,10 +193,10 @@ export class MapEditor {
     this.bench.commit(turnText(before, after), [{ id, before, after }]);
   }
 
-  /** Bring these, or everything, into view: ids, or features that the draft need not have. */
+  /** Bring these, or the main site, into view: ids, or features that the draft need not have. */
   fit(shown = null) {
     const { draft, isReady, surface } = this.bench;
-    const features = shown ? shown.map((one) => one.geometry ? one : draft.get(one)).filter(Boolean) : draft.features;
+    const features = shown ? shown.map((one) => one.geometry ? one : draft.get(one)).filter(Boolean) : sitesOf(draft.features)[0] ?? [];
     if (isReady) surface.fit(features);
   }
 

@@ -13,6 +13,7 @@ import { baseChoice } from '../map/layers.js';
 import { readPalette, watchTheme } from '../map/theme.js';
 import { addEditorStyle, paintEditorStyle, showBed, showStrips } from './editor_style.js';
 import { idOf } from './draft.js';
+import { siteToShow } from './sites.js';
 
 const LOST_CONTEXT_MS = 3000;
 const FREE_PX = 52; // for handles and lengths of edges
@@ -91,8 +92,8 @@ export class Surface {
         menu: (menu) => this.#under(menu),
       },
     });
-    controls.first.title = 'Show everything';
-    controls.first.setAttribute('aria-label', 'Show everything');
+    controls.first.title = 'Show the whole site, again: the next one';
+    controls.first.setAttribute('aria-label', 'Show the whole site');
     controls.menuButton.title = 'Base map';
     controls.menuButton.setAttribute('aria-label', 'Base map');
     return controls;
@@ -216,8 +217,17 @@ export class Surface {
     const box = boxOf(features);
     if (!box) return false;
     this.#rescale(latOf((box[1] + box[3]) / 2));
-    this.engine.jump(this.camera.viewOf(box, this.controls.freePx(FREE_PX), NEAREST_ZOOM));
+    this.engine.jump(this.#viewOf(box));
     return true;
+  }
+
+  /** Bring the site at hand into view, or the next one where it stands already. */
+  fitSite(features) {
+    return this.fit(siteToShow(features, this.camera, (box) => this.#viewOf(box)));
+  }
+
+  #viewOf(box) {
+    return this.camera.viewOf(box, this.controls.freePx(FREE_PX), NEAREST_ZOOM);
   }
 
   /** Widths and radii in metres are right at one latitude: that of the farm, which is known with its first features. */

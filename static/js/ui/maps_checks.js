@@ -33,7 +33,7 @@
     // checks: {findings, blocks, looks}, null while the first answer is on its way, or {error}
     paint(checks, canEdit, nameOf) {
       this.paintMachines();
-      const key = JSON.stringify([checks, canEdit]);
+      const key = JSON.stringify([checks, canEdit, checks?.findings?.map((one) => nameOf(one.feature_id))]);
       if (key === this.key) return;
       this.key = key;
       attr(this.node, "data-blocks", checks?.blocks ?? null);

@@ -79,16 +79,8 @@
     return isIn;
   }
 
-  // features around the largest parcel: a farm may have sites in two countries, and a map of both shows neither
-  const SITE_M = 20000;
-  function mainSite(features) {
-    const largest = features.filter((one) => one.properties.kind === "parcel").sort((a, b) => (areaM2(b) ?? 0) - (areaM2(a) ?? 0))[0] ?? features[0];
-    if (!largest) return null;
-    const { flat } = plane(first(largest));
-    return features.filter((one) => Math.hypot(...flat(first(one))) < SITE_M).map((one) => one.id);
-  }
-
   // ground around the robots, most of them together: where a farm that has no map begins to be drawn
+  const SITE_M = 20000;
   const AROUND_M = 150;
   const MOST_LOOKED_AT = 100;
   function robotSite(robots) {
@@ -103,5 +95,5 @@
   const length = (m) => (m >= 100 && HL.units.length(0).unit === "m" ? { text: m.toFixed(0), unit: "m" } : HL.units.length(m));
   const place = ([lon, lat]) => `${Math.abs(lat).toFixed(5)}° ${lat < 0 ? "S" : "N"}, ${Math.abs(lon).toFixed(5)}° ${lon < 0 ? "W" : "E"}`;
 
-  Object.assign(HL.maps, { areaM2, lengthM, rowsThatFit, corners, holes, count, moved, area, length, words, place, plane, mainSite, robotSite, isInRing });
+  Object.assign(HL.maps, { areaM2, lengthM, rowsThatFit, corners, holes, count, moved, area, length, words, place, plane, robotSite, isInRing });
 })();

@@ -54,7 +54,7 @@
         this.editor = editor;
         const features = this.on.features();
         editor.setFeatures(features);
-        editor.fit(this.focus ?? HL.maps.mainSite(features));
+        editor.fit(this.focus ?? null);
         if (!features.length) this.fitRobots(turn);
         this.on.onReady();
         const drawn = () => (turn !== this.turn || editor.isDrawn ? wait.remove() : requestAnimationFrame(drawn));

@@ -287,7 +287,9 @@ def test_the_tool_in_hand_again_goes_on_drawing_and_no_point_is_taken_back_befor
     expect(page.get_by_test_id("editor-undo-point")).to_be_disabled()
     page.evaluate("surface.isDrawing = true; surface.options.onMeasure('')")
     expect(page.get_by_test_id("editor-undo-point")).to_be_enabled()
-    page.evaluate("surface.canFinish = true; surface.options.onMeasure('20 m'); surface.host.dataset.tool = 'as it was'")
+    page.evaluate(
+        "surface.canFinish = true; surface.options.onMeasure('20 m'); surface.host.dataset.tool = 'as it was'"
+    )
     page.get_by_test_id("editor-tool-road").click()
     expect(page.get_by_test_id("unfinished")).to_have_count(0)
     expect(page.get_by_test_id("map-editor")).to_have_attribute("data-tool", "as it was")
@@ -370,6 +372,18 @@ def test_another_kind_brings_what_it_needs(show: Show, theatre: Theatre) -> None
     properties = heard["draft"]["home"]["properties"]
     assert properties["radius_m"] == 1
     assert "type" not in properties
+
+
+def test_a_check_calls_a_shape_by_the_name_it_has_now(show: Show) -> None:
+    page = editing(show())
+    near = page.get_by_test_id("finding-near")
+    expect(near).not_to_contain_text("Nordfeld Ost")
+    named = page.evaluate(
+        "document.querySelector('hl-maps').checks.findings.find((one) => one.code === 'near').feature_id"
+    )
+    choose(page, named)
+    set_field(page, "feature-name", "Nordfeld Ost")
+    expect(near).to_contain_text("Nordfeld Ost:")
 
 
 def test_the_words_of_a_check_have_room_beside_its_buttons(show: Show) -> None:
