@@ -11,7 +11,7 @@ from hmi.mapping.checks.outlines import crossings, needless_corners, unsound, wi
 from hmi.mapping.checks.places import antimeridian, crosses_antimeridian, swapped
 from hmi.mapping.checks.site import Site, grouped, site_of
 from hmi.mapping.checks.sizes import areas, narrow
-from hmi.mapping.checks.ways import gaps, unreachable
+from hmi.mapping.checks.ways import closed, gaps, unreachable
 from hmi.mapping.feature import MapFeature
 
 __all__ = ["BLOCKS", "LOOK", "Finding", "Fix", "check"]
@@ -44,6 +44,7 @@ def _of_site(site: Site, machine_width_m: float | None, *, has_roads: bool) -> I
     yield from overlaps(site)
     yield from slivers(site)
     yield from gaps(site)
+    yield from closed(site)
     yield from areas(site)
     if has_roads:
         yield from unreachable(site)

@@ -16,6 +16,7 @@ from hmi.mapping.operations import apply
 from tests.hmi.mapping.farms import area, box, degrees, draft, fields, line, metres, point, raw, scribbles
 
 NORTH = area("north", box(0, 0, 100, 60))
+HOME = point("home", (-20, -2))
 LANE = line("lane", [(-50, -2), (120, -2)], name="Lane")
 
 
@@ -205,7 +206,34 @@ def test_a_parcel_no_road_leads_to_is_to_look_at() -> None:
     assert (finding.code, finding.level, finding.feature_id) == ("unreachable", LOOK, "far")
     assert finding.text == "No road or home within 30 m of this parcel."
     assert found(NORTH, far) == []  # a farm without roads
-    assert found(NORTH, LANE, far, point("home", (60, 225))) == []
+    assert found(NORTH, LANE, HOME, far, point("other-home", (60, 225))) == []
+
+
+def test_a_parcel_whose_roads_lead_to_no_home_is_to_look_at() -> None:
+    far = area("far", box(0, 200, 50, 250))
+    alone = line("alone", [(60, 220), (90, 220)])
+    finding = only(NORTH, LANE, HOME, far, alone)
+    assert (finding.code, finding.level, finding.feature_id) == ("unreachable", LOOK, "far")
+    assert said(finding).startswith("The road here leads to no home. ")
+    joined = line("joined", [(80, 220), (80, -2)])
+    assert found(NORTH, LANE, HOME, far, alone, joined) == []
+    shut = area("shut", box(70, 100, 90, 120), kind="no-go")
+    assert [one.code for one in found(NORTH, LANE, HOME, far, alone, joined, shut)] == ["unreachable", "road_closed"]
+    around = line("around", [(80, 140), (110, 140), (110, 80), (80, 80)])
+    assert [one.code for one in found(NORTH, LANE, HOME, far, alone, joined, shut, around)] == ["road_closed"]
+
+
+def test_a_road_through_closed_ground_is_to_look_at() -> None:
+    shut = area("shut", box(40, -20, 70, 20), kind="no-go", name="Wet meadow")
+    finding = only(LANE, shut)
+    assert (finding.code, finding.level, finding.feature_id, finding.other_id) == ("road_closed", LOOK, "lane", "shut")
+    assert said(finding).startswith("Road runs 30 m through Wet meadow.")
+    stone = point("stone", (40, -2), kind="obstacle", radius_m=2)
+    assert only(LANE, stone).text.startswith("Road runs 4 m through ")
+    assert found(LANE, area("barn", box(119.5, -10, 140, 10), kind="building")) == [], "it ends at its door"
+    assert found(LANE, area("ditch", box(40, -20, 44, 20), kind="water")) == [], "a road over water is a bridge"
+    yard = area("yard", box(0, 0, 60, 60), kind="road")
+    assert found(yard, area("hall", box(10, 10, 30, 30), kind="building")) == []
 
 
 def test_a_parcel_narrower_than_the_machine_is_to_look_at() -> None:
