@@ -49,8 +49,7 @@
       const input = (name) => this.inputs.get(name);
       this.problem = el("div", { class: "h-error", role: "alert", "data-testid": "plan-error" });
       this.previewButton = el("button", { class: "h-btn op pri p-preview", type: "submit", "data-testid": "plan-preview" });
-      this.noWay = el("p", { class: "h-error" });
-      this.mend = el("div", { class: "h-col", hidden: true }, this.noWay, el("button", { type: "button", class: "h-btn", "data-testid": "plan-start-at-field", onclick: () => (this.inputs.startAtField(), this.look()) }, "Start at the field"));
+      this.mend = el("div", { class: "h-col", hidden: true }, el("button", { type: "button", class: "h-btn", "data-testid": "plan-start-at-field", onclick: () => (this.inputs.startAtField(), this.look()) }, "Start at the field"));
       this.steps = {
         robot: new Step(1, "Robot and home", "robot", ...this.inputs.where(), this.mend),
         field: new Step(2, "Field", "field", input("field_id")),
@@ -206,7 +205,6 @@
       text(this.problem, refusal.text || "Not planned: the server did not answer. Try again.");
       this.refusal = this.problem.textContent;
       this.mend.hidden = refusal.code !== "home_unreachable";
-      text(this.noWay, this.refusal);
       const input = refusal.field ? this.inputs.get(refusal.field) : null;
       const step = ["robot_id", "home", "home_id"].includes(refusal.field) ? this.steps.robot : refusal.field === "field_id" ? this.steps.field : refusal.field?.startsWith("treatment") ? this.steps.treatment : this.steps.preview;
       step.open();

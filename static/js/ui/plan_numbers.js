@@ -111,7 +111,8 @@
   // what all row orders are refused for is said once
   function why(answer, answers) {
     if (!answer) return "planning";
-    if (answer.text && [...answers.values()].find((one) => one.text === answer.text) !== answer) return "for the same reason";
+    const first = answer.text && Object.keys(NAMES).map((pattern) => answers.get(pattern)).find((one) => one?.text === answer.text);
+    if (first && first !== answer) return "for the same reason";
     return answer.state === "same" ? `the same path as ${NAMES[answer.as].toLowerCase()}` : answer.text;
   }
 

@@ -185,12 +185,14 @@ def test_a_home_without_a_way_can_be_left_out_with_one_tap(plan: Callable[..., t
     good = played.candidates
     no_way = {"code": "home_unreachable", "text": "No known way leads from home to this field.", "field": "home_id"}
     lines = [{"pattern": one.value, "state": "refused", **no_way} for one in Pattern]
+    first = Pattern.ROW_BY_ROW.value  # the first line of the table
     played.candidates = [good[0], *lines, good[-1]]
     page.get_by_test_id("plan-preview").click()
-    robot_step = page.get_by_test_id("plan-start-at-field").locator("xpath=..")
-    expect(robot_step).to_contain_text("No known way leads from home to this field.")
+    expect(page.get_by_test_id("plan-error")).to_have_text("No known way leads from home to this field.")
+    expect(page.get_by_test_id("plan-start-at-field")).to_be_visible()
     compare = page.locator(".p-compare")
     expect(compare.get_by_text("No known way leads")).to_have_count(1)
+    expect(page.get_by_test_id(f"plan-compare-{first}")).to_contain_text("No known way leads")
     expect(compare.get_by_text("for the same reason")).to_have_count(3)
     played.candidates = good
     page.get_by_test_id("plan-start-at-field").click()
