@@ -105,7 +105,7 @@ def _item(item: MapItem, *, has_geometry: bool) -> dict[str, Any]:
         "name": item.name,
         "kind": item.kind,
         "kinds": list(item.kinds),
-        "vertices": item.vertices,
+        "vertices": item.corners,
         "area_m2": item.area_m2,
         "problems": list(item.problems),
     }

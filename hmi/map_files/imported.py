@@ -41,6 +41,11 @@ class MapItem:
         """Return the number of positions; a ring counts its first one twice, as GeoJSON does."""
         return _positions(self.geometry["coordinates"])
 
+    @property
+    def corners(self) -> int:
+        """Return the number of corners as people count them: a closed ring has its first one once."""
+        return self.vertices - _rings(self.geometry)
+
 
 @dataclass(frozen=True, slots=True)
 class Skipped:
@@ -76,3 +81,8 @@ def _positions(coordinates: Any) -> int:
     if coordinates and isinstance(coordinates[0], (int, float)):
         return 1
     return sum(_positions(part) for part in coordinates)
+
+
+def _rings(geometry: Geometry) -> int:
+    parts = {"Polygon": [geometry["coordinates"]], "MultiPolygon": geometry["coordinates"]}.get(geometry["type"], [])
+    return sum(len(rings) for rings in parts)

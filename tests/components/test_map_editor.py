@@ -436,6 +436,8 @@ def test_the_button_shows_one_site_whole_and_pressed_again_the_next(surface: Edi
 
     home = middle()
     assert math.dist(home, at_m(50, 50)) < 0.01, "it begins at the site with the largest parcel"
+    surface.call("editor.fit(['parcel-abroad', 'parcel-north', 'road-south'])")
+    assert math.dist(middle(), at_m(50, 50)) < 0.01, "of what was imported in two places one is seen"
     surface.call("editor.fit(['parcel-north'])")
     button = surface.page.get_by_test_id("map-fit")
     button.click()

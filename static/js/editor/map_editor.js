@@ -193,11 +193,11 @@ export class MapEditor {
     this.bench.commit(turnText(before, after), [{ id, before, after }]);
   }
 
-  /** Bring these, or the main site, into view: ids, or features that the draft need not have. */
+  /** Bring these, or all, into view: ids, or features that the draft need not have; of what lies far apart the main site. */
   fit(shown = null) {
     const { draft, isReady, surface } = this.bench;
-    const features = shown ? shown.map((one) => one.geometry ? one : draft.get(one)).filter(Boolean) : sitesOf(draft.features)[0] ?? [];
-    if (isReady) surface.fit(features);
+    const features = shown ? shown.map((one) => one.geometry ? one : draft.get(one)).filter(Boolean) : draft.features;
+    if (isReady) surface.fit(sitesOf(features)[0] ?? []);
   }
 
   /** Lay a base map with these bounds [west, south, east, north] under the map and bring it into view. */

@@ -431,3 +431,10 @@ def test_a_line_that_is_open_or_goes_around_next_to_nothing_stays_a_line() -> No
     small = [[4 + (x - 4) / 100, 51 + (y - 51) / 100] for x, y in ROUND]
     items = read("a.geojson", collection(shape("LineString", ROUND[:-1]), shape("LineString", small))).items
     assert [one.geometry["type"] for one in items] == ["LineString"] * 2
+
+
+def test_corners_are_counted_as_people_count_them() -> None:
+    square = [[4.0, 51.0], [4.001, 51.0], [4.001, 51.001], [4.0, 51.001], [4.0, 51.0]]
+    hole = [[4.0004, 51.0004], [4.0004, 51.0006], [4.0006, 51.0005], [4.0004, 51.0004]]
+    field, lane, gate = shape("Polygon", [square, hole]), shape("LineString", square[:3]), shape("Point", square[0])
+    assert [one.corners for one in read("farm.geojson", collection(field, lane, gate)).items] == [4 + 3, 3, 1]
