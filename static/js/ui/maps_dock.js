@@ -5,7 +5,7 @@
   const { count } = HL.maps;
 
   class Dock {
-    // act: {publish, compare, discard, edit, take}
+    // act: {publish, checks, compare, discard, edit, take}
     constructor(act) {
       const button = (hook, sign, run, look = "") => {
         const word = el("span");
@@ -19,7 +19,8 @@
       this.take = button("editor-take", "lock_open", () => act.take());
       this.sign = el("span", { class: "m-sign" }, alarm(2, 24));
       this.reason = el("span", { "data-testid": "editor-reason" });
-      this.why = el("span", { class: "h-row h-t14 m-why" }, this.sign, this.reason);
+      this.toChecks = el("button", { type: "button", class: "h-btn op", "data-testid": "editor-to-checks", onclick: () => act.checks() }, "Show");
+      this.why = el("span", { class: "h-row h-t14 m-why" }, this.sign, this.reason, this.toChecks);
       this.running = el("span");
       this.keeps = el("span");
       this.hint = el("span", { class: "h-t13 h-2 m-running" }, this.running, this.keeps);
@@ -39,7 +40,7 @@
       text(this.compare.word, base ? `Compare with v${base}` : "Compare");
       text(this.edit.word, edit.label);
       text(this.take.word, "Take");
-      attr(this.sign, "hidden", !(isEditing && isBlocked));
+      for (const one of [this.sign, this.toChecks]) attr(one, "hidden", !(isEditing && isBlocked));
       text(this.reason, isEditing ? reason : edit.reason);
       attr(this.why, "hidden", !this.reason.textContent);
       this.paintRunning();

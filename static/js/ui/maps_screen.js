@@ -102,6 +102,7 @@
         radius: (metres) => this.editor?.setRadius(metres) ?? false,
         several: (isOn) => this.several(isOn),
         publish: () => M.askPublish(client, { done: (version) => (HL.toast(`v${version} is published`, "check"), this.check()), checked: (found) => this.found(found) }),
+        checks: () => this.checkList.node.scrollIntoView({ block: "start" }), // they may lie below a long list of fields
         compare: () => M.showDifferences(client.baseVersion, { show: (one) => this.showDifference(one) }),
         discard: () => M.askDiscard(client, () => HL.toast("Draft discarded", "check")),
         edit: () => this.open(false),

@@ -144,12 +144,18 @@ def test_checks_block_publishing_until_their_fix_is_tapped(show: Show, theatre: 
     expect(page.get_by_test_id("map-editor")).to_have_attribute("data-findings", "3")
     expect(page.get_by_test_id("editor-publish")).to_be_disabled()
     expect(page.get_by_test_id("editor-reason")).to_have_text("Fix 1 blocking check first.")
+    side = page.get_by_role("complementary", name="Details")
+    side.evaluate("node => { node.style.height = '120px'; node.style.flex = 'none'; }")
+    expect(checks).not_to_be_in_viewport()
+    page.get_by_test_id("editor-to-checks").click()
+    expect(checks).to_be_in_viewport()
     page.get_by_test_id("finding-near").get_by_test_id("finding-show").click()
     expect(page.get_by_test_id("map-editor")).to_have_attribute("data-fit", "nordfeld")
     page.get_by_test_id("finding-crosses").get_by_test_id("finding-fix").click()
     expect(checks).not_to_contain_text("publishing")
     saved(page, theatre, "Edge untangled")
     expect(page.get_by_test_id("editor-publish")).to_be_enabled()
+    expect(page.get_by_test_id("editor-to-checks")).to_be_hidden()
 
 
 def test_a_change_of_shape_is_looked_at_before_it_is_done(show: Show, theatre: Theatre) -> None:
