@@ -9,7 +9,7 @@
     const { name, ...wish } = form.wish();
     const chosen = Object.fromEntries(Object.entries(wish).filter(([, value]) => value !== "" && !Number.isNaN(value)));
     if (!(chosen.width_m > 0)) delete chosen.width_m;
-    return { name: name || form.draft?.name || form.inputs.fieldPlace?.name || "Draft", wish: chosen };
+    return { name: name || form.inputs.fieldPlace?.name || form.draft?.name || "Draft", wish: chosen };
   }
 
   const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);

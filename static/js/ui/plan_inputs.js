@@ -182,7 +182,9 @@
       if (this.draft) {
         this.isKept = true;
         this.all.field_id.value = this.all.robot_id.value = "";
-        return this.apply({ ...this.draft.wish, name: this.draft.name });
+        const { wish, name } = this.draft;
+        const isOwn = name !== this.places.fields.find((one) => one.id === wish.field_id)?.name; // else it goes on following the field
+        return this.apply({ ...wish, name: isOwn ? name : "" });
       }
       const kept = HL.draft.get(DRAFT);
       this.isKept = Boolean(kept);

@@ -131,6 +131,18 @@ def test_changes_of_a_draft_are_asked_about_wherever_its_form_is_left_to(look: L
     expect(title).to_have_count(0) if hook == "missions-tab-list" else expect(title).to_have_text("Plan a mission")
 
 
+@pytest.mark.parametrize(("name", "own"), [("Nordfeld 12", ""), ("Before the rain", "Before the rain")])
+def test_a_draft_called_after_its_field_follows_the_field(look: Look, name: str, own: str) -> None:
+    page = look("/operate", role="supervisor", size="landscape")
+    played = PlayedPlans(page)
+    kept = mission("m-1", "draft", wish={"field_id": "field-1"}, revision=1, name=name, statistics={}, sha256="")
+    played.missions = [kept]
+    page.get_by_test_id("nav-missions").click()
+    page.get_by_test_id("draft-open").click()
+    expect(page.get_by_test_id("plan-field")).to_have_value("field-1")
+    expect(page.locator("[data-testid=plan-name]")).to_have_value(own)
+
+
 def test_an_answer_about_a_draft_that_was_left_does_not_take_the_form_that_is_open_now(look: Look) -> None:
     page = look("/operate", role="supervisor", size="landscape")
     played = PlayedPlans(page)
