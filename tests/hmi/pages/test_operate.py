@@ -80,6 +80,21 @@ def test_nothing_scrolls_sideways_and_all_actions_are_in_reach(look: Look, theat
     assert page.evaluate(CUT) == []
 
 
+@pytest.mark.parametrize("size", SIZES)
+def test_what_is_said_in_a_corner_takes_no_touch_and_covers_no_action(look: Look, theatre: Theatre, size: str) -> None:
+    theatre.play("paused")
+    page = look(size=size)
+    expect(page.get_by_test_id("actions")).to_be_visible()
+    page.evaluate("HL.toast('Martha Keller has control of Weeder 07, which stands at the end of a row.')")
+    said, actions = page.locator(".h-toast").bounding_box(), page.get_by_test_id("actions").bounding_box()
+    assert said is not None
+    assert actions is not None
+    apart = said["y"] + said["height"] <= actions["y"] or said["x"] >= actions["x"] + actions["width"]
+    assert apart or said["x"] + said["width"] <= actions["x"], (said, actions)
+    at = {"x": said["x"] + said["width"] / 2, "y": said["y"] + said["height"] / 2}
+    assert page.evaluate("({ x, y }) => document.elementFromPoint(x, y).closest('.h-toast') === null", at)
+
+
 def test_old_values_turn_stale_and_then_the_link_is_lost(look: Look, theatre: Theatre) -> None:
     theatre.play("running")
     page = look()
