@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -96,7 +96,9 @@ class MissionRests:
         mission = self._mission(session, mission_id)
         robot = self._robot(mission)
         self._may(session, robot, order.kind)
-        planned = await self._parts.planner.rest(await self._wish(session, mission, robot, order))
+        wish = await self._wish(session, mission, robot, order)
+        planned = await self._parts.planner.rest(wish)
+        planned = replace(planned, difference={**planned.difference, "progress": wish.progress.as_json()})
         self._previews[planned.sha256] = (mission_id, order, planned)
         while len(self._previews) > KEPT:
             self._previews.popitem(last=False)

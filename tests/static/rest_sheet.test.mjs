@@ -25,13 +25,13 @@ async function sheet() {
     return new Promise((resolve) => (world.sends = (answer) => (resolve(answer), settled())));
   };
   class RestMap {
-    constructor(_title, changed) { Object.assign(this, { changed, areas: [], tools: node(), note: node() }); }
+    constructor(_title, _robot, changed) { Object.assign(this, { changed, areas: [], tools: node(), note: node() }); }
     show() {}
   }
   const HL = {
     el: node, icon: node, text: (to, words) => (to.words = words), attr: (to, name, value) => (to[name] = value), RestMap,
     units: { area: (m2) => ({ text: String(m2), unit: 'ha' }) }, words: { left: String }, records: { table: node },
-    toast: (words) => world.toasts.push(words), sheet: () => () => (world.isOpen = false), port: { api: async (...call) => api(...call) },
+    toast: (words) => world.toasts.push(words), sheet: () => () => (world.isOpen = false), port: { fleet: () => ({}), api: async (...call) => api(...call) },
   };
   const context = vm.createContext({ HL, window: { headland: { tick: () => 'tick' } }, document: { querySelector: () => world.button }, setTimeout: (then) => ((world.timer = then), 1), clearTimeout: () => (world.timer = null), Promise });
   vm.runInContext(SHEET, context);

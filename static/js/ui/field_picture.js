@@ -5,7 +5,10 @@
   const METRES_PER_DEGREE = 111320;
   const MARGIN = 0.05;
   const LEAST_ROW_PX = 4;
-  const LAYERS = [["exit", "way"], ["approach", "way"], ["turn", "turn"], ["idle", "idle"], ["headland", "headland"], ["row", "row"]];
+  // these come with this script: the styles of every page have no room for them
+  const DONE = { stroke: "var(--hl-m-done)", strokeWidth: "1.6" };
+  const HERE = { fill: "var(--hl-sel)", stroke: "var(--hl-raised)", strokeWidth: "1.5" };
+  const LAYERS = [["done", "done"], ["exit", "way"], ["approach", "way"], ["turn", "turn"], ["idle", "idle"], ["headland", "headland"], ["row", "row"]];
 
   function svg(tag, props, ...children) {
     const node = document.createElementNS(NS, tag);
@@ -33,6 +36,29 @@
     const least = (values) => values.reduce((a, b) => Math.min(a, b), Infinity);
     const most = (values) => values.reduce((a, b) => Math.max(a, b), -Infinity);
     return [least(xs), least(ys), most(xs), most(ys)];
+  }
+
+  // what of a path is behind somebody who is so many metres along one of its segments: lines with those that are done as
+  // such, and where that is and which way it looks, [x, y, degrees to the right of east]
+  function behind(lines, { segment, segment_s_m: along }) {
+    const tool = (one) => one.kind === "row" || one.kind === "headland";
+    const here = lines.findIndex((one) => one.segment === segment);
+    if (here < 0) return { lines, at: null };
+    const { points } = lines[here];
+    let left = along, k = 1;
+    const long = () => Math.hypot(points[k][0] - points[k - 1][0], points[k][1] - points[k - 1][1]);
+    for (; k < points.length - 1 && left > long(); k += 1) left -= long();
+    const [a, b] = [points[k - 1], points[k]];
+    const part = Math.min(1, left / (long() || 1));
+    const place = [a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])];
+    const done = (one, to) => (tool(one) ? [{ ...one, kind: "done", points: to }] : []);
+    const split = [
+      ...lines.flatMap((one) => (one.segment < segment ? done(one, one.points) : [])),
+      ...done(lines[here], [...points.slice(0, k), place]),
+      { ...lines[here], points: [place, ...points.slice(k)] },
+      ...lines.filter((one) => one.segment > segment),
+    ];
+    return { lines: split, at: [...place, (Math.atan2(b[1] - a[1], b[0] - a[0]) * 180) / Math.PI] };
   }
 
   // a dose in words of one line
@@ -73,11 +99,12 @@
     return [ground, lines];
   }
 
-  // fieldPicture(GeoJSON of a mission) -> <svg>; its `frame` has flat, unflat and the box of everything
-  function fieldPicture(collection, title) {
+  // fieldPicture(GeoJSON of a mission, title, how far it is) -> <svg>; its `frame` has flat, unflat and the box of everything
+  function fieldPicture(collection, title, progress = null) {
     const { features } = collection;
     const { flat, unflat } = projection(features);
-    const lines = features.filter((one) => one.geometry.type === "LineString").map((one) => ({ kind: lookOf(one.properties), row: one.properties.row, points: one.geometry.coordinates.map(flat) }));
+    const every = features.filter((one) => one.geometry.type === "LineString").map((one) => ({ kind: lookOf(one.properties), row: one.properties.row, segment: one.properties.segment, points: one.geometry.coordinates.map(flat) }));
+    const { lines, at } = progress ? behind(every, progress) : { lines: every, at: null };
     const parcels = features.filter((one) => one.properties.kind === "parcel").map((one) => one.geometry.coordinates.map((ring) => ring.map(flat)));
     const homes = features.filter((one) => one.properties.kind === "home").map((one) => flat(one.geometry.coordinates));
     const [x0, y0, x1, y1] = box([...parcels.flat(2), ...lines.flatMap((one) => one.points), ...homes]);
@@ -99,12 +126,21 @@
         continue;
       }
       const d = lines.filter((one) => one.kind === kind).map((one) => path(one.points, false)).join("");
-      if (d) root.append(svg("path", { class: look, d }));
+      if (!d) continue;
+      const drawn = svg("path", { class: look, d });
+      if (look === "done") Object.assign(drawn.style, DONE);
+      root.append(drawn);
     }
     if (rows.length) {
       const [sx, sy] = rows[0].points[0];
       const [ex, ey] = lines.filter((one) => one.kind === "row" || one.kind === "headland").at(-1).points.at(-1);
-      root.append(svg("circle", { class: "start", cx: sx, cy: sy, r: mark }), svg("rect", { class: "end", x: ex - mark, y: ey - mark, width: 2 * mark, height: 2 * mark }));
+      if (!at) root.append(svg("circle", { class: "start", cx: sx, cy: sy, r: mark }));
+      root.append(svg("rect", { class: "end", x: ex - mark, y: ey - mark, width: 2 * mark, height: 2 * mark }));
+    }
+    if (at) {
+      const here = svg("path", { class: "here", "data-testid": "picture-here", d: `M${1.6 * mark} 0L${-1.2 * mark} ${1.2 * mark}L${-0.6 * mark} 0L${-1.2 * mark} ${-1.2 * mark}Z`, transform: `translate(${at[0].toFixed(2)} ${at[1].toFixed(2)}) rotate(${at[2].toFixed(1)})` });
+      Object.assign(here.style, HERE);
+      root.append(here);
     }
     for (const [x, y] of homes) root.append(svg("path", { class: "home", d: `M${x - mark * 1.4} ${y}L${x} ${y - mark * 1.6}L${x + mark * 1.4} ${y}V${y + mark * 1.4}H${x - mark * 1.4}Z` }));
     const [u0, v0, u1, v1] = parcels.length ? box(parcels.flat(2)) : [x0, y0, x1, y1];

@@ -9,31 +9,34 @@
   const DIGITS = 8; // of degrees: a millimetre
 
   class RestMap {
-    // changed(): areas are others now
-    constructor(title, changed) {
-      Object.assign(this, { title, changed, areas: [], kind: "leave_out" });
+    // robot: its name; changed(): areas are others now
+    constructor(title, robot, changed) {
+      Object.assign(this, { title, robot, changed, areas: [], kind: "leave_out" });
       this.holder = el("div", { class: "h-mpicture a-map", "data-testid": "rest-map" });
       const tool = (kind, hook, sign, words) => el("button", { type: "button", class: "h-btn", "data-testid": hook, onclick: () => this.draw(kind) }, icon(sign, "m"), words);
       this.tools = el("div", { class: "h-row h-wrap", role: "group", "aria-label": "Draw on the map" }, tool("leave_out", "rest-draw-area", "content_cut", "Leave out an area"), tool("obstacle", "rest-draw-obstacle", "block", "Mark an obstacle"));
       this.list = el("div", { class: "a-list" });
+      this.legend = el("p", { class: "h-t13 h-2", hidden: true, "data-testid": "rest-legend" });
       this.note = el("p", { class: "h-t13 h-2" }, "What is drawn here counts for this mission only. An obstacle that stays belongs on the map: Maps, Obstacle.");
-      this.node = el("div", { class: "h-col", hidden: true }, this.tools, this.holder, this.list, this.note);
+      this.node = el("div", { class: "h-col", hidden: true }, this.tools, this.holder, this.legend, this.list, this.note);
     }
 
-    // geometry of the mission as GeoJSON; the sight stays where a person moved it
-    show(geometry) {
-      if (this.pen?.isOn) return (this.waiting = geometry); // nothing changes under a drawing finger
+    // geometry of the mission as GeoJSON, and how far it was then; the sight stays where a person moved it
+    show(geometry, progress) {
+      if (this.pen?.isOn) return (this.waiting = [geometry, progress]); // nothing changes under a drawing finger
       this.waiting = null;
       const before = this.view?.isWhole === false ? this.view.window : null;
       this.geometry = geometry;
-      const root = HL.fieldPicture({ ...geometry, features: geometry.features.filter((one) => !(one.properties.kind in KINDS)) }, this.title);
+      const root = HL.fieldPicture({ ...geometry, features: geometry.features.filter((one) => !(one.properties.kind in KINDS)) }, this.title, progress);
       this.frame = root.frame;
+      this.legend.hidden = !root.querySelector(".here");
+      text(this.legend, `Grey is done. The arrow is where ${this.robot} was when this was planned.`);
       this.shapes = document.createElementNS("http://www.w3.org/2000/svg", "g");
       root.append(this.shapes);
       this.view?.sized.disconnect();
       this.view = new HL.SvgView(root, { isWheelFree: () => Boolean(this.pen?.isOn) });
       this.pen = new HL.AreaPen(this.view, (ring) => this.add(ring));
-      this.pen.ended = () => ((this.tools.hidden = false), this.waiting && this.show(this.waiting));
+      this.pen.ended = () => ((this.tools.hidden = false), this.waiting && this.show(...this.waiting));
       this.holder.replaceChildren(root, this.view.buttons(), this.pen.bar);
       this.node.hidden = false;
       this.view.fit(this.frame.field); // what is drawn lies in the field, the way home is of no use here

@@ -27,7 +27,7 @@
       this.said = el("div", { class: "h-t16 h-b", role: "status", "data-testid": "rest-said" }, "Looking at how far it is");
       this.options = el("div", { class: "h-col" });
       this.shown = el("div", { class: "h-col" });
-      this.map = new HL.RestMap(`New path of ${mission.name}`, () => this.soon());
+      this.map = new HL.RestMap(`New path of ${mission.name}`, HL.port.fleet()[mission.robot_id]?.name ?? "the robot", () => this.soon());
       this.close = HL.sheet({ title: kind === "change" ? `Change the rest: ${mission.name}` : `Resume later: ${mission.name}`, hook: "rest-sheet", body: [el("div", { class: "h-restcols" }, el("div", { class: "h-col" }, this.options, this.said, this.shown), this.map.node)], buttons: [["Keep it as it is", (close) => close()], [kind === "change" ? "Send update" : "Send the way back", () => this.send(), true]] });
       this.button = document.querySelector("[data-testid=rest-sheet] .foot .pri");
       attr(this.button, "data-testid", "rest-send");
@@ -44,7 +44,7 @@
       this.map.areas = this.rest.areas ?? [];
       this.asItIs = JSON.stringify(this.wish());
       this.map.tools.hidden = this.map.note.hidden = this.kind !== "change";
-      if (shape.ok) this.map.show((this.base = shape.data));
+      if (shape.ok) this.map.show((this.base = shape.data), this.rest.progress);
       this.plan();
     }
     place() {
@@ -107,7 +107,7 @@
       this.say(isSame ? "Nothing changed yet." : this.kind === "change" ? kept : `Way back ${Math.round(way)} m.`, "ready");
       const lines = [...(out.length ? [`Left out: ${out.join(", ")}.`] : []), ...notes];
       this.shown.append(this.kind === "change" ? table(this.planned) : "", ...lines.map((line) => el("div", { class: "h-row h-t14 h-b" }, icon("info", "m"), line)));
-      this.map.show(this.pictured(this.planned.geometry));
+      this.map.show(this.pictured(this.planned.geometry), this.planned.progress);
       this.button.disabled = isSame;
     }
     // areas with a dose of their own stay as they were planned

@@ -66,6 +66,7 @@ async def test_the_rest_is_read_previewed_and_sent(come_as: Visitor, desk: Desk)
         assert left["forgets"] == "row 2 of 4, 0.01 ha done"
         wish = {"kind": "change", "leave_out": [left["pieces"][2]["number"]]}
         shown = (await client.post("/missions/m-1/rest/preview", json=wish)).json()
+        assert shown["progress"] == left["progress"]
         assert shown["left_out"] == ["Row 4"]
         assert shown["after"]["area_m2"] < shown["before"]["area_m2"]
         assert shown["geometry"]["features"]

@@ -10,9 +10,10 @@ import shapely
 from playwright.sync_api import Locator, Page, expect
 
 from hmi.domain.mission_rest import Progress, RestWish, pieces_of
+from hmi.planning.mission_map import mission_geojson
 from hmi.planning.rest import plan_rest
 from tests.hmi.missions.rig import FRAME
-from tests.hmi.pages.test_missions import GEOMETRY, PLANNED, Played, mission
+from tests.hmi.pages.test_missions import PLANNED, Played, mission
 
 Look = Callable[..., Page]
 AT = Progress(PLANNED.sha256, 3, 1.0, 1, 6, 100.0, 20.0)
@@ -35,7 +36,8 @@ class PlayedRest(Played):
         if path.endswith("/rest/preview"):
             wish = RestWish(base=PLANNED.document, base_sha256=PLANNED.sha256, revision=2, progress=AT)
             made = plan_rest(wish)
-            return 200, {"sha256": made.sha256, **made.difference, "geometry": GEOMETRY}
+            shape = mission_geojson(made.document)
+            return 200, {"sha256": made.sha256, **made.difference, "progress": AT.as_json(), "geometry": shape}
         if path.endswith("/rest"):
             return 200, self.rest() if method == "GET" else {"outcome": "accepted", "code": "ok", "text": ""}
         return super().reply(method, path)
@@ -101,6 +103,29 @@ def test_an_obstacle_drawn_with_a_finger_is_planned_around_and_then_sent(
     assert len(outline) == pytest.approx(4, abs=2)
     page.get_by_test_id("rest-send").click()
     expect(page.get_by_test_id("toast")).to_contain_text("read the new rest back")
+
+
+HERE = """() => {
+  const root = document.querySelector('[data-testid=rest-map] svg');
+  const here = root.querySelector('[data-testid=picture-here]');
+  const [, x, y] = here.getAttribute('transform').match(/translate\\((\\S+) (\\S+)\\)/).map(Number);
+  return { at: root.frame.unflat([x, y]), done: root.querySelector('.done').getAttribute('d').match(/M/g).length };
+}"""
+
+
+def test_the_picture_of_the_rest_shows_what_is_done_and_where_the_robot_was(
+    sheet: Callable[..., tuple[Page, PlayedRest]],
+) -> None:
+    page, _ = sheet()
+    path = shapely.LineString(PLANNED.document["segments"][AT.segment]["points"])
+    shown = page.evaluate(HERE)
+    (at,) = FRAME.to_local([shown["at"]])
+    assert path.interpolate(AT.segment_s_m).distance(shapely.Point(at)) < 0.05
+    worked = [one for one in PLANNED.document["segments"][: AT.segment + 1] if one["kind"] in ("row", "headland")]
+    assert shown["done"] == sum(one["tool_on"] for one in worked)
+    expect(page.get_by_test_id("rest-legend")).to_have_text(
+        "Grey is done. The arrow is where Weeder 07 was when this was planned."
+    )
 
 
 @pytest.mark.long
