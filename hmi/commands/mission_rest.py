@@ -26,6 +26,7 @@ from hmi.domain.mission_plan import Geometry, MissionRefused
 from hmi.domain.mission_rest import DrawnArea, Piece, PlannedRest, Progress, RestWish, pieces_of
 from hmi.domain.robot import Mode, Order, OrderStatus, Robot
 from hmi.domain.role import Permission
+from hmi.security.authorization import is_allowed
 from hmi.security.session_info import SessionInfo
 from hmi.store.errors import NotFound
 from hmi.store.features import Feature
@@ -176,9 +177,12 @@ class MissionRests:
     def _may(self, session: SessionInfo, robot: Robot, kind: str) -> None:
         """Ask for the rights: who has control may change the rest of what runs; a planner what nobody has in hand."""
         self._parts.authorize(session, Permission.SEND_MISSION, robot.id)
-        if kind == CHANGE and self._parts.leases.holds(session.session_id, robot.id) is None:
-            self._parts.authorize(session, Permission.EDIT_MISSION, robot.id)
         self._may_touch(session, robot)
+        if kind == CHANGE and self._parts.leases.holds(session.session_id, robot.id) is None:
+            why = is_allowed(self._parts.authorize, session, Permission.EDIT_MISSION, robot.id)
+            if why and not is_allowed(self._parts.authorize, session, Permission.LEASE, robot.id):
+                raise MissionRefused("no_control", f"Take control of {robot.name} first, or let a planner change it.")
+            self._parts.authorize(session, Permission.EDIT_MISSION, robot.id)
 
     def _may_touch(self, session: SessionInfo, robot: Robot) -> None:
         lease = self._parts.leases.of(robot.id)

@@ -268,7 +268,7 @@ async def test_only_what_was_shown_is_sent(desk: Desk) -> None:
 
 async def test_an_operator_changes_the_rest_only_while_in_control(desk: Desk) -> None:
     operator = desk.rig.person(Role.OPERATOR)
-    with pytest.raises(NotAllowed):
+    with pytest.raises(MissionRefused, match="Take control of Weeder 01 first"):
         await desk.rests.preview(operator, "m-1", RestOrder("change"))
     desk.wire.holder = operator.session_id
     assert (await desk.rests.preview(operator, "m-1", RestOrder("change"))).sha256
