@@ -25,7 +25,7 @@ async function sheet() {
     return new Promise((resolve) => (world.sends = (answer) => (resolve(answer), settled())));
   };
   class RestMap {
-    constructor(_title, _robot, changed) { Object.assign(this, { changed, areas: [], tools: node(), note: node() }); }
+    constructor(_title, _arrow, changed) { Object.assign(this, { changed, areas: [], tools: node(), note: node(), list: node() }); }
     show() {}
   }
   const HL = {

@@ -9,14 +9,14 @@
   const DIGITS = 8; // of degrees: a millimetre
 
   class RestMap {
-    // robot: its name; changed(): areas are others now
-    constructor(title, robot, changed) {
-      Object.assign(this, { title, robot, changed, areas: [], kind: "leave_out" });
+    // arrow: what it stands for; changed(): areas are others now
+    constructor(title, arrow, changed) {
+      Object.assign(this, { title, changed, areas: [], kind: "leave_out" });
       this.holder = el("div", { class: "h-mpicture a-map", "data-testid": "rest-map" });
       const tool = (kind, hook, sign, words) => el("button", { type: "button", class: "h-btn", "data-testid": hook, onclick: () => this.draw(kind) }, icon(sign, "m"), words);
       this.tools = el("div", { class: "h-row h-wrap", role: "group", "aria-label": "Draw on the map" }, tool("leave_out", "rest-draw-area", "content_cut", "Leave out an area"), tool("obstacle", "rest-draw-obstacle", "block", "Mark an obstacle"));
       this.list = el("div", { class: "a-list" });
-      this.legend = el("p", { class: "h-t13 h-2", hidden: true, "data-testid": "rest-legend" });
+      this.legend = el("p", { class: "h-t13 h-2", hidden: true, "data-testid": "rest-legend" }, `Grey is done. ${arrow}`);
       this.note = el("p", { class: "h-t13 h-2" }, "What is drawn here counts for this mission only. An obstacle that stays belongs on the map: Maps, Obstacle.");
       this.node = el("div", { class: "h-col", hidden: true }, this.tools, this.holder, this.legend, this.list, this.note);
     }
@@ -30,7 +30,6 @@
       const root = HL.fieldPicture({ ...geometry, features: geometry.features.filter((one) => !(one.properties.kind in KINDS)) }, this.title, progress);
       this.frame = root.frame;
       this.legend.hidden = !root.querySelector(".here");
-      text(this.legend, `Grey is done. The arrow is where ${this.robot} was when this was planned.`);
       this.shapes = document.createElementNS("http://www.w3.org/2000/svg", "g");
       root.append(this.shapes);
       this.view?.sized.disconnect();

@@ -27,7 +27,8 @@
       this.said = el("div", { class: "h-t16 h-b", role: "status", "data-testid": "rest-said" }, "Looking at how far it is");
       this.options = el("div", { class: "h-col" });
       this.shown = el("div", { class: "h-col" });
-      this.map = new HL.RestMap(`New path of ${mission.name}`, HL.port.fleet()[mission.robot_id]?.name ?? "the robot", () => this.soon());
+      const robot = HL.port.fleet()[mission.robot_id]?.name ?? "the robot";
+      this.map = new HL.RestMap(`New path of ${mission.name}`, kind === "change" ? `The arrow is where ${robot} was when this was planned.` : "The arrow is where it goes on.", () => this.soon());
       this.close = HL.sheet({ title: kind === "change" ? `Change the rest: ${mission.name}` : `Resume later: ${mission.name}`, hook: "rest-sheet", body: [el("div", { class: "h-restcols" }, el("div", { class: "h-col" }, this.options, this.said, this.shown), this.map.node)], buttons: [["Keep it as it is", (close) => close()], [kind === "change" ? "Send update" : "Send the way back", () => this.send(), true]] });
       this.button = document.querySelector("[data-testid=rest-sheet] .foot .pri");
       attr(this.button, "data-testid", "rest-send");
@@ -43,7 +44,7 @@
       else this.options.replaceChildren(el("p", { class: "h-t16" }, `It goes on exactly where it stopped${this.place()}: nothing twice, nothing left out. First it drives there with the tool off.`));
       this.map.areas = this.rest.areas ?? [];
       this.asItIs = JSON.stringify(this.wish());
-      this.map.tools.hidden = this.map.note.hidden = this.kind !== "change";
+      this.map.tools.hidden = this.map.note.hidden = this.map.list.hidden = this.kind !== "change";
       if (shape.ok) this.map.show((this.base = shape.data), this.rest.progress);
       this.plan();
     }

@@ -128,6 +128,21 @@ def test_the_picture_of_the_rest_shows_what_is_done_and_where_the_robot_was(
     )
 
 
+def test_resume_later_shows_what_was_drawn_and_offers_no_change_of_it(
+    sheet: Callable[..., tuple[Page, PlayedRest]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    page, played = sheet()
+    page.keyboard.press("Escape")
+    outline = [[9.4, 53.4], [9.41, 53.4], [9.41, 53.41]]
+    rest = {**PlayedRest.rest(), "areas": [{"kind": "obstacle", "outline": outline, "clearance_m": 1}]}
+    monkeypatch.setattr(played, "rest", lambda: rest)
+    page.evaluate("HL.rest.later({ id: 'm-1', name: 'Nordfeld 12', robot_id: 'weeder-07' })")
+    expect(page.get_by_test_id("rest-said")).to_have_attribute("data-state", "ready")
+    expect(page.get_by_test_id("rest-legend")).to_have_text("Grey is done. The arrow is where it goes on.")
+    expect(page.get_by_test_id("rest-area-0")).to_be_attached()
+    expect(page.get_by_test_id("rest-area-0")).to_be_hidden()
+
+
 @pytest.mark.long
 def test_a_robot_that_rolls_out_is_waited_for(sheet: Callable[..., tuple[Page, PlayedRest]]) -> None:
     page, played = sheet()
