@@ -143,14 +143,16 @@ def _site(robot: Robot, facts: MissionFacts | None) -> Check:
         return _check("site", None, "Whether it is at the field is not known.", blocks=False)
     here = (pose.lon_deg, pose.lat_deg)
     away_m = _metres(here, facts.start)
-    if away_m > TOO_FAR_M and not has_mission(robot, OrderStatus.PAUSED):
+    is_resumed = has_mission(robot, OrderStatus.PAUSED)  # its first point is long behind it
+    if away_m > TOO_FAR_M and not is_resumed:
         return _check("site", False, f"It is {number(away_m)} m from the start.", "Drive it to the field first.")
     if facts.fences and not any(_inside(here, one) for one in facts.fences):
         return _check("site", False, "It stands outside the farm.", "Look whether that is right.", blocks=False)
     no_edge = (
         "" if facts.fences or facts.map_text is None else " The map has no farm edge: nobody notices if it leaves."
     )
-    return _check("site", True, f"It is at the site, {number(away_m)} m from the first point.{no_edge}")
+    where = "" if is_resumed else f", {number(away_m)} m from the first point"
+    return _check("site", True, f"It is at the site{where}.{no_edge}")
 
 
 def _position(robot: Robot) -> Check:

@@ -56,6 +56,12 @@ def test_a_robot_that_may_start_has_eight_good_checks() -> None:
     assert all(one["text"].endswith(".") for one in checks.values())
 
 
+def test_how_far_the_first_point_is_counts_before_a_start_and_not_for_going_on() -> None:
+    assert found(ready(), facts())["site"]["text"] == "It is at the site, 7 m from the first point."
+    paused = replace(r.EVERY["paused"], telemetry=r.FAST)
+    assert found(paused, facts(start=(5.02, 52.0)))["site"]["text"] == "It is at the site."
+
+
 def test_a_running_mission_needs_no_checks() -> None:
     assert start_checks(r.EVERY["running"], facts()) == []
 
