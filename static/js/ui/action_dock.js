@@ -88,7 +88,7 @@
     endManual: (dock) => [button("drive-close", "autoplay", "End manual", () => HL.drive.end() ?? HL.port.command(HL.view.robot, "drive_close"), "pri"), null],
     closeManual: (dock) => [button("drive-close", "autoplay", "End manual", order("drive_close"), "pri"), "drive"],
     resumeOff: (dock) => [resumeOff(), null],
-    seen: (dock) => [slide(dock, { hook: "stop-seen", icon: "visibility", label: "I see it standing still", line: "Hold 1.5 s. Logged as seen, not as confirmed", goal: "visibility", isHold: true, done: "Noted", act: seen }), null],
+    seen: (dock) => [slide(dock, { hook: "stop-seen", icon: "visibility", label: "I see it standing still", line: "Hold 1.5 s. Logged as seen, not as confirmed", goal: "visibility", isHold: true, waits: "Waiting for the server", act: seen }), null],
     call: (dock) => [call(), null],
     timer: (dock) => [timer(), null],
     gap: (dock) => [{ node: el("span", { class: "h-sp" }), hook: "", allow: () => {} }, null],

@@ -27,7 +27,7 @@
     const times = el("div", { class: "h-seg q-hours", role: "group", "aria-label": "How long" }, ...HOURS.map((one) => el("button", { type: "button", "data-testid": `queue-hours-${one}`, "aria-pressed": String(one === hours), onclick: (event) => choose(one, event.currentTarget) }, `${one} h`)));
     const until = () => HL.queue.when(Date.now() + hours * 3600e3, queue.zone);
     const chosen = () => boxes.filter((one) => one.input.checked).map((one) => one.robot);
-    const slide = new HL.Slide({ hook: "queue-arm", label: "Slide to arm", line: "", goal: "flag", done: "Armed", act: () => arm() });
+    const slide = new HL.Slide({ hook: "queue-arm", label: "Slide to arm", line: "", goal: "flag", waits: "Waiting for the server", act: () => arm() });
     const words = () => {
       const names = chosen().map((one) => one.name).join(", ");
       const drives = chosen().length === 1 ? "drives off by itself" : "drive off by themselves";
@@ -62,7 +62,7 @@
     const mayRelease = HL.config.rights.includes("reset");
     let why = "";
     const said = el("div", { class: "h-seg", role: "group", "aria-label": "Reason" }, ...REASONS.map((one) => el("button", { type: "button", "aria-pressed": "false", onclick: (event) => choose(one, event.currentTarget) }, one)));
-    const slide = new HL.Slide({ hook: "queue-release", icon: "lock_open", label: "Slide to release the queue", line: "Nothing moves and nothing is armed by it", goal: "lock_open", done: "Sent", act: () => release() });
+    const slide = new HL.Slide({ hook: "queue-release", icon: "lock_open", label: "Slide to release the queue", line: "Nothing moves and nothing is armed by it", goal: "lock_open", waits: "Waiting for the server", act: () => release() });
     const choose = (one, button) => {
       why = one;
       for (const other of said.children) other.setAttribute("aria-pressed", String(other === button));

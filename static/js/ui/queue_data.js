@@ -83,9 +83,9 @@
   // an order that can lead to motion carries the newest tick; without one nothing is sent and nothing waits
   async function order(path, body) {
     const tick = window.headland?.tick() ?? null;
-    if (tick === null) return { ok: false, outcome: "rejected", text: "Not sent: the link to the server is lost." };
+    if (tick === null) return { ok: false, outcome: "refused", text: "The link to the server is lost." };
     const answer = await HL.port.api("POST", `/queue/${path}`, { ...body, tick }, OVER_TEN_S);
-    answer.outcome ??= answer.status >= 400 && answer.status < 500 ? "rejected" : "unknown";
+    answer.outcome ??= answer.status >= 400 && answer.status < 500 ? "declined" : "unknown"; // by the server: no robot was asked
     answer.text ||= "No answer. Look at the queue before you try again.";
     return answer;
   }

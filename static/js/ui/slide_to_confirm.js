@@ -208,7 +208,7 @@
     // label and second line of the moment
     wording() {
       const { options } = this;
-      if (this.isBusy) return [`${options.done || "Sent"}, waiting for the robot`, "Nothing is confirmed yet", "hourglass_top"];
+      if (this.isBusy) return [options.waits || "Sent, waiting for the robot", "Nothing is confirmed yet", "hourglass_top"];
       if (this.holdBy) return [`Hold, ${((performance.now() - this.holdFrom) / 1000).toFixed(1)} s of 1.5 s`, "Let go to cancel", null];
       if (this.drag && this.drag.at >= PAST * this.drag.most) return ["Let go now", "Release past the flag to confirm", "flag"];
       if (this.drag && this.drag.at > 8) return ["Keep sliding", "Let go to cancel", null];

@@ -65,7 +65,7 @@ class PlayedQueue(Played):
         if method != "GET":
             self.asked.append((method, path, json.loads(route.request.post_data or "{}")))
         body = self.queue if self.queue_status == 200 else {"code": "failed", "text": "The database is away."}
-        if method == "POST" and path == "queue/arm":
+        if method == "POST" and path == "queue/arm" and self.queue_status == 200:
             body = {"outcome": "accepted", "code": "ok", "text": "Armed until 18:00."}
         route.fulfill(status=self.queue_status, content_type="application/json", body=json.dumps(body))
 
@@ -153,6 +153,19 @@ def test_arming_names_the_robot_its_revision_and_the_time(show: Callable[..., tu
     assert path == "queue/arm"
     assert (body["robots"], body["duration_s"]) == ([{"robot_id": "weeder-07", "revision": 4}], 7200)
     assert body["tick"]
+
+
+def test_what_the_server_refuses_is_not_laid_on_the_robot(show: Callable[..., tuple[Page, PlayedQueue]]) -> None:
+    page, played = show(whole())
+    page.get_by_test_id("queue-arm-open").click()
+    slide = page.get_by_test_id("queue-arm")
+    slide.focus()
+    played.queue_status = 409
+    page.keyboard.down("Enter")
+    expect(slide).to_have_attribute("data-state", "refused")
+    page.keyboard.up("Enter")
+    expect(slide).to_contain_text("Not accepted")
+    expect(slide).not_to_contain_text("obot did not")
 
 
 def test_a_frozen_queue_says_so_and_wants_a_reason_first(show: Callable[..., tuple[Page, PlayedQueue]]) -> None:
