@@ -79,7 +79,7 @@
     dock() {
       const button = (hook, sign, word, look, run) => el("button", { type: "button", class: `h-btn op ${look}`, "data-testid": hook, onclick: run }, sign ? icon(sign, "m") : "", word);
       this.sendWord = el("span");
-      this.backWord = el("span");
+      this.backWord = el("span", { class: "p-backword" });
       this.sendButton = button("plan-send", "route", this.sendWord, "pri", () => this.store("send"));
       this.storeButton = button("plan-store", "check", "Store", "", () => this.store(""));
       this.queueButton = HL.queue?.add ? button("plan-queue", "add", "Add to queue", "", () => this.store("queue")) : "";

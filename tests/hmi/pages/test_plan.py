@@ -116,6 +116,16 @@ def test_row_orders_are_compared_and_the_tapped_one_is_stored_and_sent(
     ]
 
 
+def test_what_can_be_done_with_a_plan_stands_in_one_line(plan: Callable[..., tuple[Page, PlayedPlans]]) -> None:
+    page, _ = plan("portrait")
+    page.evaluate("HL.preferences.set('theme', 'sunlight')")  # its letters are the largest
+    page.get_by_test_id("plan-preview").click()
+    expect(page.get_by_test_id("plan-compare-shortest")).to_have_attribute("data-state", "planned")
+    hooks = ("plan-send", "plan-store", "plan-queue", "plan-template")
+    tops = {round(box["y"]) for hook in hooks if (box := page.get_by_test_id(hook).bounding_box())}
+    assert len(tops) == 1
+
+
 @pytest.mark.parametrize("hook", ["missions-tab-list", "missions-tab-plan"])
 def test_changes_of_a_draft_are_asked_about_wherever_its_form_is_left_to(look: Look, hook: str) -> None:
     page = look("/operate", role="supervisor", size="landscape")
