@@ -35,3 +35,14 @@ test('a job that runs since yesterday stands in the cell of today', () => {
   const days = calendarDays({ entries: [entry], ended: [], blackouts: [], zone: 'UTC' }, { robot_id: 'r' }, now, Date.parse('2026-06-15'));
   assert.equal(days.map((one) => one.rows.map((row) => `${one.date} ${row.told} ${row.name}`)).flat().join(), '2026-06-15 now Night');
 });
+
+const told = (robot, entries = []) => calendarDays({ entries, ended: [], blackouts: [], zone: 'UTC' }, robot, Date.parse('2026-06-15T06:00Z'), Date.parse('2026-06-15'))
+  .flatMap((one) => one.rows.map((row) => `${Number(one.date.slice(8))} ${row.told} ${row.name}`)).join(', ');
+
+test('a job of days stands on each of them, one that is paused only where it stands', () => {
+  const now = { mission_id: 'm', name: 'Trees', status: 'running', remaining_s: 54 * 3600 };
+  assert.equal(told({ robot_id: 'r', now }), '15 now Trees, 16 goes on Trees, 17 to about 12:00 Trees');
+  assert.equal(told({ robot_id: 'r', now: { ...now, status: 'paused' } }), '15 now Trees, paused');
+  const waits = { id: 'b', robot_id: 'r', mission_id: 'n', name: 'Weeds', state: 'open', status: 'queued', duration_s: 8 * 3600, earliest_utc: '2026-06-18T20:00Z', repeat: null };
+  assert.equal(told({ robot_id: 'r' }, [waits]), '18 20:00 Weeds, 19 to about 04:00 Weeds');
+});

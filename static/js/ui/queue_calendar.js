@@ -23,7 +23,13 @@
 
   const local = (at, zone) => HL.queue.toLocal(at, zone); // 2026-06-15T06:00 on the farm's clock
 
-  // [{date, rows: [{at, entry, look, isAgain}], windows}] of one robot
+  // what a day after the first says of a job that still takes time then; empty for what has ended or stands still
+  function goingOn(bar, start, end, date) {
+    if (date <= start.slice(0, 10) || date > end.slice(0, 10) || bar.isPaused || ["done", "ended"].includes(bar.look)) return "";
+    return date === end.slice(0, 10) ? `to about ${end.slice(11)}` : "goes on";
+  }
+
+  // [{date, rows: [{at, told, name, entry, look, isAgain, isGoingOn}], windows}] of one robot
   function days(queue, robot, now, first) {
     const bars = HL.queue.bars(queue, robot, now);
     const mine = queue.blackouts.filter((one) => !one.robots?.length || one.robots.includes(robot.robot_id));
@@ -32,6 +38,8 @@
       for (const bar of bars) {
         const start = local(bar.look === "running" ? now : bar.from, queue.zone); // one of yesterday that goes on is today's
         if (start.slice(0, 10) === date) rows.push({ at: start.slice(11), told: at(bar, start.slice(11)), name: bar.entry?.name ?? bar.name, entry: bar.entry, look: bar.look, isAgain: false });
+        const goesOn = goingOn(bar, start, local(bar.to, queue.zone), date);
+        if (goesOn) rows.push({ at: "", told: goesOn, name: bar.entry?.name ?? bar.name, entry: bar.entry, look: bar.look, isAgain: false, isGoingOn: true });
         const planned = bar.entry?.earliest_utc ? local(Date.parse(bar.entry.earliest_utc), queue.zone) : start;
         if (bar.entry?.state === "open" && comesAgain(bar.entry.repeat, planned.slice(0, 10), date)) rows.push({ at: planned.slice(11), told: planned.slice(11), name: bar.entry.name, entry: bar.entry, look: "again", isAgain: true });
       }
@@ -45,7 +53,7 @@
   function job(row, actions) {
     const isOpen = row.entry?.state === "open";
     const label = `${row.told} ${row.name}${row.isAgain ? ", again" : ""}`;
-    return el(isOpen ? "button" : "div", { type: isOpen ? "button" : null, class: "q-job", "data-look": row.look, "data-testid": row.entry ? `calendar-job-${row.entry.id}` : null, title: label, "aria-label": label, onclick: isOpen ? () => actions.open(row.entry) : null }, el("b", {}, row.told), row.entry?.repeat ? icon("autoplay", "s") : "", el("span", { class: "q-jobname" }, row.name));
+    return el(isOpen ? "button" : "div", { type: isOpen ? "button" : null, class: "q-job", "data-look": row.look, "data-testid": row.entry && !row.isGoingOn ? `calendar-job-${row.entry.id}` : null, title: label, "aria-label": label, onclick: isOpen ? () => actions.open(row.entry) : null }, el("b", {}, row.told), row.entry?.repeat ? icon("autoplay", "s") : "", el("span", { class: "q-jobname" }, row.name));
   }
 
   const closed = (one) => el("div", { class: "q-closed h-t12", title: one.name }, icon("timer_off", "s"), `${HL.queue.minutes(one.from_min)} to ${HL.queue.minutes(one.to_min)}`);

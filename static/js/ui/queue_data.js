@@ -54,7 +54,7 @@
     let free = now;
     if (robot.now && !open.some((one) => one.mission_id === robot.now.mission_id)) {
       free = now + (robot.now.remaining_s ?? GUESS_S) * 1000;
-      done.push({ entry: null, name: robot.now.status === "paused" ? `${robot.now.name}, paused` : robot.now.name, from: now, to: free, look: "other" });
+      done.push({ entry: null, name: robot.now.status === "paused" ? `${robot.now.name}, paused` : robot.now.name, from: now, to: free, look: "other", isPaused: robot.now.status === "paused" });
     }
     const isUnderWay = (one) => ["running", "paused", "resuming"].includes(one.status);
     const planned = [...open].sort((a, b) => isUnderWay(b) - isUnderWay(a)).map((one) => {
@@ -62,7 +62,7 @@
         const left = robot.now?.mission_id === one.mission_id ? robot.now.remaining_s : null;
         const from = ms(one.started_utc) ?? now;
         free = Math.max(now, left === null || left === undefined ? from + (one.duration_s ?? GUESS_S) * 1000 : now + left * 1000);
-        return { entry: one, from, to: free, look: "running" };
+        return { entry: one, from, to: free, look: "running", isPaused: one.status === "paused" };
       }
       const from = Math.max(free, ms(one.earliest_utc) ?? 0, ms(one.waiting?.clears_utc) ?? 0);
       free = from + (one.duration_s ?? GUESS_S) * 1000;
