@@ -5,6 +5,7 @@
   const M = HL.maps;
   const STEPS = [["Left", "arrow_back", -1, 0], ["Up", "arrow_upward", 0, 1], ["Down", "arrow_downward", 0, -1], ["Right", "arrow_forward", 1, 0]];
   const STEP_M = 0.1;
+  const MANY = 12; // fields that no list shows at once
 
   const stat = (label, hook) => {
     const figure = el("span");
@@ -146,7 +147,8 @@
     buildSeveral(found, canEdit) {
       const areas = found.filter((one) => one.geometry.type === "Polygon");
       const total = areas.reduce((sum, one) => sum + M.areaM2(one), 0);
-      const merge = el("button", { type: "button", class: "h-btn", "data-testid": "feature-merge", disabled: !canEdit || areas.length < 2, onclick: () => this.act.merge() }, icon("merge", "m"), "Merge");
+      const isOneKind = areas.every((one) => M.kindOf(one) === M.kindOf(areas[0]) && M.kindOf(one) !== "farm");
+      const merge = el("button", { type: "button", class: "h-btn", "data-testid": "feature-merge", title: isOneKind ? "" : "Shapes of one kind can be merged", disabled: !canEdit || areas.length < 2 || !isOneKind, onclick: () => this.act.merge() }, icon("merge", "m"), "Merge");
       this.node.replaceChildren(
         this.head(el("h2", { class: "h-t22 h-b", "data-testid": "feature-title" }, `${found.length} chosen`), el("div", { class: "h-t13 h-2" }, total ? `Together ${M.words(M.area(total))}` : ""), merge, this.tool("feature-delete", "delete", "Delete", () => this.act.remove(), canEdit)),
         el("div", { class: "m-list" }, ...found.map((one) => this.row(one))),
@@ -163,7 +165,9 @@
       this.farmLine = el("div", { class: "h-t13 h-2" });
       this.farmList = el("div", { class: "m-list" });
       this.drawn = null;
-      this.node.replaceChildren(this.head(el("h2", { class: "h-t22 h-b", "data-testid": "feature-title" }, farm), this.farmLine), this.farmList);
+      this.find = el("input", { class: "h-input", type: "search", placeholder: "Find a field, crop or obstacle", "aria-label": "Find on this map", autocomplete: "off", "data-testid": "feature-find", oninput: () => { this.sought = this.find.value.trim().toLowerCase(); this.listFarm(); } });
+      this.find.value = this.sought ?? "";
+      this.node.replaceChildren(this.head(el("h2", { class: "h-t22 h-b", "data-testid": "feature-title" }, farm), this.farmLine), this.find, this.farmList);
     }
 
     fillFarm(revision) {
@@ -171,7 +175,16 @@
       this.drawn = revision;
       const parcels = [...this.features.values()].filter((one) => M.kindOf(one) === "parcel").sort((a, b) => M.byName(M.nameOf(a), M.nameOf(b)));
       text(this.farmLine, parcels.length ? `${M.count(parcels.length, "parcel")}, ${M.words(M.area(parcels.reduce((sum, one) => sum + (M.areaM2(one) ?? 0), 0)))}` : "No parcels yet");
-      this.farmList.replaceChildren(...parcels.map((one) => this.row(one)));
+      attr(this.find, "hidden", parcels.length < MANY && !this.sought);
+      this.listFarm();
+    }
+
+    // fields; once somebody looks for something, whatever is called so or grows it
+    listFarm() {
+      const is = (one) => M.kindOf(one) === "parcel" && !this.sought || this.sought && [M.nameOf(one), M.label(M.kindOf(one)), one.properties.crop ?? ""].some((said) => said.toLowerCase().includes(this.sought));
+      const found = [...this.features.values()].filter(is).sort((a, b) => M.byName(M.nameOf(a), M.nameOf(b)));
+      const none = el("p", { class: "h-2 h-t14", "data-testid": "feature-none" }, "Nothing on this map is called so.");
+      this.farmList.replaceChildren(...found.map((one) => this.row(one)), ...(this.sought && !found.length ? [none] : []));
     }
   }
 

@@ -35,6 +35,34 @@ def test_a_field_tapped_far_down_the_list_is_read_from_its_name_on(show: Show) -
     assert side.evaluate("node => node.scrollTop") == 0
 
 
+MORE_FIELDS = """() => {
+  const corners = [[11.6, 48.2], [11.601, 48.2], [11.601, 48.201], [11.6, 48.2]];
+  const one = (n) => ({ type: 'Feature', id: `more-${n}`, geometry: { type: 'Polygon', coordinates: [corners] },
+    properties: { id: `more-${n}`, kind: 'parcel', name: `Long field ${n}`, crop: n === 7 ? 'Celeriac' : 'Leek' } });
+  const changes = Array.from({ length: 14 }, (_, n) => ({ id: `more-${n}`, before: null, after: one(n) }));
+  surface.draw('Fourteen fields drawn', changes);
+}"""
+
+
+def test_a_farm_with_many_fields_is_searched_by_name_crop_and_kind(show: Show) -> None:
+    page = editing(show())
+    find, rows = page.get_by_test_id("feature-find"), page.locator(".m-list [data-testid^=feature-row-]")
+    expect(find).to_be_hidden()
+    page.evaluate(MORE_FIELDS)
+    find.fill("celer")
+    expect(rows).to_have_count(1)
+    expect(rows).to_contain_text("Long field 7")
+    find.fill("long field 1")
+    expect(rows).to_have_count(5)
+    rows.first.click()
+    page.evaluate("surface.tap()")
+    expect(find).to_have_value("long field 1")
+    find.fill("road")
+    assert {row.split("\n")[-1] for row in rows.all_inner_texts()} == {"Road"}
+    find.fill("nowhere")
+    expect(page.get_by_test_id("feature-none")).to_be_visible()
+
+
 def test_an_attribute_is_saved_as_a_change_that_can_be_undone_and_redone(show: Show, theatre: Theatre) -> None:
     page = editing(show())
     choose(page, "nordfeld")
