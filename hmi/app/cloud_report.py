@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 from hmi.app.arrival_report import FromRobots
-from hmi.app.service_report import broker_findings, link_report
+from hmi.app.service_report import broker_findings, link_report, waits
 from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
 from hmi.cloud.delays import Delay, Delays
@@ -65,7 +65,7 @@ class CloudReport:
         link, age_s = self._mirror.link.link, self._oldest_age_s
         if not link.is_well or age_s is None or age_s < BEHIND_S:
             return ()
-        text = f"{self._backlog.total} records wait, the oldest for {age_s / 60:.0f} min. {link.why}".strip()
+        text = f"{waits(self._backlog.total)} The oldest is {age_s / 60:.0f} min old. {link.why}".strip()
         return (Finding("cloud-behind", text[:MAX_TEXT]),)
 
     @property

@@ -13,6 +13,7 @@
   const DOT_PX = 3;
   const LABEL_PX = 17;
   const LETTER_PX = 6.6;
+  const LIMIT_PX = 7.4; // of a name in bold
 
   class Chart {
     constructor() {
@@ -122,9 +123,12 @@
     }
 
     limits(limits, scale) {
-      const { w, y } = this.plot;
+      const { w, x, y } = this.plot;
+      const dots = this.inside.filter((one) => one.mean !== null).map((one) => ({ x: x(one.t), y: y(one.mean) }));
       return C.limitLines(limits, scale, (value) => this.words(value)).flatMap((one) => {
-        const name = svg("text", { class: "limitname", x: w - RIGHT - 4, y: y(one.at) + (y(one.at) < TOP + LABEL_PX ? LABEL_PX - 3 : -5), "text-anchor": "end" });
+        const foot = y(one.at) + (y(one.at) < TOP + LABEL_PX ? LABEL_PX - 3 : -5);
+        const at = C.freest(dots, { top: foot - LABEL_PX, bottom: foot + 4, left: LEFT + 4, right: w - RIGHT - 4, wide: one.text.length * LIMIT_PX });
+        const name = svg("text", { class: "limitname", x: at, y: foot });
         name.textContent = one.text;
         return [svg("path", { class: one.beyond ? "limit beyond" : "limit", d: `M${LEFT} ${y(one.at).toFixed(1)}H${w - RIGHT}` }), name];
       });

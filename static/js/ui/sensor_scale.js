@@ -4,6 +4,7 @@
   const GAP_STEPS = 1.75; // one missing step is two steps wide
   const LIMIT_REACH = 3; // a limit may make the scale so many times as high as the values; beyond that it stands at the edge
   const HEADROOM = 0.06;
+  const PLACES = [0, 1, 0.75, 0.5, 0.25]; // for the name of a line, from its right end: at the ends first
   const HOUR = 3600000;
   const DAY = 24 * HOUR;
   const SPANS = { "24h": { ms: DAY, label: "24 h", every: 60000 }, "7d": { ms: 7 * DAY, label: "7 days", every: 300000 }, season: { ms: null, label: "Season", every: 900000 } };
@@ -119,5 +120,13 @@
     return (way > 0 ? drawn.find((one) => one.t > t) : drawn.findLast((one) => one.t < t)) ?? null;
   }
 
-  HL.sensorScale = { SPANS, read, runs, scale, digits, limitLines, reach, times, bands, under, beyond };
+  // where the name of a line covers the fewest values: where it begins, from the right end to the left
+  // dots: {x, y} of what is drawn; the name's height, the ends of the line, and how wide the name is
+  function freest(dots, { top, bottom, left, right, wide }) {
+    const covered = (from) => dots.filter((one) => one.x >= from && one.x <= from + wide && one.y >= top && one.y <= bottom).length;
+    const places = PLACES.map((share) => right - wide - share * Math.max(0, right - wide - left));
+    return places.reduce((best, from) => (covered(from) < covered(best) ? from : best));
+  }
+
+  HL.sensorScale = { SPANS, read, runs, scale, digits, limitLines, freest, reach, times, bands, under, beyond };
 })();

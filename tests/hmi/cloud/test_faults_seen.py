@@ -73,7 +73,7 @@ async def test_a_slow_broker_is_said_to_be_slow_and_is_an_alarm_once_it_does_not
     (found,) = report.findings()
     assert (found.code, found.text) == (
         "cloud-behind",
-        "1 records wait, the oldest for 5 min. The last answer took 3.0 s.",
+        "1 record waits. The oldest is 5 min old. The last answer took 3.0 s.",
     )
     rig.road.delay_s = 0.0
     await rig.run(3)

@@ -227,7 +227,7 @@ async def test_a_chart_shows_when_the_parcel_was_treated(rig: SensorRig) -> None
     async with rig.browser(Role.VIEWER) as client:
         found = (await client.get("/sensors/soil-03/series?quantity=soil_moisture&depth_m=0.1")).json()
     [treated] = found["treatments"]
-    assert (treated["to_utc"], treated["text"]) == (None, "Wheat 1, weeder-01")
+    assert (treated["to_utc"], treated["text"]) == (None, "Wheat 1, Weeder 01")
 
 
 @pytest.mark.parametrize("is_heard", [True, False])
