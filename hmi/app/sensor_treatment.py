@@ -90,8 +90,9 @@ class TreatmentWatch:
         found: list[Treated] = []
         for mission in missions:
             begin: datetime | None = None
-            robot = names.get(mission.robot_id or "", mission.robot_id)
-            text = ", ".join(part for part in (mission.name, robot) if part)
+            robot = names.get(mission.robot_id or "", mission.robot_id or "")
+            is_named = not robot or robot in mission.name  # as people call missions
+            text = mission.name if is_named else f"{mission.name}, {robot}"
             for line in self._missions.log(self._farm_id, mission.id):
                 if line.status is MissionStatus.RUNNING:
                     begin = begin or line.at

@@ -202,10 +202,12 @@ test('units follow the person, in sentences too, where a limit is in the unit of
 });
 
 test('the name of a limit stands where it covers the fewest values, at the right end if that is free', () => {
-  const room = { top: 40, bottom: 60, left: 0, right: 400, wide: 100 };
-  const along = (from, to) => Array.from({ length: (to - from) / 10 }, (_, i) => ({ x: from + i * 10, y: 50 }));
-  assert.equal(C.freest([], room), 300);
-  assert.equal(C.freest(along(300, 400), room), 0); // the newest values stay in sight
-  assert.equal(C.freest([...along(290, 400), ...along(0, 60)], room), 75);
-  assert.equal(C.freest(along(300, 400).map((one) => ({ ...one, y: 90 })), room), 300); // below the name
+  const room = { feet: [60, 90], left: 0, right: 400, wide: 100, high: 20 };
+  const along = (from, to, y = 50) => Array.from({ length: (to - from) / 10 }, (_, i) => ({ x: from + i * 10, y }));
+  const at = (dots) => plain(C.freest(dots, room));
+  assert.deepEqual(at([]), { x: 300, foot: 60 });
+  assert.deepEqual(at(along(300, 400)), { x: 0, foot: 60 }); // the newest values stay in sight
+  assert.deepEqual(at([...along(290, 400), ...along(0, 60)]), { x: 75, foot: 60 });
+  assert.deepEqual(at(along(0, 400)), { x: 300, foot: 90 }); // on the other side of the line
+  assert.deepEqual(at(along(0, 400, 110)), { x: 300, foot: 60 }); // far below
 });

@@ -120,12 +120,12 @@
     return (way > 0 ? drawn.find((one) => one.t > t) : drawn.findLast((one) => one.t < t)) ?? null;
   }
 
-  // where the name of a line covers the fewest values: where it begins, from the right end to the left
-  // dots: {x, y} of what is drawn; the name's height, the ends of the line, and how wide the name is
-  function freest(dots, { top, bottom, left, right, wide }) {
-    const covered = (from) => dots.filter((one) => one.x >= from && one.x <= from + wide && one.y >= top && one.y <= bottom).length;
-    const places = PLACES.map((share) => right - wide - share * Math.max(0, right - wide - left));
-    return places.reduce((best, from) => (covered(from) < covered(best) ? from : best));
+  // where the name of a line covers the least: {x, foot} of its beginning, from the right end to the left
+  // dots: {x, y} of what is drawn; feet: where the name may stand, best first; the ends of the line, width and height of the name
+  function freest(dots, { feet, left, right, wide, high }) {
+    const covered = ({ x, foot }) => dots.filter((one) => one.x >= x && one.x <= x + wide && one.y >= foot - high && one.y <= foot + 4).length;
+    const places = feet.flatMap((foot) => PLACES.map((share) => ({ x: right - wide - share * Math.max(0, right - wide - left), foot })));
+    return places.reduce((best, place) => (covered(place) < covered(best) ? place : best));
   }
 
   HL.sensorScale = { SPANS, read, runs, scale, digits, limitLines, freest, reach, times, bands, under, beyond };

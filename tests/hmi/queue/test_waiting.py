@@ -194,7 +194,8 @@ def test_a_person_who_starts_it_is_told_which_condition_does_not_hold_and_is_hel
     assert says(entry) == ready
     windy = Weather(NOW, 0.0, 6.1, "Yard")
     assert says(entry, weather=windy) == (
-        "Ready on Weeder 03, but its conditions do not hold. Waits: wind 6.1 m/s, limit 5.0. The person on site decides."
+        "Ready on Weeder 03, but its conditions do not hold. Waits: wind 6.1 m/s, limit 5.0. "
+        "The person on site decides."
     )
     verdict = why_waiting(entry, replace(GOOD, weather=windy))
     assert (verdict.step, verdict.waiting.code) == (Step.WAIT, "ready")
