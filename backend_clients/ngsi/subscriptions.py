@@ -17,6 +17,7 @@ from backend_clients.ngsi.subscription import Subscription, Wanted, check_key, r
 PAGE = 100
 MOST = 10_000
 LIFE = timedelta(hours=24)  # what a console that is gone leaves behind ends by itself
+_IN_FORCE = frozenset({"active", "failed"})  # a broker that could not deliver the last one goes on trying
 How = Literal["made", "adopted", "renewed", "mended"]
 
 
@@ -114,7 +115,7 @@ class Subscriptions:
     async def _adopt(self, found: Subscription, wanted: Wanted, now: datetime, until: datetime) -> Kept:
         body = wanted.body(self._owner, until)
         is_same = found.mark == read_mark(body["description"])
-        if not is_same or found.status != "active":
+        if not is_same or found.status not in _IN_FORCE:
             await self._patch(found.id, {**body, "status": "active"})
             return Kept(found.id, "mended", until)
         if found.expires is None or found.expires - now > self._life / 2:

@@ -139,7 +139,9 @@ class CloudRoom:
         begin_s = self._clock.mono_s()
         answer = await self._work.missions.upload_mission(robot_id, document)
         if answer.is_accepted:
-            why = f"Went to {robot_id} through the cloud, read back after {self._clock.mono_s() - begin_s:.1f} s."
+            robot = self._fleet.robot(robot_id)
+            name = robot_id if robot is None else robot.name
+            why = f"Went to {name} through the cloud, read back after {self._clock.mono_s() - begin_s:.1f} s."
             await self._note(document["mission_id"], why)
         return answer
 

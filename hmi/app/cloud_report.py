@@ -6,10 +6,11 @@ from datetime import UTC, datetime
 from typing import Any
 
 from hmi.app.arrival_report import FromRobots
-from hmi.app.service_report import broker_findings, link_report
+from hmi.app.service_report import broker_findings, link_report, waits
 from hmi.clock import Clock
 from hmi.cloud.backlog import Backlog
 from hmi.cloud.delays import Delay, Delays
+from hmi.cloud.map_subscription import SubscriptionNews
 from hmi.cloud.mirror import Mirror
 from hmi.cloud.proposals import ProposalBook
 from hmi.domain.alarm.finding import MAX_TEXT, Finding, Findings
@@ -19,6 +20,7 @@ from hmi.settings import Settings
 
 PUBLISHED_MEAN_S = 0.25  # robot to context broker in the published system, to compare with
 LOST_SHOWN_S = 600.0
+BEHIND_S = 300.0  # robots and events go up within seconds; five minutes of them is nobody's jitter
 MOST_REFUSED_SHOWN = 50
 
 
@@ -49,6 +51,7 @@ class CloudReport:
         return (
             *broker_findings(self._mirror.link.link, self._backlog.total),
             *self._stuck(),
+            *self._behind(),
             *self._not_taken(),
             *self._dropped(),
         )
@@ -56,6 +59,19 @@ class CloudReport:
     def _stuck(self) -> Findings:
         text = self._stuck_text
         return (Finding("cloud-stuck", text[:MAX_TEXT]),) if text else ()
+
+    def _behind(self) -> Findings:
+        """Return that the broker answers and does not keep up; while it is away, that is the alarm."""
+        link, age_s = self._mirror.link.link, self._oldest_age_s
+        if not link.is_well or age_s is None or age_s < BEHIND_S:
+            return ()
+        text = f"{waits(self._backlog.total)} The oldest is {age_s / 60:.0f} min old. {link.why}".strip()
+        return (Finding("cloud-behind", text[:MAX_TEXT]),)
+
+    @property
+    def _oldest_age_s(self) -> float | None:
+        oldest_s = self._backlog.oldest_s
+        return None if oldest_s is None else max(0.0, self._clock.utc().timestamp() - oldest_s)
 
     @property
     def _stuck_text(self) -> str:
@@ -81,8 +97,8 @@ class CloudReport:
         records, others = len(self._mirror.refused.all()), len(self._mirror.not_taken)
         if not records + others:
             return ()
-        parts = [_number(records, "record is", "records are"), _number(others, "entity is", "entities are")]
-        text = " and ".join(part for part in parts if part)
+        parts = [_number(records, "record", "records"), _number(others, "entity", "entities")]
+        text = " and ".join(part for part in parts if part) + (" is" if records + others == 1 else " are")
         last = self._mirror.counts.last_refusal
         return (
             Finding(
@@ -139,13 +155,16 @@ class CloudReport:
     def _map_report(self) -> dict[str, Any]:
         changes = self._mirror.changes
         hints = changes.hints if changes is not None else None
+        kept = changes.subscription if changes is not None else None
+        news = SubscriptionNews() if kept is None else kept.news
         return {
             "proposals": len(self._book.all()),
             "left_out": self._book.left_out,
             "is_told": hints is not None,
-            "subscribed": bool(changes and changes.subscription.is_there),
-            "subscription_lost": 0 if changes is None else changes.subscription.lost,
-            "subscription_lost_utc": _moment(changes.subscription.lost_at if changes is not None else None),
+            "subscribed": news.is_there,
+            "untold": news.untold,
+            "subscription_lost": news.lost,
+            "subscription_lost_utc": _moment(news.lost_at),
             "is_storm": hints is not None and hints.is_too_many,
             "old_news": 0 if hints is None else hints.counts.old,
             "notifications": 0 if hints is None else hints.counts.taken,
@@ -175,13 +194,12 @@ class CloudReport:
         }
 
     def _waiting(self) -> dict[str, Any]:
-        waiting, now = self._backlog.waiting, self._clock.utc().timestamp()
-        age_s = None if waiting.oldest_s is None else round(max(0.0, now - waiting.oldest_s), 1)
+        waiting, age_s = self._backlog.waiting, self._oldest_age_s
         return {
             "count": self._backlog.total,
-            "bytes": waiting.bytes,
+            "bytes": self._backlog.bytes,
             "limit_bytes": self._settings.cloud_outbox_mb * 2**20,
-            "oldest_age_s": age_s,
+            "oldest_age_s": None if age_s is None else round(age_s, 1),
             "trouble": waiting.trouble,
         }
 

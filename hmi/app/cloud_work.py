@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from pydantic import SecretStr
@@ -28,6 +29,7 @@ from hmi.cloud.delays import Delays
 from hmi.cloud.hints import Hints
 from hmi.cloud.link import CloudLink, is_about_one
 from hmi.cloud.map_changes import MapChanges
+from hmi.cloud.map_subscription import IsOurs, MapSubscription
 from hmi.cloud.marker import Marker, where_of
 from hmi.cloud.mirror import Mirror
 from hmi.cloud.missions import CloudMissions
@@ -86,11 +88,12 @@ class CloudWork:
         is_demo = settings.demo and settings.demo_cloud
         marker = Marker(settings.data / "cloud" / "console.json", ref, settings.farm_name, is_strict=not is_demo)
         link, states = CloudLink(client, marker, clock, parts.link), RobotStates(parts.fleet, urns, clock)
-        changes = self._make_changes(client, published, on_proposals)
+        is_ours = partial(marker.is_ours, client)
+        changes = self._make_changes(client, published, on_proposals, is_ours)
         self.refused = RefusedRecords(RefusedFile(settings.data / "cloud" / "refused.db"), clock)
         self.mirror = Mirror(link, states, parts.backlog, clock, whole, changes, parts.others, refused=self.refused)
         read_back = Delays()
-        self.missions = CloudMissions(client, urns.farm_name, clock, read_back)
+        self.missions = CloudMissions(client, urns.farm_name, clock, read_back, is_ours=is_ours)
         self.report = CloudReport(settings, clock, self.mirror, parts.backlog, parts.book, read_back, parts.robots)
 
     @property
@@ -130,17 +133,20 @@ class CloudWork:
         client: NgsiClient,
         published: Callable[[], Awaitable[Mapping[str, MapFeature]]],
         on_proposals: Callable[[], None],
+        is_ours: IsOurs,
     ) -> MapChanges:
         settings, clock = self._parts.settings, self._parts.clock
-        hints, subscriptions, wanted = None, None, None
+        hints, subscription = None, None
         if settings.cloud_notify_url:
             secret = SecretStr(kept_secret(settings.data / "cloud" / "notify.secret"))
             hints = Hints(Gate(secret, settings.cloud_notify_from), client.connection.broker.tenant, clock)
             subscriptions = Subscriptions(client.connection, f"console-{self._parts.urns.farm_name}"[:60])
             url = f"{settings.cloud_notify_url}{PREFIX}/cloud/notify/{secret.get_secret_value()}"
             wanted = Wanted(key="map", url=url, types=tuple(KIND_OF))
+            subscription = MapSubscription(subscriptions, wanted, clock, is_ours)
         told = ToldIds(settings.data / "cloud" / "told.json", where_of(client.connection.broker))
-        return MapChanges(client, self._parts.book, hints, clock, published, on_proposals, subscriptions, wanted, told)
+        book = self._parts.book
+        return MapChanges(client, book, hints, clock, published, on_proposals, subscription, told, is_ours=is_ours)
 
 
 def make_client(settings: Settings) -> NgsiClient:

@@ -61,32 +61,38 @@ class TreatmentWatch:
             key = robot.id, order.mission_id
             if parcel is not None and (key in self._reached or _is_on(robot, parcel)):
                 reached.add(key)
-                found.append(AtWork(robot.id, parcel.id))
+                found.append(AtWork(robot.id, parcel.id, robot.name))
         self._reached = reached
         return found
 
     def treatments(self, at_work: Sequence[AtWork]) -> Mapping[str, Treatment]:
         """Return the treatments by parcel."""
-        robots: dict[str, list[str]] = {}
+        robots: dict[str, dict[str, str]] = {}
         for one in at_work:
-            robots.setdefault(one.parcel, []).append(one.robot_id)
-        return {key: Treatment(key, self.name_of(key), tuple(sorted(ids))) for key, ids in robots.items()}
+            robots.setdefault(one.parcel, {})[one.robot_id] = one.name or one.robot_id
+        return {
+            key: Treatment(key, self.name_of(key), tuple(sorted(here)), tuple(here[one] for one in sorted(here)))
+            for key, here in robots.items()
+        }
 
     async def treated(self, parcel: str, since: datetime) -> list[Treated]:
         """Return when a parcel was treated since then, oldest first; ``None`` as the end: it still is."""
+        names = {robot.id: robot.name for robot in self._fleet.robots()}
         uavs = {robot.id for robot in self._fleet.robots() if _only_looks(robot)}
         runs = [
             one for one in self._missions.all_known(self._farm_id)
             if one.field_id == parcel and one.updated_at >= since and not _is_flight(one, uavs)
         ]  # fmt: skip
         newest = sorted(runs, key=lambda one: one.updated_at, reverse=True)[:MOST_RUNS]
-        return sorted(await self._database.run(self._spans, newest, since), key=lambda one: one[0])
+        return sorted(await self._database.run(self._spans, newest, since, names), key=lambda one: one[0])
 
-    def _spans(self, missions: Sequence[Mission], since: datetime) -> list[Treated]:
+    def _spans(self, missions: Sequence[Mission], since: datetime, names: Mapping[str, str]) -> list[Treated]:
         found: list[Treated] = []
         for mission in missions:
             begin: datetime | None = None
-            text = ", ".join(part for part in (mission.name, mission.robot_id) if part)
+            robot = names.get(mission.robot_id or "", mission.robot_id or "")
+            is_named = not robot or robot in mission.name  # as people call missions
+            text = mission.name if is_named else f"{mission.name}, {robot}"
             for line in self._missions.log(self._farm_id, mission.id):
                 if line.status is MissionStatus.RUNNING:
                     begin = begin or line.at

@@ -63,6 +63,11 @@ def clock_finding(name: str, link: ServiceLink) -> Findings:
     return (Finding("service-clock", f"{name}. {words}"[:MAX_TEXT]),) if words else NOTHING
 
 
+def waits(count: int) -> str:
+    """Return a sentence that says how many records wait here."""
+    return "1 record waits." if count == 1 else f"{count} records wait."
+
+
 def broker_findings(link: ServiceLink, waiting: int) -> Findings:
     """Return what is wrong with the way to a broker.
 
@@ -74,5 +79,5 @@ def broker_findings(link: ServiceLink, waiting: int) -> Findings:
     if link.state in NEEDS_PERSON:
         return (Finding("cloud-refused", text[:MAX_TEXT], since_s=link.since_s), *found)
     if not link.is_well:
-        return (Finding("cloud-away", f"{text} {waiting} records wait."[:MAX_TEXT]), *found)
+        return (Finding("cloud-away", f"{text} {waits(waiting)}"[:MAX_TEXT]), *found)
     return found

@@ -91,6 +91,18 @@ class Backlog:
         """How many pieces wait, on disk and in memory."""
         return self.waiting.count + len(self._fresh)
 
+    @property
+    def bytes(self) -> int:
+        """How large they are."""
+        return self.waiting.bytes + sum(piece.size for piece in self._fresh.values())
+
+    @property
+    def oldest_s(self) -> float | None:
+        """Seconds since the epoch when the oldest of them happened, ``None`` if nothing waits."""
+        known = [piece.at_s for piece in self._fresh.values()]
+        known += [] if self.waiting.oldest_s is None else [self.waiting.oldest_s]
+        return min(known, default=None)
+
     async def first(self, limit: int) -> list[Piece]:
         """Return what to deliver next, in order: from memory only when nothing older can be in the file."""
         try:

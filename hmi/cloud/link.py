@@ -23,7 +23,7 @@ TWO_AT_ONCE = "two at once under one id, of which the first is sent"
 ASKED = 50  # ids in one question: they stand in its address
 SMALL, SMALLEST = 20, 10  # a request that small is late for another reason than its size, if larger ones arrive
 GROW_S = 30.0  # small requests say little of larger ones: with them the size grows so often and no oftener
-LOOK_EVERY_S = 60.0  # a proxy may send us to another tenant at any time
+LOOK_EVERY_S = 15.0  # a proxy may send us to another tenant at any time; two small questions beside a write a second
 
 
 @dataclass(slots=True)
@@ -148,6 +148,10 @@ class CloudLink:
         """Take that a call failed."""
         self._look_s = float("-inf")
         self.link.failed(error)
+
+    def look_again(self) -> None:
+        """Ask whose tenant it is before anything else is written."""
+        self._look_s = float("-inf")
 
     async def _look(self) -> None:
         begin_s = self._clock.mono_s()

@@ -5,19 +5,17 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from datetime import datetime
 
 from backend_clients.ngsi.client import NgsiClient
 from backend_clients.ngsi.entity import Entity
 from backend_clients.ngsi.errors import NgsiError
 from backend_clients.ngsi.identifier import EntityRef
 from backend_clients.ngsi.query import Query
-from backend_clients.ngsi.subscription import Wanted
-from backend_clients.ngsi.subscriptions import Subscriptions
 from hmi.clock import Clock
 from hmi.cloud.hints import Hints
 from hmi.cloud.link import is_about_one
+from hmi.cloud.map_subscription import IsOurs, MapSubscription
+from hmi.cloud.marker import TenantMoved
 from hmi.cloud.proposals import ProposalBook
 from hmi.cloud.told_ids import ToldIds
 from hmi.fiware.map_change import KIND_OF, is_as_told
@@ -26,27 +24,10 @@ from hmi.fiware.urn import KeyValues
 from hmi.mapping.feature import MapFeature
 
 READ_ALL_S = 300.0  # what no notification told, for instance while the console was off
-SUBSCRIBE_S = 300.0  # whether it is still there: whoever manages the broker may delete it, and nobody tells us
 STORM_S = 10.0  # while more is told than can be looked at, everything is read so often and no oftener
 MOST_SINGLE = 20  # with more hints than this one question for all is cheaper
 Features = Callable[[], Awaitable[Mapping[str, MapFeature]]]
 log = logging.getLogger(__name__)
-
-
-@dataclass(slots=True)
-class SubscriptionNews:
-    """How the subscription at the broker is.
-
-    Args:
-        is_there: it was there when it was looked at last.
-        lost: how often it was deleted, or switched off, behind our back since the start; ``lost_at`` the last time.
-        how: what was done then, as in ``Kept``.
-    """
-
-    is_there: bool = False
-    lost: int = 0
-    lost_at: datetime | None = None
-    how: str = ""
 
 
 class MapChanges:
@@ -55,8 +36,10 @@ class MapChanges:
     Args:
         features: the published map by id.
         on_changed: called when proposals came, went or changed.
-        wanted: the subscription, ``None`` where the broker cannot reach this console.
+        subscription: ``None`` where the broker cannot reach this console.
         told: which entities were told; without it a deletion is seen only while it is notified.
+        is_ours: whether the tenant that answers now is ours. In another one everything of ours is missing, which is
+            nobody's wish.
     """
 
     def __init__(
@@ -67,16 +50,15 @@ class MapChanges:
         clock: Clock,
         features: Features,
         on_changed: Callable[[], None],
-        subscriptions: Subscriptions | None = None,
-        wanted: Wanted | None = None,
+        subscription: MapSubscription | None = None,
         told: ToldIds | None = None,
+        *,
+        is_ours: IsOurs,
     ) -> None:
         self._client, self.book, self.hints, self._clock = client, book, hints, clock
         self._features, self._on_changed = features, on_changed
-        self._subscriptions, self._wanted, self._told = subscriptions, wanted, told
-        self._read_s = self._subscribe_s = float("-inf")
-        self._read_at_s = float("-inf")
-        self.subscription = SubscriptionNews()
+        self.subscription, self._told, self._is_ours = subscription, told, is_ours
+        self._read_s = self._read_at_s = float("-inf")
 
     def read_soon(self) -> None:
         """Read everything in the next round."""
@@ -93,7 +75,8 @@ class MapChanges:
         Raises:
             NgsiError: it could not be asked.
         """
-        self._subscribe_s = float("-inf")  # a broker that forgot us, or is another one, forgot that too
+        if self.subscription is not None:
+            self.subscription.ensure_soon()  # a broker that forgot us, or is another one, forgot that too
         told = frozenset[EntityRef]() if self._told is None else self._told.all()
         if told:
             async for one in self._client.entities(Query(types=tuple(KIND_OF))):
@@ -108,11 +91,10 @@ class MapChanges:
             self._on_changed()
 
     async def round(self) -> None:
-        """Subscribe and read if it is time; raises ``NgsiError``."""
+        """Subscribe and read if it is time; raises ``NgsiError``, ``TenantMoved``."""
         now_s = self._clock.mono_s()
-        if self._subscriptions is not None and self._wanted is not None and now_s >= self._subscribe_s:
-            await self._subscribe(self._subscriptions, self._wanted)
-            self._subscribe_s = now_s + SUBSCRIBE_S
+        if self.subscription is not None and await self.subscription.round():
+            self.read_soon()  # who knows what it did not tell
         is_storm = self.hints is not None and self.hints.is_too_many
         if is_storm and now_s < self._read_at_s + STORM_S:
             return
@@ -122,15 +104,16 @@ class MapChanges:
         elif hinted:
             try:
                 await self._read(hinted)
-            except NgsiError:
+            except (NgsiError, TenantMoved):
                 self.read_soon()  # the hints are used up
                 raise
 
     async def read_all(self) -> None:
-        """Read every map entity and keep the proposals true; raises ``NgsiError``."""
+        """Read every map entity and keep the proposals true; raises ``NgsiError``, ``TenantMoved``."""
         if self.hints is not None:
             self.hints.is_too_many = False
         found = [key_values(one) async for one in self._client.entities(Query(types=tuple(KIND_OF)))]
+        await self._check_ours()  # after reading: only then it is known whose answer it was
         if self.book.keep({one["id"] for one in found}):
             self._on_changed()
         await self._look(found)
@@ -153,14 +136,10 @@ class MapChanges:
         if self.book.all() != before:
             self._on_changed()
 
-    async def _subscribe(self, subscriptions: Subscriptions, wanted: Wanted) -> None:
-        kept, news = await subscriptions.ensure(wanted, self._clock.utc()), self.subscription
-        is_lost = news.is_there and kept.how in ("made", "mended")
-        if is_lost:
-            news.lost, news.lost_at, news.how = news.lost + 1, self._clock.utc(), kept.how
-            log.warning("the subscription at the broker was gone or off, and is %s again", kept.how)
-            self._read_s = float("-inf")  # who knows what it did not tell
-        news.is_there = True
+    async def _check_ours(self) -> None:
+        if not await self._is_ours():
+            self.read_soon()
+            raise TenantMoved
 
     async def _clear(self, entities: Sequence[KeyValues]) -> None:
         """Delete what we told of features that are on our map no more, unless somebody else changed it since."""
@@ -176,14 +155,12 @@ class MapChanges:
             await self._client.batch("delete", [Entity(ref=ref) for ref in refs])
 
     async def _read(self, hinted: Mapping[EntityRef, bool]) -> None:
-        found: list[KeyValues] = []
-        for ref, is_gone in hinted.items():
-            entity = await self._client.find(ref)
-            if entity is not None:
-                found.append(key_values(entity))
-            elif is_gone and await self._is_gone(ref):
+        found = {ref: await self._client.find(ref) for ref in hinted}
+        await self._check_ours()
+        for ref, entity in found.items():
+            if entity is None and hinted[ref] and await self._is_gone(ref):
                 self._on_changed()
-        await self._look(found)
+        await self._look([key_values(one) for one in found.values() if one is not None])
 
     async def _is_gone(self, ref: EntityRef) -> bool:
         """Take that somebody deleted an entity; return whether a proposal came or went."""

@@ -19,6 +19,10 @@ from backend_clients.ngsi.identifier import EntityRef
 from hmi.service_link import LinkState
 
 
+class TenantMoved(Exception):
+    """What answers now is not the tenant that knew this console: nothing of it may be believed or written."""
+
+
 class _Note(msgspec.Struct):
     console: str
     placed: list[str] = msgspec.field(default_factory=list)
@@ -54,6 +58,11 @@ class Marker:
         if found.value("console") != self._note.console:
             return LinkState.OTHER_CONSOLE, "Another console keeps this farm in this tenant.", False
         return LinkState.OK, "", False
+
+    async def is_ours(self, client: NgsiClient) -> bool:
+        """Say whether the tenant that answers now knows this console, without taking it; raises ``NgsiError``."""
+        found = await client.find(self._ref)
+        return found is not None and found.value("console") == self._note.console
 
     async def place(self, client: NgsiClient) -> None:
         """Take the tenant for this console; raises ``NgsiError``."""

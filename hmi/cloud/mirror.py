@@ -19,6 +19,7 @@ from hmi.cloud.delays import Delays
 from hmi.cloud.guard import Guard
 from hmi.cloud.link import TWO_AT_ONCE, CloudLink, Delivery
 from hmi.cloud.map_changes import MapChanges
+from hmi.cloud.marker import TenantMoved
 from hmi.cloud.newest import Newest
 from hmi.cloud.outbox import Piece
 from hmi.cloud.refused import RefusedRecords
@@ -213,6 +214,9 @@ class Mirror:
             await self.changes.round()
         except NgsiError as error:
             self.link.failed(error)
+            return False
+        except TenantMoved:
+            self.link.look_again()
             return False
         if self.changes.book.has_let_go:  # somebody's change is gone, or was refused: ours goes up at once
             self.tell_whole()

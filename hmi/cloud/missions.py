@@ -16,11 +16,12 @@ from backend_clients.cloud_robot.names import ANSWER, ORDER, answer_ref, order_r
 from backend_clients.cloud_robot.presence import read_presence
 from backend_clients.ngsi.client import NgsiClient
 from backend_clients.ngsi.entity import Entity
-from backend_clients.ngsi.errors import BadInput, NgsiError, NotFound, Unreadable
+from backend_clients.ngsi.errors import BadInput, NgsiError, NotFound, TooLarge, Unreadable
 from backend_clients.ngsi.identifier import EntityRef
 from backend_clients.ngsi.query import Query
 from hmi.clock import Clock
 from hmi.cloud.delays import Delays
+from hmi.cloud.map_subscription import IsOurs
 from hmi.domain.command import Acknowledgement, OrderFailed
 from hmi.domain.mission_document import canonical, mission_sha256
 
@@ -40,12 +41,21 @@ class CloudMissions:
         farm: as in the names of the farm's entities.
         delays: of missions that were read back.
         sleep: test seam.
+        is_ours: whether the tenant that answers now is ours; in another one a robot of the same name may listen.
     """
 
     def __init__(
-        self, client: NgsiClient, farm: str, clock: Clock, delays: Delays, sleep: Sleep = asyncio.sleep
+        self,
+        client: NgsiClient,
+        farm: str,
+        clock: Clock,
+        delays: Delays,
+        sleep: Sleep = asyncio.sleep,
+        *,
+        is_ours: IsOurs,
     ) -> None:
         self._client, self._farm, self._clock, self._delays, self._sleep = client, farm, clock, delays, sleep
+        self._is_ours = is_ours
         self._waited_for: set[EntityRef] = set()
         self._tidy_s = float("-inf")  # an earlier run may have ended while it waited
 
@@ -94,6 +104,9 @@ class CloudMissions:
 
     async def _challenge(self, robot_id: str) -> str:
         try:
+            if not await self._is_ours():
+                text = "The tenant in the cloud is not ours now: nothing was sent. Send the mission directly."
+                raise OrderFailed("cloud_not_ours", text, is_outcome_known=True)
             found = await self._client.find(presence_ref(self._farm, robot_id))
             if found is None:
                 raise OrderFailed("no_agent", "The robot has no way to the cloud. Send it directly.",
@@ -124,7 +137,7 @@ class CloudMissions:
     async def _put(self, order: MissionOrder) -> None:
         try:
             await self._client.create(order.to_entity(self._farm))
-        except BadInput as error:
+        except (BadInput, TooLarge) as error:
             text = "The mission is too large for the way through the cloud. Send it directly."
             raise OrderFailed("too_large", text, is_outcome_known=True) from error
         except NgsiError as error:
@@ -146,20 +159,25 @@ class CloudMissions:
                 continue
             if found is not None:
                 return _read(found)
-        text = "The robot did not answer through the cloud. It takes nothing of it any more. Send it directly."
+        text = (
+            "The robot's answer did not come through the cloud in time. Should it have the mission, it does not move "
+            "by it; it takes nothing of this order any more. Look what it holds, or send it directly."
+        )
         self._left_behind()  # an answer that comes later
         raise OrderFailed("no_answer", text, is_outcome_known=False)
 
     async def _withdraw(self, order: MissionOrder) -> None:
-        """Take order and answer away; what cannot be deleted grows too old by itself."""
-        for ref in self._refs(order):
-            try:
-                await self._client.delete(ref)
-            except NotFound:
-                continue
-            except NgsiError as error:
-                log.info("mission by the cloud: %s is left behind: %s", ref.id, error)
-                self._left_behind()
+        """Take order and answer away, both at once: somebody waits. What cannot be deleted grows too old by itself."""
+        await asyncio.gather(*map(self._delete, self._refs(order)))
+
+    async def _delete(self, ref: EntityRef) -> None:
+        try:
+            await self._client.delete(ref)
+        except NotFound:
+            return
+        except NgsiError as error:
+            log.info("mission by the cloud: %s is left behind: %s", ref.id, error)
+            self._left_behind()
 
     def _left_behind(self) -> None:
         self._tidy_s = min(self._tidy_s, self._clock.mono_s() + TIDY_S)

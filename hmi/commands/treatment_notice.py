@@ -8,7 +8,7 @@ acknowledged is never shown as acknowledged.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime, timedelta
 from enum import StrEnum
 
@@ -36,11 +36,12 @@ class NoticeState(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Treatment:
-    """Robots that treat a parcel now."""
+    """Robots that treat a parcel now, by id, and what people call them."""
 
     parcel: str
     parcel_name: str
     robots: tuple[str, ...]
+    names: tuple[str, ...] = field(default=(), compare=False)  # another name is nothing that a station has to be told
 
 
 @dataclass(slots=True)
@@ -67,7 +68,7 @@ class Notice:
     def text(self) -> str:
         """What it is about, in words."""
         one = self.treatment
-        where = f"Treatment on {one.parcel_name}, {', '.join(one.robots)}"
+        where = f"Treatment on {one.parcel_name}, {', '.join(one.names or one.robots)}"
         over = ", over" if self.is_ending else ""
         return f"{where}{over}. {self.answer}".strip() if self.answer else f"{where}{over}"
 

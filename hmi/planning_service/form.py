@@ -21,6 +21,11 @@ TOLD = frozenset({
     "robot", "row_speed_mps", "plant_spacing_m",  # as the machine's own limits
     "mission_id", "name", "robot_id", "field_name", "revision",  # stay here
 })  # fmt: skip
+WORDS = {
+    "rows": "rows along lines of the map or the field's edge",
+    "row_lines": "rows along lines of the map or the field's edge",
+    "row_spacing_m": "rows along lines of the map or the field's edge",
+}
 Features = Sequence[tuple[Geometry, float]]
 
 
@@ -70,9 +75,12 @@ def _machine(machine: RobotProfile) -> wire.Machine:
 def _only_known(wish: PlanWish) -> None:
     """A wish for something the format has no word for is not sent: the service would plan something else."""
     plain = replace(wish, rows=None) if wish.rows is Rows.BEST_ANGLE else wish  # what a planner does without an angle
+    if wish.rows is not Rows.RECORDED_ROWS:  # nearly every field has it, and it bears on recorded rows alone
+        plain = replace(plain, row_spacing_m=None)
     unsaid = [one.name for one in fields(wish) if one.name not in TOLD and getattr(plain, one.name) != one.default]
     if unsaid:
-        raise ValueError(f"planner services know nothing of {', '.join(unsaid).replace('_', ' ')}")
+        words = dict.fromkeys(WORDS.get(name, name.replace("_", " ")) for name in unsaid)
+        raise ValueError(f"planner services know nothing of {', '.join(words)}")
 
 
 def wish_of(form: wire.Wish) -> tuple[PlanWish, RobotProfile]:

@@ -200,3 +200,14 @@ test('units follow the person, in sentences too, where a limit is in the unit of
   assert.equal(U.words(null, 'm/s'), '––');
   Object.assign(chosen, { speed: 'm/s', temperature: '°C' });
 });
+
+test('the name of a limit stands where it covers the fewest values, at the right end if that is free', () => {
+  const room = { feet: [60, 90], left: 0, right: 400, wide: 100, high: 20 };
+  const along = (from, to, y = 50) => Array.from({ length: (to - from) / 10 }, (_, i) => ({ x: from + i * 10, y }));
+  const at = (dots) => plain(C.freest(dots, room));
+  assert.deepEqual(at([]), { x: 300, foot: 60 });
+  assert.deepEqual(at(along(300, 400)), { x: 0, foot: 60 }); // the newest values stay in sight
+  assert.deepEqual(at([...along(290, 400), ...along(0, 60)]), { x: 75, foot: 60 });
+  assert.deepEqual(at(along(0, 400)), { x: 300, foot: 90 }); // on the other side of the line
+  assert.deepEqual(at(along(0, 400, 110)), { x: 300, foot: 60 }); // far below
+});

@@ -56,12 +56,19 @@ def why_waiting(entry: Entry, facts: Facts) -> Verdict:
         text = f"{robot.name} holds another version of {mission.name}."
         return Verdict(Step.SEND, Waiting("other_version", text, "It is sent again.", Who.ITSELF))
     if not entry.is_unattended:
-        text = f"Ready on {robot.name}. The person on site starts it with a slide."
-        return _wait("ready", text, "Slide to start on Operate.", Who.OPERATOR)
+        return Verdict(Step.WAIT, _ready(entry, facts, robot))
     blocked = _may_not_start(entry, facts, robot, mission)
     if blocked is not None:
         return Verdict(Step.WAIT, blocked)
     return Verdict(Step.START, Waiting("starting", f"Starts on {robot.name} now.", "", Who.ITSELF))
+
+
+def _ready(entry: Entry, facts: Facts, robot: RobotFacts) -> Waiting:
+    """A person decides; what somebody set as a condition is said, and holds nobody up who stands beside the robot."""
+    text, blocked = f"Ready on {robot.name}. The person on site starts it with a slide.", unmet(entry, facts)
+    if blocked is not None:
+        text = f"Ready on {robot.name}, but its conditions do not hold. {blocked.text} The person on site decides."
+    return Waiting("ready", text, "Slide to start on Operate.", Who.OPERATOR)
 
 
 def _wait(code: str, text: str, clears: str, who: Who, at: datetime | None = None) -> Verdict:

@@ -19,10 +19,11 @@ MOST_NAMES = 4
 
 @dataclass(frozen=True, slots=True)
 class AtWork:
-    """A robot that works on a parcel now."""
+    """A robot that works on a parcel now; ``name`` is what people call it."""
 
     robot_id: str
     parcel: str
+    name: str = ""
 
 
 def source_of(station_id: str) -> str:
@@ -112,7 +113,7 @@ def _soil(board: SensorBoard, known: StationNow, who: str, now_s: float) -> list
 
 
 def _who(at_work: Sequence[AtWork]) -> str:
-    names = sorted({one.robot_id for one in at_work})
+    names = sorted({one.name or one.robot_id for one in at_work})
     return ", ".join(names[:MOST_NAMES]) + (f" and {len(names) - MOST_NAMES} more" if len(names) > MOST_NAMES else "")
 
 

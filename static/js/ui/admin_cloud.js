@@ -24,7 +24,7 @@
   function link(told) {
     const last = told.last_error;
     const rows = [
-      ["Answers after", told.delay_s === null ? "–" : `${told.delay_s < 1 ? ms(told.delay_s) : span(told.delay_s)} (median)`],
+      ["Answers after", told.delay_s === null ? "–" : `${told.delay_s < 1 ? ms(told.delay_s) : span(told.delay_s)} (median of the last 50)`],
       ["Last answer", told.heard_utc ? HL.records.when(told.heard_utc) : "none yet"], ["Its clock", clock(told.skew_s)],
       ["Last error", last ? `${HL.records.when(last.utc)}: ${last.text}` : "none"],
     ];
@@ -142,7 +142,7 @@
 
     delays({ robot_console, robot_cloud, mission, published_mean_s }) {
       const row = (label, one, beside, hook) => ({ hook, cells: [label, ms(one.mean_s), ms(one.p50_s), ms(one.p99_s), one.count, beside] });
-      return table(["From, to", "Mean", "Median", "99 of 100 below", "Measured", "Published"], [
+      return table(["From, to", "Mean", "Median", "99 of 100 below", "Times measured", "Published system"], [
         row("Robot to console", robot_console, "–", "cloud-delay-console"),
         row("Robot to cloud", robot_cloud, `${ms(published_mean_s)} mean`, "cloud-delay-cloud"),
         row("Mission sent, read back", mission, "–", "cloud-delay-mission"),
@@ -156,7 +156,7 @@
       const kinds = (one) => Object.entries(one.kinds).filter(([, kind]) => kind.lost > kind.late).map(([name, kind]) => `${name} ${kind.lost - kind.late}`).join(", ");
       const row = (label, one, which, hook) => ({ hook, cells: [label, one.received, el("span", { "data-testid": `${hook}-lost`, "data-value": one.lost - one.late }, lost(one)), one.twice, one.out_of_order, one.lost_utc ? HL.records.when(one.lost_utc) : "–", which] });
       const silent = heard.not_numbered ? `${heard.not_numbered} of ${heard.numbered + heard.not_numbered} robots do not number their messages: theirs are not counted.` : "";
-      return el("div", {}, table(["From, to", "Arrived", "Lost", "Twice", "Out of order", "Last lost", "Of them"], [
+      return el("div", {}, table(["From, to", "Arrived", "Lost", "Twice", "Out of order", "Last lost", "Which"], [
         row("Robots to console", heard, kinds(heard), "cloud-lost-console"),
         ...heard.robots.map((one) => row(one.id, one, kinds(one), `cloud-lost-${one.id}`)),
         { hook: "cloud-lost-cloud", cells: ["Robots to cloud", counts.states + counts.others + counts.records, counts.dropped, counts.sent_twice, "–", "–", counts.dropped ? "no room here, or too old" : ""] },
@@ -175,7 +175,7 @@
     changes(map) {
       const lost = map.subscription_lost ? `${map.subscription_lost}, the last ${HL.records.when(map.subscription_lost_utc)}: made again, everything read` : "never";
       const rows = [
-        ["Learned", map.is_storm ? "more is told than can be looked at: everything is read every 10 s" : map.is_told ? (map.subscribed ? "at once: the broker tells this console" : "not subscribed yet; read every five minutes") : "read every five minutes: cloud_notify_url is not set"],
+        ["Learned", map.is_storm ? "more is told than can be looked at: everything is read every 10 s" : map.untold ? `read every five minutes: the broker does not get through to this console (${map.untold})` : map.is_told ? (map.subscribed ? "at once: the broker tells this console" : "not subscribed yet; read every five minutes") : "read every five minutes: cloud_notify_url is not set"],
         ["Proposed, see Maps", map.left_out ? `${map.proposals}; ${map.left_out} more did not fit` : map.proposals],
       ];
       if (map.is_told) rows.push(["Told by the broker", el("span", { "data-testid": "cloud-notified", "data-value": map.notifications }, String(map.notifications))], ["Of them repeated or out of order", map.old_news], ["Not let in, or not readable", map.notifications_refused], ["Subscription deleted there", el("span", { "data-testid": "cloud-subscription-lost", "data-value": map.subscription_lost }, lost)]);

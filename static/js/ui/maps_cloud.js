@@ -8,13 +8,14 @@
   const SHOWN = 5; // the map's own lists stand below
 
   class CloudWishes {
-    // act: {client, mayEdit, reason(), fit(ids)}
+    // act: {client, mayEdit, reason(), look(features, trial)}
     constructor(act) {
       this.act = act;
       this.rows = [];
       this.head = el("h3", { class: "h-t16 h-b" });
       this.list = el("div", { class: "m-items" });
-      this.node = el("section", { class: "m-changes", "aria-label": "Changes from the cloud", "data-testid": "map-proposals", hidden: true }, this.head, this.list);
+      this.about = el("p", { class: "h-t13 h-2" }, "Nothing of it is on your map. Take puts it into your draft; Refuse writes this map over it in the cloud.");
+      this.node = el("section", { class: "m-changes", "aria-label": "Changes from the cloud", "data-testid": "map-proposals", hidden: true }, this.head, this.about, this.list);
     }
 
     async load() {
@@ -36,16 +37,29 @@
       attr(this.node, "hidden", !this.rows.length);
       this.head.textContent = `From the cloud: ${count(this.rows.length, "change")}`;
       const rest = this.rows.length - SHOWN;
+      if (this.shown) this.draw(this.rows.find((one) => one.id === this.shown) ?? null, false); // the view stays where it was moved to
       this.list.replaceChildren(...this.rows.slice(0, SHOWN).map((one) => this.row(one)), rest > 0 ? el("p", { class: "h-t13 h-2" }, `${count(rest, "more change")} after these`) : "");
+    }
+
+    // the shape as it would become, dashed over the map; of one that would go, what goes
+    draw(one, isMoving = true) {
+      const drawn = one && (one.after ?? one.before);
+      this.shown = drawn ? one.id : null;
+      this.act.look(drawn && isMoving ? [one.before, one.after].filter(Boolean) : null, drawn ? [drawn] : []);
+    }
+
+    show(one) {
+      this.draw(this.shown === one.id ? null : one);
+      this.paint();
     }
 
     row(one) {
       const mayEdit = this.act.mayEdit;
       const button = (hook, sign, word, run, isOff, title) => el("button", { type: "button", class: "h-btn", "data-testid": `${hook}-${one.id}`, disabled: isOff, title, onclick: run }, icon(sign, "m"), word);
       const says = one.problem ? `Cannot be taken: ${one.problem}` : one.in_draft_by ? `${one.text}. In the draft of ${one.in_draft_by}; it stays here until it is published.` : one.text;
-      return el("div", { class: "m-item h-wrap", "data-testid": `proposal-${one.id}`, "data-state": one.what },
+      return el("div", { class: "m-item h-wrap m-ask", "data-testid": `proposal-${one.id}`, "data-state": one.what },
         el("div", { class: "h-row m-wish" }, icon(SIGNS[one.what] ?? "edit"), el("div", { class: "h-sp" }, el("div", { class: "h-t16 h-b" }, one.name || label(one.kind)), el("div", { class: "h-t13 h-2" }, `${label(one.kind)}. ${says}`))),
-        one.before ? button("proposal-show", "my_location", "Show", () => this.act.fit([one.id]), false, "") : "",
+        one.before || one.after ? button("proposal-show", "my_location", this.shown === one.id ? "Hide" : "Show", () => this.show(one), false, "The change, dashed on the map") : "",
         button("proposal-take", "check", "Take", () => this.take(one), !mayEdit || Boolean(one.problem), mayEdit ? "Puts it into your draft" : this.act.reason()),
         button("proposal-refuse", "close", "Refuse", () => this.refuse(one), !mayEdit, mayEdit ? "The cloud gets what is on this map" : this.act.reason()));
     }
@@ -57,6 +71,7 @@
         if (!opened.ok) return HL.toast(`Not taken: ${opened.text || "no answer"}`, "block");
       }
       const answer = await client.ask(`/map/proposals/${encodeURIComponent(one.id)}/take`, { id: window.headland.uuid() });
+      if (answer.ok) this.draw(null);
       HL.toast(answer.ok ? `${one.name} is in your draft. Undo takes it back.` : HL.maps.notDone("Not taken", answer), answer.ok ? "check" : "block");
       answer.later?.then(() => this.load());
       return this.load();

@@ -30,7 +30,7 @@
       });
       this.checkList = new M.Checks({ robot: () => this.check(), fix: (one) => this.operate(one.fix.op, one.fix.features, one.fix.args, one.fix.label), show: (one) => this.show([one.feature_id, one.other_id]) });
       this.changes = new M.Changes();
-      this.cloud = new M.CloudWishes({ client: this.client, mayEdit: this.may.edit, reason: () => this.dataset.noEdit, fit: (ids) => this.surface.fit(ids) });
+      this.cloud = new M.CloudWishes({ client: this.client, mayEdit: this.may.edit, reason: () => this.dataset.noEdit, look: (features, trial) => this.look(features, trial) });
       this.dock = new M.Dock(act);
       this.chips = new M.Chips(act, this.dataset.farm);
       this.walk = new M.Walk({ finished: (kind, places, accuracy, robot) => this.walked(kind, places, accuracy, robot) }, this.dataset.farm);
@@ -109,6 +109,12 @@
         take: () => this.open(true),
         unsaved: () => M.showUnsaved(client.queue.items, { drop: () => client.dropUnsaved() }),
       };
+    }
+
+    // brings features into sight, with others drawn over the map that are not on it
+    look(features, trial) {
+      if (features) this.surface.fit(features);
+      this.editor?.setTrial(trial);
     }
 
     // what the drawing surface tells

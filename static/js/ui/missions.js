@@ -242,9 +242,11 @@
       button.disabled = false;
       const isTaken = answer.outcome === "accepted";
       attr(result, "data-state", answer.outcome ?? "unknown");
-      text(result, isTaken ? answer.text : `Not sent: ${answer.text || "no answer. Look at the robot before you send again."}`);
+      const isKnown = answer.outcome === "rejected" || (!answer.outcome && answer.status >= 400 && answer.status < 500);
+      const failed = `${isKnown ? "Not sent" : "Not known whether it arrived"}: ${answer.text || "no answer. Look at the robot before you send again."}`;
+      text(result, isTaken ? answer.text : failed);
       const how = answer.way === "cloud" ? ` It went through the cloud in ${answer.took_s.toFixed(1)} s.` : "";
-      HL.toast(isTaken ? `${robotName(robot)} has ${mission.name}. It does not move yet.${how}` : `Not sent: ${answer.text || "no answer"}`, isTaken ? "check" : "block");
+      HL.toast(isTaken ? `${robotName(robot)} has ${mission.name}. It does not move yet.${how}` : failed, isTaken ? "check" : "block");
       this.load(false);
     }
 

@@ -124,7 +124,7 @@
 
   const reset = (id, stopIds, reason) => order(`${of(id)}/stop-reset`, { reset_id: lane.uuid(), stop_ids: stopIds, reason });
   const seen = (id, stopId) => lane.api("POST", `${of(id)}/seen`, { stop_id: stopId });
-  const sendMission = (id, missionId, way = "direct") => lane.api("POST", `${of(id)}/mission`, { mission_id: missionId, way }, way === "cloud" ? 40000 : 15000);
+  const sendMission = (id, missionId, way = "direct") => lane.api("POST", `${of(id)}/mission`, { mission_id: missionId, way }, way === "cloud" ? 60000 : 15000);
   const api = (method, path, body, limitMs) => lane.api(method, path, body, limitMs);
 
   // picture: age in ms of the camera picture the person steers by, null without one

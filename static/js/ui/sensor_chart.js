@@ -13,6 +13,7 @@
   const DOT_PX = 3;
   const LABEL_PX = 17;
   const LETTER_PX = 6.6;
+  const LIMIT_PX = 7.4; // of a name in bold
 
   class Chart {
     constructor() {
@@ -122,9 +123,14 @@
     }
 
     limits(limits, scale) {
-      const { w, y } = this.plot;
+      const { w, x, y } = this.plot;
+      const dots = this.inside.filter((one) => one.mean !== null).map((one) => ({ x: x(one.t), y: y(one.mean) }));
+      for (const one of C.bands(this.about.found.treatments, this.plot.from, this.plot.to)) for (let at = x(one.from); at <= x(one.to); at += LETTER_PX) dots.push({ x: at, y: TOP - 7 }); // their names
       return C.limitLines(limits, scale, (value) => this.words(value)).flatMap((one) => {
-        const name = svg("text", { class: "limitname", x: w - RIGHT - 4, y: y(one.at) + (y(one.at) < TOP + LABEL_PX ? LABEL_PX - 3 : -5), "text-anchor": "end" });
+        const [over, below] = [y(one.at) - 5, y(one.at) + LABEL_PX - 3];
+        const feet = y(one.at) < TOP + LABEL_PX ? [below, over] : [over, below];
+        const { x: left, foot } = C.freest(dots, { feet, left: LEFT + 4, right: w - RIGHT - 4, wide: one.text.length * LIMIT_PX, high: LABEL_PX - 4 });
+        const name = svg("text", { class: "limitname", x: left, y: foot });
         name.textContent = one.text;
         return [svg("path", { class: one.beyond ? "limit beyond" : "limit", d: `M${LEFT} ${y(one.at).toFixed(1)}H${w - RIGHT}` }), name];
       });

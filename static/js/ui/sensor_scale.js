@@ -4,6 +4,7 @@
   const GAP_STEPS = 1.75; // one missing step is two steps wide
   const LIMIT_REACH = 3; // a limit may make the scale so many times as high as the values; beyond that it stands at the edge
   const HEADROOM = 0.06;
+  const PLACES = [0, 1, 0.75, 0.5, 0.25]; // for the name of a line, from its right end: at the ends first
   const HOUR = 3600000;
   const DAY = 24 * HOUR;
   const SPANS = { "24h": { ms: DAY, label: "24 h", every: 60000 }, "7d": { ms: 7 * DAY, label: "7 days", every: 300000 }, season: { ms: null, label: "Season", every: 900000 } };
@@ -119,5 +120,13 @@
     return (way > 0 ? drawn.find((one) => one.t > t) : drawn.findLast((one) => one.t < t)) ?? null;
   }
 
-  HL.sensorScale = { SPANS, read, runs, scale, digits, limitLines, reach, times, bands, under, beyond };
+  // where the name of a line covers the least: {x, foot} of its beginning, from the right end to the left
+  // dots: {x, y} of what is drawn; feet: where the name may stand, best first; the ends of the line, width and height of the name
+  function freest(dots, { feet, left, right, wide, high }) {
+    const covered = ({ x, foot }) => dots.filter((one) => one.x >= x && one.x <= x + wide && one.y >= foot - high && one.y <= foot + 4).length;
+    const places = feet.flatMap((foot) => PLACES.map((share) => ({ x: right - wide - share * Math.max(0, right - wide - left), foot })));
+    return places.reduce((best, place) => (covered(place) < covered(best) ? place : best));
+  }
+
+  HL.sensorScale = { SPANS, read, runs, scale, digits, limitLines, freest, reach, times, bands, under, beyond };
 })();

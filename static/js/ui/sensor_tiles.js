@@ -100,7 +100,7 @@
       }
       if (value.quantity === "soil_moisture" && isAll) beside("soil_temperature", U().words);
       if (isAll) parts.push(this.spread(one));
-      return parts.filter(Boolean).join(" · ") || station.name;
+      return parts.filter(Boolean).map((part) => part.replaceAll(" ", "\u00a0")).join(" · ") || station.name; // a line breaks between them
     }
 
     limit({ limit, unit, quantity }) {
@@ -116,7 +116,7 @@
       if (fresh.length < 2) return all.length > 1 ? `1 of ${all.length} reports` : "";
       const { unit, quantity } = fresh[0];
       const of = (value) => U().shown(value, unit, U().digits(quantity)).text;
-      return `all ${of(Math.min(...fresh.map((one) => one.value)))} to ${of(Math.max(...fresh.map((one) => one.value)))}`;
+      return `all ${of(Math.min(...fresh.map((one) => one.value)))}–${of(Math.max(...fresh.map((one) => one.value)))}`;
     }
   }
 

@@ -110,12 +110,16 @@ class Rig:
     def _link(self, tenant: Tenant, *, is_strict: bool) -> CloudLink:
         broker = Broker("http://broker.test", tenant, timeout_s=5, retry=RetryPolicy(attempts=1))
         ref = EntityRef(self.urns.of("Headland", "console"), "Headland")
-        marker = Marker(self.folder / "console.json", ref, "Hof", is_strict=is_strict)
+        self.marker = marker = Marker(self.folder / "console.json", ref, "Hof", is_strict=is_strict)
         client = NgsiClient(broker, transport=self.road)
         return CloudLink(client, marker, self.clock, broker_link(self.clock, jitter=1.0))
 
     async def _whole(self) -> Sequence[KeyValues]:
         return self.whole
+
+    async def is_ours(self) -> bool:
+        """Say whether the tenant that answers now is this console's."""
+        return await self.marker.is_ours(self.link.client)
 
     async def run(self, seconds: float, step_s: float = 0.5) -> None:
         """Let the mirror do its rounds for so long."""

@@ -21,7 +21,8 @@ from backend_clients.ngsi.subscription import Wanted
 from backend_clients.ngsi.subscriptions import Subscriptions
 from backend_clients.ngsi.tenant import Tenant
 from hmi.cloud.hints import Hints
-from hmi.cloud.map_changes import STORM_S, SUBSCRIBE_S, MapChanges
+from hmi.cloud.map_changes import STORM_S, MapChanges
+from hmi.cloud.map_subscription import ENSURE_S, MapSubscription
 from hmi.cloud.proposals import MOST, ProposalBook
 from hmi.cloud.told_ids import ToldIds
 from hmi.fiware.farm_map import map_entities
@@ -68,9 +69,18 @@ class Farm:
         self.rig.mirror._whole = self._whole
         told = ToldIds(folder / "told.json", "broker.test farm")
         self.rig.mirror.changes = MapChanges(client, self.book, self.hints, self.rig.clock, self._map, self._changed,
-                                             told=told)  # fmt: skip
+                                             told=told, is_ours=self.rig.is_ours)  # fmt: skip
         self.others: NgsiClient = client
         self.tell()
+
+    def subscribe(self) -> tuple[Subscriptions, MapSubscription]:
+        """Let the broker tell this console of changes."""
+        ours = Subscriptions(self.others.connection, "console-hof")
+        wanted = Wanted(key="map", url=f"http://127.0.0.1:9/notify/{SECRET}", types=tuple(KIND_OF))
+        assert self.rig.mirror.changes is not None
+        kept = MapSubscription(ours, wanted, self.rig.clock, self.rig.is_ours)
+        self.rig.mirror.changes.subscription = kept
+        return ours, kept
 
     async def _map(self) -> dict[str, MapFeature]:
         return self.features
@@ -205,19 +215,16 @@ async def test_a_storm_is_read_now_and_then_and_its_newest_state_is_what_is_prop
 
 async def test_a_subscription_that_somebody_deleted_or_switched_off_is_made_again_and_counted(tmp_path: Path) -> None:
     farm = Farm(tmp_path, NORTH)
-    changes = farm.rig.mirror.changes
-    assert changes is not None
-    changes._subscriptions = ours = Subscriptions(farm.others.connection, "console-hof")
-    changes._wanted = Wanted(key="map", url="http://farm.test/notify", types=tuple(KIND_OF))
+    ours, kept = farm.subscribe()
     await farm.rig.run(2)
-    assert (changes.subscription.is_there, changes.subscription.lost) == (True, 0)
-    await farm.rig.run(SUBSCRIBE_S + 2, step_s=20)
-    assert changes.subscription.lost == 0
+    assert (kept.news.is_there, kept.news.lost) == (True, 0)
+    await farm.rig.run(ENSURE_S + 2, step_s=20)
+    assert kept.news.lost == 0
     await ours.clean_up(keep=())
     await farm.others.patch(REF, {"name": make.text("While nobody told")})
-    await farm.rig.run(SUBSCRIBE_S + 2, step_s=20)
-    assert (changes.subscription.lost, changes.subscription.how) == (1, "made")
-    assert changes.subscription.lost_at is not None
+    await farm.rig.run(ENSURE_S + 2, step_s=20)
+    assert (kept.news.lost, kept.news.how) == (1, "made")
+    assert kept.news.lost_at is not None
     assert [one.id for one in farm.book.all()] == ["north"]
     assert len([one async for one in ours.mine()]) == 1
     await farm.rig.close()
@@ -225,17 +232,14 @@ async def test_a_subscription_that_somebody_deleted_or_switched_off_is_made_agai
 
 async def test_a_broker_that_forgot_everything_is_subscribed_to_at_once(tmp_path: Path) -> None:
     farm = Farm(tmp_path, NORTH, is_strict=False)
-    changes = farm.rig.mirror.changes
-    assert changes is not None
-    changes._subscriptions = ours = Subscriptions(farm.others.connection, "console-hof")
-    changes._wanted = Wanted(key="map", url="http://farm.test/notify", types=tuple(KIND_OF))
+    ours, kept = farm.subscribe()
     await farm.rig.run(2)
     await ours.clean_up(keep=())
     marker = EntityRef(farm.rig.urns.of("Headland", "console"), "Headland")
     await farm.others.batch("delete", [Entity(ref=marker), Entity(ref=REF)])
     await farm.rig.run(62, step_s=2)  # it is looked at once a minute, and after each failure
     assert len([one async for one in ours.mine()]) == 1
-    assert changes.subscription.lost == 1
+    assert kept.news.lost == 1
     await farm.rig.close()
 
 

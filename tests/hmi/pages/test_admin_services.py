@@ -67,7 +67,7 @@ def test_a_service_that_is_away_says_why_what_to_do_and_when_it_is_asked_again(l
     expect(planner.get_by_test_id("clock-off")).to_contain_text("Its clock is 95 s ahead of this server's.")
     expect(place).to_contain_text("in 40 s")
     expect(place).to_contain_text("24 min old")
-    expect(place).to_contain_text("184 ms (median)")
+    expect(place).to_contain_text("184 ms (median of the last 50)")
     told[0] = cloud_of(service("planner", "Planner service", "off"), service("forecast", "Weather forecast", "off"))
     expect(planner).to_have_attribute("data-state", "off")
     expect(place).to_contain_text("HEADLAND_PLANNER_URL names a service.")
@@ -118,6 +118,8 @@ def test_the_broker_says_why_it_is_not_trusted_and_what_became_of_the_subscripti
     expect(state).to_have_attribute("data-state", "ok")
     expect(state.get_by_test_id("clock-off")).to_contain_text("15 min behind this server's.")
     expect(page.get_by_test_id("cloud-subscription-lost")).to_have_attribute("data-value", "2")
+    told[0] = broker_of("ok", map={**lost, "untold": "no route to host"})
+    expect(page.get_by_text("the broker does not get through to this console (no route to host)")).to_be_visible()
     told[0] = {**words_only("misset"), "services": []}
     expect(state).to_contain_text("Its settings cannot be used")
     expect(page.get_by_test_id("cloud-waiting")).to_have_count(0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import pytest
@@ -38,8 +39,18 @@ def test_a_change_from_the_cloud_is_taken_into_a_draft_by_a_person_and_by_nobody
     expect(page.get_by_test_id("proposal-new-1")).to_contain_text("Cannot be taken: A parcel cannot be a Point.")
     expect(page.get_by_test_id("proposal-take-new-1")).to_be_disabled()
     expect(page.get_by_test_id("maps")).to_have_attribute("data-state", "published")
+    expect(place).to_contain_text("Nothing of it is on your map.")
+    editor, look = page.get_by_test_id("map-editor"), page.get_by_test_id("proposal-show-nordfeld")
+    look.click()
+    expect(editor).to_have_attribute("data-trial", "1")  # the shape that the cloud has, beside ours
+    expect(editor).to_have_attribute("data-fit", "nordfeld nordfeld")
+    expect(look).to_have_text(re.compile("Hide"))
+    look.click()
+    expect(editor).to_have_attribute("data-trial", "0")
+    look.click()
     page.get_by_test_id("proposal-take-nordfeld").click()
     expect(page.get_by_test_id("toast")).to_contain_text("Nordfeld is in your draft")
+    expect(look).to_have_text(re.compile("Show"))  # what was looked at is on the map now
     expect(page.get_by_test_id("maps")).to_have_attribute("data-state", "draft")
     expect(page.get_by_test_id("proposal-nordfeld")).to_contain_text("it stays here until it is published")
     expect(page.get_by_test_id("editor-changes")).to_contain_text("From the cloud: Nordfeld")

@@ -138,6 +138,22 @@ def test_a_refused_sending_gives_the_reason(show: Callable[..., tuple[Page, Play
     expect(page.get_by_test_id("mission-result")).to_have_text("Not sent: Weeder 07 is running another mission.")
 
 
+def test_a_lost_answer_is_not_said_to_be_not_sent(show: Callable[..., tuple[Page, Played]]) -> None:
+    page, played = show(mission("m-1"))
+    result = page.get_by_test_id("mission-result")
+    for outcome in ("unknown", "timed_out"):
+        played.refusal = {"outcome": outcome, "text": f"Its answer was lost ({outcome})."}
+        page.get_by_test_id("plan-send").click()
+        expect(result).to_have_text(f"Not known whether it arrived: Its answer was lost ({outcome}).")
+    page.route("**/api/v1/robots/*/mission", lambda route: route.abort())
+    page.get_by_test_id("plan-send").click()
+    expect(result).to_have_text("Not known whether it arrived: The server cannot be reached.")
+    refusal = {"code": "csrf", "text": "This page is out of date."}
+    page.route("**/api/v1/robots/*/mission", lambda route: route.fulfill(status=403, json=refusal))
+    page.get_by_test_id("plan-send").click()
+    expect(result).to_have_text("Not sent: This page is out of date.")
+
+
 def test_a_mission_is_previewed_stored_and_sent(show: Callable[..., tuple[Page, Played]]) -> None:
     page, played = show(mission("m-1"))
     page.get_by_test_id("mission-plan").click()

@@ -186,7 +186,10 @@ def test_a_reading_is_never_cut_off_nor_the_limit_of_a_tile(
     page = opened(look("/sensors", size=size))
     page.get_by_test_id("sensor-value-soil-moisture-0-10").click()
     expect(page.locator(".sn-pick")).to_be_visible()
-    expect(page.get_by_test_id("sensor-value-soil-moisture-0-10")).to_contain_text(re.compile(r"limits 14.0 to 38.0 ·"))
+    tile = page.get_by_test_id("sensor-value-soil-moisture-0-10")
+    expect(tile).to_contain_text(re.compile(r"limits\s14.0\sto\s38.0 · .*all\s21.9–22.1$"))
+    under = tile.locator(".sub")
+    assert under.evaluate("(one) => one.scrollWidth <= one.clientWidth && one.scrollHeight <= one.clientHeight + 1")
     said, tall = page.get_by_test_id("sensor-readout"), "() => document.querySelector('.sn-charthead').clientHeight"
     expect(said).to_contain_text("Soil 1, one value each 10 min. Touch to read.")
     page.evaluate("document.fonts.ready")

@@ -18,7 +18,7 @@ from backend_clients.service.connection import Service
 from backend_clients.simulator.faulty_http import Fault
 from hmi.cli.services import moved, of_another
 from hmi.domain.family import Family
-from hmi.domain.mission_plan import PlanRefused, PlanWish, Surroundings, TreatedArea, Treatment
+from hmi.domain.mission_plan import PlanRefused, PlanWish, Rows, Surroundings, TreatedArea, Treatment
 from hmi.keeper.certificates import make_certificates
 from hmi.planning.given_path import checked_mission
 from hmi.planning.mission import machine_of, plan_mission
@@ -124,6 +124,18 @@ async def test_a_wish_for_what_the_format_has_no_word_for_is_not_sent() -> None:
         assert "planner services know nothing of moon phase" in place["text"]
         assert rig.faulty.requests == 0
         assert (await rig.planner.plan(WiderWish(**usual))).statistics["planned_at"]["where"] == "service"
+
+
+@pytest.mark.slow
+async def test_a_field_that_says_how_far_its_rows_are_apart_is_planned_by_the_service_all_the_same() -> None:
+    asked = replace(wish(), row_spacing_m=0.5)
+    async with service_rig() as rig:
+        made = await rig.planner.plan(asked)
+        assert made.statistics["planned_at"]["where"] == "service"
+        assert made.sha256 == plan_mission(asked).sha256, "it bears on recorded rows alone"
+        recorded = replace(asked, rows=Rows.RECORDED_ROWS)
+        with pytest.raises(ValueError, match=r"know nothing of rows along lines of the map or the field's edge$"):
+            form_of(recorded)
 
 
 FAULTS: list[tuple[dict[str, Any], str, LinkState]] = [

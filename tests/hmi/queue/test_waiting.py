@@ -186,3 +186,17 @@ def test_a_late_start_is_never_made(late_s: float) -> None:
 def test_a_mission_without_known_energy_is_not_started_on_a_reserve_rule() -> None:
     facts = replace(GOOD, mission=replace(MISSION, battery_share=None))
     assert why_waiting(ENTRY, facts).waiting.code == "energy_unknown"
+
+
+def test_a_person_who_starts_it_is_told_which_condition_does_not_hold_and_is_held_up_by_none() -> None:
+    entry = replace(ENTRY, is_unattended=False)
+    ready = "Ready on Weeder 03. The person on site starts it with a slide."
+    assert says(entry) == ready
+    windy = Weather(NOW, 0.0, 6.1, "Yard")
+    assert says(entry, weather=windy) == (
+        "Ready on Weeder 03, but its conditions do not hold. Waits: wind 6.1 m/s, limit 5.0. "
+        "The person on site decides."
+    )
+    verdict = why_waiting(entry, replace(GOOD, weather=windy))
+    assert (verdict.step, verdict.waiting.code) == (Step.WAIT, "ready")
+    assert says(replace(entry, conditions=Conditions(needs_rtk=False)), weather=windy) == ready

@@ -31,9 +31,9 @@ async def test_a_robot_that_reaches_the_field_lets_the_stations_there_know(rig: 
     assert (told.is_treating, told.robots, told.parcel) == (True, ["weeder-01"], "north")
     assert (told.until_utc - told.utc).total_seconds() == 600
     assert rig.told(Down.NOTICE, "soil-04") == [None]
-    assert notice(rig) == ("sent", "Treatment on North, weeder-01")
+    assert notice(rig) == ("sent", "Treatment on North, Weeder 01")
     rig.answers(told.id)
-    assert notice(rig) == ("acknowledged", "Treatment on North, weeder-01")
+    assert notice(rig) == ("acknowledged", "Treatment on North, Weeder 01")
 
 
 async def test_an_answer_to_something_else_acknowledges_nothing(rig: SensorRig) -> None:
@@ -42,21 +42,21 @@ async def test_an_answer_to_something_else_acknowledges_nothing(rig: SensorRig) 
     await rig.passes(5)
     rig.answers("somebody-elses")
     rig.answers(rig.told(Down.NOTICE)[-1].id, station="soil-04")
-    assert notice(rig) == ("sent", "Treatment on North, weeder-01")
+    assert notice(rig) == ("sent", "Treatment on North, Weeder 01")
 
 
 async def test_without_an_answer_it_is_unconfirmed_and_sent_again(rig: SensorRig) -> None:
     await rig.accepted()
     rig.weeder(OrderStatus.RUNNING)
     await rig.passes(25)
-    assert notice(rig) == ("unconfirmed", "Treatment on North, weeder-01. Not acknowledged.")
+    assert notice(rig) == ("unconfirmed", "Treatment on North, Weeder 01. Not acknowledged.")
     first = rig.told(Down.NOTICE)[-1]
     await rig.passes(60)
     again = rig.told(Down.NOTICE)[-1]
     assert again.id != first.id
     assert again.until_utc > first.until_utc
     rig.answers(again.id)
-    assert notice(rig) == ("acknowledged", "Treatment on North, weeder-01")
+    assert notice(rig) == ("acknowledged", "Treatment on North, Weeder 01")
 
 
 async def test_a_refusal_is_shown_with_its_reason(rig: SensorRig) -> None:
@@ -64,7 +64,7 @@ async def test_a_refusal_is_shown_with_its_reason(rig: SensorRig) -> None:
     rig.weeder(OrderStatus.RUNNING)
     await rig.passes(5)
     rig.answers(rig.told(Down.NOTICE)[-1].id, outcome="rejected", text="Notice is over.")
-    assert notice(rig) == ("refused", "Treatment on North, weeder-01. Notice is over.")
+    assert notice(rig) == ("refused", "Treatment on North, Weeder 01. Notice is over.")
 
 
 async def test_it_is_renewed_and_a_renewal_without_an_answer_leaves_nothing_acknowledged(rig: SensorRig) -> None:
@@ -81,7 +81,7 @@ async def test_it_is_renewed_and_a_renewal_without_an_answer_leaves_nothing_ackn
     assert shown is not None
     assert shown[0] == "acknowledged"
     await rig.passes(20)
-    assert notice(rig) == ("unconfirmed", "Treatment on North, weeder-01. Not acknowledged.")
+    assert notice(rig) == ("unconfirmed", "Treatment on North, Weeder 01. Not acknowledged.")
 
 
 async def test_it_is_withdrawn_at_the_end_and_taken_off_the_broker(rig: SensorRig) -> None:
@@ -93,7 +93,7 @@ async def test_it_is_withdrawn_at_the_end_and_taken_off_the_broker(rig: SensorRi
     await rig.passes(5)
     over = rig.told(Down.NOTICE)[-1]
     assert (over.is_treating, over.robots, over.parcel) == (False, [], "")
-    assert notice(rig) == ("sent", "Treatment on North, weeder-01, over")
+    assert notice(rig) == ("sent", "Treatment on North, Weeder 01, over")
     rig.answers(over.id)
     await rig.passes(5)
     assert notice(rig) is None
@@ -106,7 +106,7 @@ async def test_a_station_that_never_answers_is_let_go_when_its_notice_has_ended_
     await rig.passes(5)
     rig.weeder(None)
     await rig.passes(300)
-    assert notice(rig) == ("unconfirmed", "Treatment on North, weeder-01, over. Not acknowledged.")
+    assert notice(rig) == ("unconfirmed", "Treatment on North, Weeder 01, over. Not acknowledged.")
     await rig.passes(310)
     assert notice(rig) is None
 
@@ -117,7 +117,7 @@ async def test_without_a_broker_nothing_is_sent_later_than_it_is_true(rig: Senso
     rig.link.is_up = False
     rig.weeder(OrderStatus.RUNNING)
     await rig.passes(60)
-    assert notice(rig) == ("unconfirmed", "Treatment on North, weeder-01. No link to the broker: not sent.")
+    assert notice(rig) == ("unconfirmed", "Treatment on North, Weeder 01. No link to the broker: not sent.")
     rig.link.is_up = True
     await rig.passes(5)
     [told] = [one for one in rig.told(Down.NOTICE) if one is not None]
@@ -131,7 +131,7 @@ async def test_a_pause_on_the_field_is_still_treatment_and_going_home_in_it_too(
     rig.answers(rig.told(Down.NOTICE)[-1].id)
     rig.weeder(OrderStatus.PAUSED, OUTSIDE)
     await rig.passes(30)
-    assert notice(rig) == ("acknowledged", "Treatment on North, weeder-01")
+    assert notice(rig) == ("acknowledged", "Treatment on North, Weeder 01")
 
 
 async def test_what_a_console_before_us_left_at_the_broker_is_taken_away_once(rig: SensorRig) -> None:
@@ -183,7 +183,7 @@ async def test_weather_beyond_the_limit_is_an_alarm_only_while_somebody_treats(r
         rig.answers(rig.told(Down.NOTICE, station)[-1].id, station)
     assert alarms(rig) == {"station-weather-01": ["weather-over-limit"], "station-soil-03": ["soil-too-wet"]}
     texts = [one.text for _, findings in rig.work.findings().values() for one in findings]
-    assert texts == ["Wind 6.1 m/s, limit 5.0. At work: weeder-01.", "Soil 10 cm 35 %, limit 30. At work: weeder-01."]
+    assert texts == ["Wind 6.1 m/s, limit 5.0. At work: Weeder 01.", "Soil 10 cm 35 %, limit 30. At work: Weeder 01."]
 
 
 async def test_a_value_that_got_silent_raises_nothing_though_its_station_is_heard(rig: SensorRig) -> None:

@@ -213,11 +213,13 @@ async def test_a_chart_has_steps_gaps_limits_and_treatments(rig: SensorRig) -> N
     assert found["treatments"] == []
 
 
-async def test_a_chart_shows_when_the_parcel_was_treated(rig: SensorRig) -> None:
+@pytest.mark.parametrize("name", ["Wheat 1", "Wheat 1, Weeder 01"])
+async def test_a_chart_shows_when_the_parcel_was_treated(rig: SensorRig, name: str) -> None:
     from hmi.domain.mission import MissionStatus, Mover
 
     await rig.accepted()
     missions, run = rig.records.missions, rig.records.database.run
+    await run(missions.rename, "farm", "wheat-1", name, "x")
     begin = rig.clock.utc()
     steps = ((MissionStatus.SENT, Mover.PERSON), (MissionStatus.ACCEPTED, Mover.ROBOT),
              (MissionStatus.RUNNING, Mover.ROBOT))  # fmt: skip
@@ -227,7 +229,7 @@ async def test_a_chart_shows_when_the_parcel_was_treated(rig: SensorRig) -> None
     async with rig.browser(Role.VIEWER) as client:
         found = (await client.get("/sensors/soil-03/series?quantity=soil_moisture&depth_m=0.1")).json()
     [treated] = found["treatments"]
-    assert (treated["to_utc"], treated["text"]) == (None, "Wheat 1, weeder-01")
+    assert (treated["to_utc"], treated["text"]) == (None, "Wheat 1, Weeder 01"), "its robot is named, and once"
 
 
 @pytest.mark.parametrize("is_heard", [True, False])
