@@ -198,10 +198,28 @@ def _stays(job: Job, ground: BaseGeometry, legs: Sequence[Leg], pivots: Sequence
             raise PathUnfit("outside", f"The robot's outline would leave {name} over {outside:.1f} m.")
     spots = shapely.points([leg.points[0] for leg in pivots]) if pivots else np.array([])
     if len(pivots) and not shapely.covers(far_inside, spots).all():
-        # the eroded ground gives up a little at corners; the circle itself decides
-        circles = shapely.buffer(spots, machine.reach_m)
-        if not shapely.covers(allowed, circles).all():
-            raise PathUnfit("outside", f"The robot would leave {name} where it turns on the spot.")
+        # the eroded ground gives up a little at corners; the circle itself decides, for which way round is not told
+        circles = shapely.buffer(spots, machine.reach_m, quad_segs=32)
+        swings_out = ~shapely.covers(allowed, circles)
+        if swings_out.any():
+            first = int(swings_out.argmax())
+            raise PathUnfit("outside", _swing(job, allowed, pivots[first], name))
+
+
+def _swing(job: Job, allowed: BaseGeometry, pivot: Leg, name: str) -> str:
+    """Say where and how far the outline leaves the ground when it turns on the spot."""
+    reach_m, spot = job.machine.reach_m, shapely.Point(pivot.points[0])
+    out_m = reach_m - (spot.distance(allowed.boundary) if allowed.covers(spot) else 0.0)
+    is_in_field = shapely.Polygon(job.parcel.exterior).buffer(SLACK_M).covers(spot.buffer(reach_m, quad_segs=32))
+    what = f"swing into a hole of {name} or an obstacle" if is_in_field else f"leave {name}"
+    kinds = {
+        LegKind.ROW: f"before row {pivot.row}",
+        LegKind.HEADLAND: "on a headland lap",
+        LegKind.TURN: "between rows",
+    }
+    x, y = pivot.points[0]
+    where = f"{kinds.get(pivot.kind, 'on the way from or to home')}, {x:.1f} m east and {y:.1f} m north of the origin"
+    return f"The robot's outline would {what} by {out_m:.2f} m where it turns on the spot {where}."
 
 
 def _pieces_nose_first(leg: Leg) -> Floats:
