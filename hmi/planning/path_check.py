@@ -24,6 +24,8 @@ from hmi.planning.projection import Floats
 SLACK_M = 0.02  # millimetres told, centimetres known; the machine's own margin is wider
 SLACK_RAD = math.radians(4)  # half a piece of an arc that is sampled each 8 degrees
 SAME_M = 0.05  # millimetres told over less than this make degrees of direction
+CHORD = 0.15  # of the radius: an arc that is sampled each 8 degrees has no longer ones
+CUT_RAD = math.radians(0.5)
 HOME_M = 0.5
 GAP_M = 0.04  # hairline gaps between road and field, as our own plans close them
 TWICE = 0.02  # share of the rows' ground that may lie under two rows
@@ -117,10 +119,19 @@ def _bend_excess(points: Floats, radius_m: float) -> float:
     """Return by how much the path turns, over any stretch of it, more than its radius allows; radians."""
     if len(points) < 3 or radius_m <= 0:
         return 0.0
+    points = _whole_chords(points, CHORD * radius_m)
     lengths = np.hypot(*np.diff(points, axis=0).T)
     middles = np.cumsum(lengths) - lengths / 2
     excess = np.append(0.0, np.cumsum(_turns(points))) - middles / radius_m
     return float((excess - np.minimum.accumulate(excess)).max())
+
+
+def _whole_chords(points: Floats, most_m: float) -> Floats:
+    """Return a polyline without the places where a border cut a chord of an arc: half of one allows half its turn."""
+    lengths = np.hypot(*np.diff(points, axis=0).T)
+    is_cut = (_turns(points) < CUT_RAD) & (lengths[:-1] + lengths[1:] <= most_m)
+    kept: Floats = points[np.concatenate([[True], ~is_cut, [True]])]
+    return kept
 
 
 def _speeds(job: Job, legs: Sequence[Leg]) -> None:

@@ -13,6 +13,7 @@ from hmi.domain.mission_document import Document
 from hmi.domain.mission_plan import PlanRefused
 from hmi.domain.mission_rest import WORK_KINDS, is_work
 from hmi.planning.plan import GENTLE_RAD, Leg, LegKind, turn_between
+from hmi.planning.polyline import in_millimetres
 from hmi.planning.projection import Floats
 from hmi.planning.spans import between
 
@@ -176,7 +177,7 @@ def _is_same(part: Document, whole: Document, end: int) -> bool:
 
 def rounded_points(points: Floats) -> list[list[float]]:
     """Return points as they stand in a document."""
-    rounded: list[list[float]] = (np.round(points, 3) + 0.0).tolist()
+    rounded: list[list[float]] = in_millimetres(points).tolist()
     return rounded
 
 
