@@ -32,6 +32,7 @@ YARD_RADIUS_M = 4.0  # ground around home where a robot can turn
 GAP_M = 0.04  # neighbouring features drawn by hand leave hairline gaps
 LEAST_PART_M = 1.0  # shorter remains of a row are not worth a turn
 LEAST_DRAWN_M2 = 0.01
+SLIT_M = 0.015
 SAME_EDGE_M = 0.01  # an edge that moved by less is the same one, rounded
 TOUCH_M = 0.03  # an outline this far inside an obstacle touches it; paths from elsewhere are checked to 0.02 m
 TOLD = "The obstacle, or the new edge of the field,"
@@ -181,7 +182,9 @@ class RestGround:
         """
         width_m = self._wish.base["width_m"]
         areas = [area.buffer(beside_m) for area, _ in self.doses.areas]
-        return self._worked.difference(shapely.union_all([worked_by([*segments, *left_out], width_m), *areas]))
+        missing = self._worked.difference(shapely.union_all([worked_by([*segments, *left_out], width_m), *areas]))
+        # slits that rounding leaves between two pieces of a row are no ground
+        return missing.buffer(-SLIT_M, join_style="mitre").buffer(SLIT_M, join_style="mitre").intersection(missing)
 
     @cached_property
     def _worked(self) -> BaseGeometry:
@@ -278,8 +281,12 @@ class RestGround:
             return Polygon()
         width = self._wish.base["width_m"]
         rows = [LineString(s["points"]) for s in self._wish.base["segments"] if s["kind"] == "row"]
-        strips = [row.buffer(0.51 * width, cap_style="flat") for row in rows if row.length > 0]
-        area = shapely.union_all(strips, grid_size=1e-3).difference(self._edge) if strips else Polygon()
+        if self.headland is not None and all(len(row.coords) == 2 for row in rows):
+            # as the planner sees straight rows: ways around a border with a step at each row end take minutes to find
+            area = erode(self.field, self.headland.depth_m)
+        else:
+            strips = [row.buffer(0.51 * width, cap_style="flat") for row in rows if row.length > 0]
+            area = shapely.union_all(strips, grid_size=1e-3).difference(self._edge) if strips else Polygon()
         return shapely.union_all(polygons_of(erode(area, min(width, 1.0) * 0.6)))
 
     def _headland(self) -> Headland | None:

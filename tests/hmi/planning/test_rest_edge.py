@@ -134,6 +134,13 @@ def test_what_stays_unworked_is_told_before_one_confirms() -> None:
     assert missed_m2 < 0.01 * now.area
 
 
+@pytest.mark.parametrize("s_m", [0.0, 3.333, 17.01])
+def test_a_rest_that_changes_nothing_misses_nothing(s_m: float) -> None:
+    base = planned()
+    made = rest(base, FIELD, number_of(base, "row", 3), s_m)
+    assert (made.difference["missed_m2"], made.difference["notes"]) == (0.0, [])
+
+
 def test_a_field_that_falls_apart_into_a_narrow_part_says_what_it_loses() -> None:
     base = planned()
     now = FIELD.difference(shapely.box(50.0, 4.0, 61.0, 51.0))  # a strip stays in which no lap fits twice
