@@ -33,6 +33,7 @@ GAP_M = 0.04  # neighbouring features drawn by hand leave hairline gaps
 LEAST_PART_M = 1.0  # shorter remains of a row are not worth a turn
 LEAST_DRAWN_M2 = 0.01
 SLIT_M = 0.015
+SAME_END_M = 0.005
 SAME_EDGE_M = 0.01  # an edge that moved by less is the same one, rounded
 TOUCH_M = 0.03  # an outline this far inside an obstacle touches it; paths from elsewhere are checked to 0.02 m
 TOLD = "The obstacle, or the new edge of the field,"
@@ -156,7 +157,12 @@ class RestGround:
         line = LineString(points)
         parts.sort(key=lambda p: line.project(shapely.Point(p[0])))
         # the pieces of an intersection may run either way; the row runs as it was planned
-        return [np.round(p if _is_along(line, p) else p[::-1], 3) + 0.0 for p in parts]
+        parts = [np.round(p if _is_along(line, p) else p[::-1], 3) + 0.0 for p in parts]
+        for part in parts:
+            for end in (0, -1):  # cut by less than the ways to a row may leave open: it ends where it did
+                if math.dist(part[end], points[end]) < SAME_END_M:
+                    part[end] = points[end]
+        return parts
 
     def _turns_at_ends(self, row: Floats) -> bool:
         """Say whether a machine that turns on the spot still can at both ends of a row."""
