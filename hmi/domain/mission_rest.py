@@ -173,8 +173,9 @@ class PlannedRest:
     Args:
         statistics: of the whole mission as it is now, SI.
         difference: ``before`` and ``after`` (duration_s, energy_j, battery_share, area_m2, rows, length_m),
-            ``left_out`` and ``notes`` in words, ``kept_until`` in words, ``way_m`` of the way back; when it was asked
-            for through ``MissionRests`` also ``progress``, how far the robot was then.
+            ``left_out`` and ``notes`` in words, ``kept_until`` in words, ``way_m`` of the way back, ``missed_m2``
+            that were to be worked and are not any more though nobody left them out; when it was asked for through
+            ``MissionRests`` also ``progress``, how far the robot was then.
     """
 
     document: Document

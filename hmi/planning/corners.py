@@ -104,7 +104,9 @@ class Corners:
         """Return where the tool goes off, the way from there and where it goes on; ``None`` to round the corner."""
         slope = math.tan(abs(corner.turn_rad) / 2)
         half = self._width_m / 2
-        end = corner.tip + half * max(slope, 1 / slope) * corner.before
+        # just far enough to meet the next side where it begins, on its outer edge, and the tip itself
+        ahead = slope * math.cos(corner.turn_rad) + math.sin(abs(corner.turn_rad))
+        end = corner.tip + half * max(slope, ahead) * corner.before
         start = corner.tip + half * min(slope, 1 / slope) * corner.after
         beyond = points[corner.last + 1]  # the end of the side, or of the lap
         if np.dot(beyond - start, corner.after) < 0.1:

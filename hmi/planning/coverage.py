@@ -203,7 +203,7 @@ class _Course:
     def _lap(self, lap: Lap) -> bool:
         here = self._pose()
         # nearest first, but a start that needs no turning back beats one a machine's length nearer
-        for points in sorted(headlands.beginnings(lap), key=lambda p: _entry_cost(here, p)):
+        for points in sorted(headlands.beginnings(lap), key=lambda p: headlands.entry_cost(here, p)):
             pose = (float(points[0][0]), float(points[0][1]), float(headings(points)[0]))
             if self.linker.can_leave(pose) and self._go(pose, self.job.machine.turn_speed_mps):
                 self.legs += self._around(lap, points)
@@ -312,13 +312,6 @@ class _Course:
 def _cut_off(job: Job) -> PlanRefused:
     text = " ".join((_NO_FLIGHT_OUT, *job.flight_notes)) if job.machine.flies else _NO_WAY_OUT
     return PlanRefused("home_unreachable", text, "home_id")
-
-
-def _entry_cost(here: Pose, lap: Floats) -> float:
-    dx, dy = lap[0][0] - here[0], lap[0][1] - here[1]
-    turn = abs(math.remainder(float(headings(lap)[0]) - here[2], 2 * math.pi))
-    behind = dx * math.cos(here[2]) + dy * math.sin(here[2]) < 0
-    return math.hypot(dx, dy) + 3 * turn + (5 if behind else 0)
 
 
 def _standing(home: tuple[float, float], other: Pose) -> Pose:

@@ -12,6 +12,7 @@ from shapely.geometry import LinearRing, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from hmi.planning.bends import SLACK_RAD, turned_beyond
+from hmi.planning.dubins import Pose
 from hmi.planning.ground import Ground, polygons_of
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import GENTLE_RAD, headings
@@ -156,6 +157,14 @@ def beginnings(lap: Lap) -> list[Floats]:
     straight = np.flatnonzero(lengths >= 0.4 * lengths.max())[:_MOST_PLACES]
     places = [(int(k), f) for k in straight for f in ((0.12, 0.5, 0.88) if lengths[k] > _LONG_M else (0.5,))]
     return [_from(lap, edge, share, is_forward=d) for edge, share in places for d in (True, False)]
+
+
+def entry_cost(here: Pose, line: Floats) -> float:
+    """Return how dear it is to come from a pose to the beginning of a line, in metres or so."""
+    dx, dy = line[0][0] - here[0], line[0][1] - here[1]
+    turn = abs(math.remainder(float(headings(line)[0]) - here[2], 2 * math.pi))
+    behind = dx * math.cos(here[2]) + dy * math.sin(here[2]) < 0
+    return math.hypot(dx, dy) + 3 * turn + (5 if behind else 0)
 
 
 def _from(lap: Lap, edge: int, share: float, *, is_forward: bool) -> Floats:

@@ -12,7 +12,7 @@ from shapely.geometry.base import BaseGeometry
 
 from hmi.domain.mission_plan import Corner, Pattern, PlanRefused, Rows
 from hmi.planning.ground import erode, polygons_of
-from hmi.planning.headland import Headland
+from hmi.planning.headland import Headland, divide
 from hmi.planning.machine import RobotProfile
 from hmi.planning.recorded import CropRow
 from hmi.planning.speed_limits import UNLIMITED, SpeedLimits
@@ -128,6 +128,16 @@ def _check_polygon(polygon: Polygon) -> None:
         )
 
 
+def _shallower(field: BaseGeometry, division: Headland, job: Job) -> str:
+    """Say how a field that is all headland can be worked."""
+    if job.headland_passes is None and not job.machine.can_pivot:
+        return "This machine needs it to turn: choose another robot, or a smaller working width."
+    for passes in range(len(division.offsets_m) - 1, -1, -1):
+        if not erode(field, divide(job.machine, job.width_m, passes).depth_m).is_empty:
+            return f"Choose {passes} headland pass{'' if passes == 1 else 'es'}."
+    return "It is too narrow for this machine to turn in: choose another robot."
+
+
 def inner_field(field: BaseGeometry, division: Headland, job: Job) -> BaseGeometry:
     """Return the field behind its headland.
 
@@ -137,13 +147,11 @@ def inner_field(field: BaseGeometry, division: Headland, job: Job) -> BaseGeomet
     machine = job.machine
     if erode(field, machine.width_m / 2 + machine.margin_m).is_empty:
         size = f"{machine.length_m:g} x {machine.width_m:g} m"
-        raise PlanRefused("field_too_small", f"The field is smaller than the machine ({size}).", "field_id")
+        raise PlanRefused("field_too_small", f"The machine ({size}) fits nowhere on this field.", "field_id")
     inner = erode(field, division.depth_m)
     if inner.is_empty:
-        text = (
-            f"Nothing is left of the field behind a headland of {division.depth_m:.1f} m. Choose fewer headland passes."
-        )
-        raise PlanRefused("field_too_small", text, "headland_passes")
+        text = f"Nothing is left of the field behind a headland of {division.depth_m:.1f} m. "
+        raise PlanRefused("field_too_small", text + _shallower(field, division, job), "headland_passes")
     least = math.sqrt(inner.minimum_rotated_rectangle.area) / job.width_m if inner.area > 0 else 0
     if least > MAX_ROWS:
         raise PlanRefused(

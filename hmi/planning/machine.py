@@ -68,6 +68,11 @@ class RobotProfile:
             raise PlanRefused("bad_machine", "The machine's turning radius must be 0 to 100 m.", "turning_radius_m")
         if not (math.isfinite(self.reverse_mps) and self.reverse_mps >= 0):
             raise PlanRefused("bad_machine", "The machine's speed backwards must be 0 m/s or more.", "reverse_mps")
+        for name, value in (("battery", self.battery_j), ("tool_width_m", self.tool_width_m or 1.0)):
+            if not (math.isfinite(value) and value > 0):
+                raise PlanRefused("bad_machine", f"The machine's {name} is {value:g}; it must be positive.", name)
+        if not (math.isfinite(self.yaw_rate_radps) and self.yaw_rate_radps >= 0):
+            raise PlanRefused("bad_machine", "The machine's yaw rate must be 0 rad/s or more.", "yaw_rate_radps")
         if not 0 <= self.base_to_front_m <= self.length_m:
             raise PlanRefused("bad_machine", "The machine's base lies outside its outline.", "base_to_front_m")
 

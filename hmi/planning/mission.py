@@ -22,6 +22,7 @@ from hmi.planning.flight import flight_notes
 from hmi.planning.job import Job
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import Leg, Plan
+from hmi.planning.polyline import in_millimetres
 from hmi.planning.projection import LocalFrame
 from hmi.planning.recorded import CropRow
 from hmi.planning.statistics import statistics
@@ -180,7 +181,7 @@ def _document(wish: PlanWish, job: Job, plan: Plan) -> Document:
 
 
 def _segment(leg: Leg) -> Document:
-    points = np.round(leg.points, 3) + 0.0  # millimetres; the sum turns -0.0 into 0.0
+    points = in_millimetres(leg.points)
     keep = np.append(True, np.any(np.diff(points, axis=0) != 0, axis=1))
     kept = points[keep] if keep.sum() > 1 else points[[0, -1]]
     segment = {
@@ -229,6 +230,8 @@ def _check_numbers(wish: PlanWish) -> None:
     spacing = wish.plant_spacing_m
     if spacing is not None and not 0.05 <= spacing <= 100:
         raise PlanRefused("bad_spacing", "Choose a plant spacing of 0.05 to 100 m.", "plant_spacing_m")
+    if wish.row_spacing_m is not None and not 0 <= wish.row_spacing_m <= MAX_EXTENT_M:
+        raise PlanRefused("bad_rows", "The row distance of the field on the map is not one.", "rows")
     treatment = wish.treatment
     if any(not 0 <= dose <= MAX_DOSE for dose in (treatment.rest_dose, *(area.dose for area in treatment.areas))):
         raise PlanRefused("bad_dose", f"A dose is 0 (off) to {MAX_DOSE:g} times the usual one.", "treatment")

@@ -24,6 +24,8 @@ from hmi.planning.projection import Floats
 SLACK_M = 0.02  # millimetres told, centimetres known; the machine's own margin is wider
 SLACK_RAD = math.radians(4)  # half a piece of an arc that is sampled each 8 degrees
 SAME_M = 0.05  # millimetres told over less than this make degrees of direction
+CHORD = 0.15  # of the radius: an arc that is sampled each 8 degrees has no longer ones
+CUT_RAD = math.radians(0.5)
 HOME_M = 0.5
 GAP_M = 0.04  # hairline gaps between road and field, as our own plans close them
 TWICE = 0.02  # share of the rows' ground that may lie under two rows
@@ -117,10 +119,19 @@ def _bend_excess(points: Floats, radius_m: float) -> float:
     """Return by how much the path turns, over any stretch of it, more than its radius allows; radians."""
     if len(points) < 3 or radius_m <= 0:
         return 0.0
+    points = _whole_chords(points, CHORD * radius_m)
     lengths = np.hypot(*np.diff(points, axis=0).T)
     middles = np.cumsum(lengths) - lengths / 2
     excess = np.append(0.0, np.cumsum(_turns(points))) - middles / radius_m
     return float((excess - np.minimum.accumulate(excess)).max())
+
+
+def _whole_chords(points: Floats, most_m: float) -> Floats:
+    """Return a polyline without the places where a border cut a chord of an arc: half of one allows half its turn."""
+    lengths = np.hypot(*np.diff(points, axis=0).T)
+    is_cut = (_turns(points) < CUT_RAD) & (lengths[:-1] + lengths[1:] <= most_m)
+    kept: Floats = points[np.concatenate([[True], ~is_cut, [True]])]
+    return kept
 
 
 def _speeds(job: Job, legs: Sequence[Leg]) -> None:
@@ -198,10 +209,28 @@ def _stays(job: Job, ground: BaseGeometry, legs: Sequence[Leg], pivots: Sequence
             raise PathUnfit("outside", f"The robot's outline would leave {name} over {outside:.1f} m.")
     spots = shapely.points([leg.points[0] for leg in pivots]) if pivots else np.array([])
     if len(pivots) and not shapely.covers(far_inside, spots).all():
-        # the eroded ground gives up a little at corners; the circle itself decides
-        circles = shapely.buffer(spots, machine.reach_m)
-        if not shapely.covers(allowed, circles).all():
-            raise PathUnfit("outside", f"The robot would leave {name} where it turns on the spot.")
+        # the eroded ground gives up a little at corners; the circle itself decides, for which way round is not told
+        circles = shapely.buffer(spots, machine.reach_m, quad_segs=32)
+        swings_out = ~shapely.covers(allowed, circles)
+        if swings_out.any():
+            first = int(swings_out.argmax())
+            raise PathUnfit("outside", _swing(job, allowed, pivots[first], name))
+
+
+def _swing(job: Job, allowed: BaseGeometry, pivot: Leg, name: str) -> str:
+    """Say where and how far the outline leaves the ground when it turns on the spot."""
+    reach_m, spot = job.machine.reach_m, shapely.Point(pivot.points[0])
+    out_m = reach_m - (spot.distance(allowed.boundary) if allowed.covers(spot) else 0.0)
+    is_in_field = shapely.Polygon(job.parcel.exterior).buffer(SLACK_M).covers(spot.buffer(reach_m, quad_segs=32))
+    what = f"swing into a hole of {name} or an obstacle" if is_in_field else f"leave {name}"
+    kinds = {
+        LegKind.ROW: f"before row {pivot.row}",
+        LegKind.HEADLAND: "on a headland lap",
+        LegKind.TURN: "between rows",
+    }
+    x, y = pivot.points[0]
+    where = f"{kinds.get(pivot.kind, 'on the way from or to home')}, {x:.1f} m east and {y:.1f} m north of the origin"
+    return f"The robot's outline would {what} by {out_m:.2f} m where it turns on the spot {where}."
 
 
 def _pieces_nose_first(leg: Leg) -> Floats:

@@ -30,6 +30,16 @@ def distinct(points: Floats) -> Floats:
     return kept
 
 
+def in_millimetres(points: Floats) -> Floats:
+    """Return a polyline as a document tells it, of two points at the least.
+
+    A border of a dose or zone may cut a line a millimetre from a corner: such corners go, rounded they point anywhere.
+    """
+    line = distinct(points)
+    rounded: Floats = np.round(line if len(line) > 1 else points[[0, -1]], 3) + 0.0  # the sum turns -0.0 into 0.0
+    return rounded
+
+
 def length_m(points: Floats) -> float:
     """Return the length of a polyline in metres."""
     return float(np.hypot(*np.diff(points, axis=0).T).sum())

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -17,30 +16,33 @@ from hmi.domain.family import Family
 from hmi.domain.mission_document import Document, canonical, mission_sha256
 from hmi.domain.mission_plan import PlanRefused
 from hmi.domain.mission_rest import PlannedRest, RestWish, cut, is_work, length_m
-from hmi.domain.planned_machine import MACHINE
 from hmi.planning.dubins import Pose
-from hmi.planning.estimate import effort
 from hmi.planning.flight import flight_notes
 from hmi.planning.machine import RobotProfile
 from hmi.planning.plan import GENTLE_RAD, Leg, LegKind, headings, turn_between
 from hmi.planning.projection import Floats, LocalFrame
-from hmi.planning.rest_ground import RestGround
+from hmi.planning.rest_figures import effort_of, statistics_of, tool_m
+from hmi.planning.rest_ground import LEAST_PART_M, TOUCH_M, RestGround
+from hmi.planning.rest_laps import Laps, RestLaps
 from hmi.planning.rest_work import (
     Work,
+    check_is_one_path,
+    document_of,
     driven_through,
     gap,
     is_one_line,
     leg_of,
-    legs_of,
     off,
+    place_of,
     rounded_points,
     turned,
     turned_line,
 )
-from hmi.planning.statistics import planned_machine, planting
 
 AHEAD_M = 10.0  # a running robot drives on while a person looks at the new rest: the new path begins beyond this
 MAX_SEGMENTS = 20_000
+FEW_MISSED = 0.01  # of the field: no other way to lay the laps is tried for less
+TOLD_MISSED_M2 = 1.0
 NO_WAY = ("no_way", "turn_does_not_fit", "gap")
 
 
@@ -50,20 +52,32 @@ def plan_rest(wish: RestWish) -> PlannedRest:
     Raises:
         PlanRefused: nothing is left, or a piece cannot be reached; says why.
     """
-    try:
-        return _Rest(wish, splits_laps=True).run()
-    except PlanRefused as refused:
-        if refused.code not in NO_WAY:
-            raise
-        # a piece of a lap that nothing leads to or from: the lap goes whole
-        return _Rest(wish).run()
+    found: list[PlannedRest] = []
+    refusal: PlanRefused | None = None
+    for laps in Laps:
+        rest = _Rest(wish, laps)
+        if laps.lays and rest.ground.headland is None:  # no edge moved, or it has no laps
+            continue
+        try:
+            found.append(rest.run())
+        except PlanRefused as refused:
+            if refused.code not in NO_WAY and not laps.lays:
+                raise
+            refusal = refused
+            continue
+        if not rest.ground.has_new_edge or found[-1].difference["missed_m2"] <= FEW_MISSED * rest.ground.field.area:
+            break
+    if not found:
+        assert refusal is not None
+        raise refusal
+    return min(found, key=lambda one: float(one.difference["missed_m2"]))
 
 
 class _Rest:
     """One rest while it is planned."""
 
-    def __init__(self, wish: RestWish, *, splits_laps: bool = False) -> None:
-        self.wish, self.splits_laps = wish, splits_laps
+    def __init__(self, wish: RestWish, laps: Laps) -> None:
+        self.wish, self.laps = wish, laps
         self.base = wish.base
         self.machine = RobotProfile() if wish.robot is None else RobotProfile.from_factsheet(wish.robot)
         if wish.robot is not None and wish.robot.family is Family.PLANTER:
@@ -71,24 +85,29 @@ class _Rest:
         self.frame = LocalFrame(wish.base["datum"]["lat_deg"], wish.base["datum"]["lon_deg"])
         self.lead_in_m, self.lead_out_m = wish.lead_m or (self.machine.lead_in_m, self.machine.lead_out_m)
         self.notes: list[str] = []
+        self.idle_m, self.idle_rows = 0.0, set[str]()
         progress = wish.progress
         self.done, self.left, self.first = cut(wish.base["segments"], progress.segment, progress.segment_s_m)
         self.home = self._home()
-        self.ground = RestGround(wish, self.frame, self.machine, self.home)
+        self.ground = RestGround(wish, self.frame, self.machine, self.home, lays_laps=laps.lays)
+        self.laps_anew: RestLaps | None = None
+        self.shorter_m: list[float] = []
 
     def run(self) -> PlannedRest:
         head, start, works = self._stitched()
         self.notes += flight_notes(self.wish.surroundings, self.frame, self.machine, self.ground.parcel, self.home)
-        chosen = self._chosen(works)
-        if not chosen and not self.wish.is_running:
+        left_out = [work for work in works if self._is_left_out(work)]
+        chosen = self._with_laps(self._chosen(works), head, left_out)
+        is_laid = self.laps_anew is None or self.laps_anew.is_done
+        if is_laid and not any(chosen) and not self.wish.is_running:
             raise PlanRefused("nothing_left", "Nothing is left to do. Abort the mission, or start fresh.")
         rest = [piece for one in self._joined(chosen, start, head) for piece in self._slowed(one)]
         if not rest:
             raise PlanRefused("nothing_left", "It finishes its last row. There is nothing left to change.")
         if len(head) + len(rest) > MAX_SEGMENTS:
             raise PlanRefused("too_many_rows", "The mission would have too many pieces for the robot.")
-        _check_is_one_path(head, rest)
-        return self._planned(head, self._pivoted(head, rest), [w for w in works if self._is_left_out(w)])
+        check_is_one_path(head, rest)
+        return self._planned(head, self._pivoted(head, rest), left_out)
 
     # what stays
 
@@ -109,7 +128,8 @@ class _Rest:
     def _check_ahead(self, ahead: Sequence[Document], works: Sequence[Work]) -> None:
         """Say what can no longer be changed; raise if the robot would meet what is new before the new path."""
         legs = map(leg_of, ahead)
-        what = next(filter(None, (self.ground.met(leg.points, is_backward=leg.is_backward) for leg in legs)), "")
+        met = (self.ground.met(leg.points, is_backward=leg.is_backward, pivot=leg.pivot) for leg in legs)
+        what = next(filter(None, met), "")
         if what:
             text = f"{what} is on the path before the new one begins. Pause the robot, then change the rest."
             raise PlanRefused("obstacle_ahead", text, "areas")
@@ -140,15 +160,43 @@ class _Rest:
             is_inside = not self.wish.is_running and len(self.done) > self.first and chosen[0].begins == self.first
             kept, others = (chosen[:1], chosen[1:]) if is_inside else ([], chosen)
             chosen = [*kept, *(turned(work, self._turned_points(work.begins)) for work in others[::-1])]
-        return self._without_areas([part for work in chosen for part in self._around(work)])
+        return chosen
+
+    def _with_laps(
+        self, chosen: Sequence[Work], head: Sequence[Document], left_out: Sequence[Work]
+    ) -> list[Work | None]:
+        """Return the work cut where it has to be; ``None`` stands for the laps laid anew."""
+        laps = [work.segment["kind"] == "headland" for work in chosen]
+        is_all = self.laps in (Laps.ALL_ANEW, Laps.LEAVING)
+        is_moved = [lap and (is_all or self.ground.is_moved(w.segment)) for lap, w in zip(laps, chosen, strict=True)]
+        parts = [[] if gone else self._around(work) for work, gone in zip(chosen, is_moved, strict=True)]
+        if sum(self.shorter_m) >= LEAST_PART_M:
+            lost_m, rows = sum(self.shorter_m), len(self.shorter_m)
+            self.notes.append(f"Rows end sooner, at the headland of the new edge: {lost_m:.0f} m in {rows} of them.")
+        kept = [self._without_areas(one) for one in parts]
+        self._note_areas()
+        before, after = kept, []
+        if self.ground.headland is not None:
+            rest = [work.segment for group in kept for work in group]
+            missing = self.ground.missing([*head, *rest], [work.segment for work in left_out])
+            self.laps_anew = self.ground.laps_anew(missing)
+            ends = [k + 1 for k, work in enumerate(chosen) if self.ground.ends_at_edge(work.points)]
+            at = is_moved.index(True) if any(is_moved) else max(ends, default=len(chosen))
+            at = len(chosen) if is_all else at
+            before, after = kept[:at], kept[at:]
+        # those that cannot be reached from there are tried again at the end
+        return [*(w for group in before for w in group), None, *(w for group in after for w in group), None]
 
     def _around(self, work: Work) -> list[Work]:
-        is_lap = self.splits_laps and work.segment["kind"] == "headland"
+        is_lap = self.laps is not Laps.WHOLE and work.segment["kind"] == "headland"
         parts = self.ground.around(work.points, is_lap=is_lap)
         if parts is None:
             return [work]
         lost = length_m(work.segment) - sum(float(np.hypot(*np.diff(p, axis=0).T).sum()) for p in parts)
-        self.notes.append(f"{work.name.capitalize()}: {lost:.0f} m left out, something stands there.")
+        if self.ground.ends_at_edge(work.points):
+            self.shorter_m.append(lost)
+        else:
+            self.notes.append(f"{work.name.capitalize()}: {lost:.0f} m left out, something stands there.")
         if not parts:
             return []
         found = work.parts([{**work.segment, "points": p.tolist()} for p in parts], is_joined=False)
@@ -157,20 +205,22 @@ class _Rest:
     def _without_areas(self, works: Sequence[Work]) -> list[Work]:
         """Turn the tool off inside areas to leave out; a piece that lies in them whole is not driven."""
         found: list[Work] = []
-        lost_m, rows = 0.0, set()
         for work in works:
             pieces = self._by_dose(work)
             idle = [one for one in pieces if not one["tool_on"]]
             if idle:
-                lost_m += sum(map(length_m, idle))
-                rows.add(work.name)
+                self.idle_m += sum(map(length_m, idle))
+                self.idle_rows.add(work.name)
             if len(idle) < len(pieces):
                 found += work.parts(pieces, is_joined=True)
-        if rows:
-            self.notes.append(f"{lost_m:.0f} m in {len(rows)} rows or laps are left out in the area drawn.")
+        return found
+
+    def _note_areas(self) -> None:
+        if self.idle_rows:
+            rows = len(self.idle_rows)
+            self.notes.append(f"{self.idle_m:.0f} m in {rows} rows or laps are left out in the area drawn.")
         elif not self.ground.doses.is_plain:
             self.notes.append("Nothing that is left lies in the area to leave out.")
-        return found
 
     def _by_dose(self, work: Work) -> list[Document]:
         legs = self.ground.doses.cut([leg_of(work.segment)])
@@ -183,30 +233,49 @@ class _Rest:
 
     # ways
 
-    def _joined(self, chosen: Sequence[Work], start: int, head: Sequence[Document]) -> list[Document]:
+    def _joined(self, chosen: Sequence[Work | None], start: int, head: Sequence[Document]) -> list[Document]:
         rest: list[Document] = []
         before: Work | None = None
+        is_left, stuck = False, None
         if self.wish.stand is None:  # its path goes on: what lay before its place is known
             before = Work({}, ends=start - 1)
         pose = self._beginning(head)
         is_inside = self.wish.stand is None and not self.wish.is_running and len(head) > start
         for work in chosen:
+            if work is None and self.laps_anew is not None and not self.laps_anew.is_done:
+                rest += self._laps_driven(pose, is_first=not rest)
+                pose, before = (_end_pose(rest[-1]) if rest else pose), None
+            if work is None:
+                continue
             is_there = is_inside and not rest and work.begins == start
+            if is_left and work.is_joined:  # it goes on from a piece that is left out
+                continue
+            is_left = False
             if not is_there and not work.is_joined:
                 try:
                     rest += self._way(pose, before, work, is_first=not rest)
-                except PlanRefused:
-                    if not work.is_spare:
+                except PlanRefused as refused:
+                    if not work.is_spare and self.laps is not Laps.LEAVING:
                         raise
+                    stuck, is_left = stuck or refused, True
                     lost_m = length_m(work.segment)
                     self.notes.append(f"{work.name.capitalize()}: {lost_m:.0f} m left out, no way leads there.")
                     continue
             rest.append(self._at_speed(work.segment))
             pose, before = _end_pose(work.segment), work
+        if stuck is not None and not any(map(is_work, rest)):
+            raise stuck
+        self.notes += [] if self.laps_anew is None else self.laps_anew.notes
         rest += self._exit(pose, before, is_first=not rest)
         if (self.wish.stand is not None or self._is_taken_up) and rest:
             rest[0] = {**rest[0], "jump": True}
         return rest
+
+    def _laps_driven(self, pose: Pose, *, is_first: bool) -> list[Document]:
+        """Return the laps that are laid anew, with the ways between them."""
+        assert self.laps_anew is not None
+        legs = self.laps_anew.drive(pose, lambda a, b: self._legs_to(a, b, is_first=is_first and a == pose))
+        return [self._at_speed(document_of(leg)) for leg in self.ground.doses.cut(legs)]
 
     def _beginning(self, head: Sequence[Document]) -> Pose:
         """Return where the new path begins."""
@@ -233,23 +302,29 @@ class _Rest:
         if known is not None and gap(pose[:2], [*known, work.segment]) is None:
             return known
         goal: Pose = (float(points[0][0]), float(points[0][1]), float(headings(points)[0]))
-        is_back = is_first and self.wish.stand is not None
-        approach = LegKind.APPROACH
-        legs = self.ground.approach(approach, pose, goal, is_free=True) if is_back else self.ground.turn(pose, goal)
-        if legs is None and is_first and self._is_on_the_way:  # off the field yet: over the roads
-            legs = self.ground.approach(approach, pose, goal, is_free=False)
+        legs = self._legs_to(pose, goal, is_first=is_first)
         if legs is None:
-            where = "where it stands" if is_first else "the piece before"
-            text = f"No known way leads from {where} to {work.name}. "
-            nearer = f"{'Fly' if self.machine.flies else 'Drive'} it nearer by hand, then repeat."
-            raise PlanRefused("no_way", text + (nearer if is_back else "Choose other rows."))
-        return [_document(leg) for leg in legs]
+            raise PlanRefused("no_way", self._no_way(pose, work, is_first=is_first))
+        return [document_of(leg) for leg in legs]
 
-    @property
-    def _is_on_the_way(self) -> bool:
-        """Whether it stands on its way from home to the first piece."""
-        here = self.done[-1] if len(self.done) > self.first else self.base["segments"][self.first]
-        return not self.wish.is_running and here["kind"] == "approach"
+    def _legs_to(self, pose: Pose, goal: Pose, *, is_first: bool) -> list[Leg] | None:
+        approach = LegKind.APPROACH
+        if is_first and self.wish.stand is not None:
+            return self.ground.approach(approach, pose, goal, is_free=True)
+        legs = self.ground.turn(pose, goal)
+        if legs is None and is_first and not self.wish.is_running:  # off the field yet, or half over its new edge
+            legs = self.ground.approach(approach, pose, goal, is_free=False)
+        return legs
+
+    def _no_way(self, pose: Pose, work: Work, *, is_first: bool) -> str:
+        by_hand = f"{'Fly' if self.machine.flies else 'Drive'} it"
+        if is_first and self.wish.stand is None and self.ground.is_lost(pose):
+            return f"It stands over the field's new edge. {by_hand} back by hand, then choose Resume later."
+        where = "where it stands" if is_first else "the piece before"
+        is_back = is_first and self.wish.stand is not None
+        then = f"{by_hand} nearer by hand, then repeat." if is_back else "Choose other rows."
+        then = "Pause the robot, then change the rest." if is_first and self.wish.is_running else then
+        return f"No known way leads from {where} to {work.name}. {then}"
 
     def _known_way(self, before: Work | None, number: int | None) -> list[Document] | None:
         """Return the base's own segments between two pieces if nothing was in between and nothing stands there now."""
@@ -261,7 +336,7 @@ class _Rest:
             first = self.done[-1]  # it stands inside this piece
         last = segments[number] if number < len(segments) else None
         between = driven_through(first, self._between(before.ends, number), last)
-        return None if between is None else self._clear(between)
+        return None if between is None else self._clear(between, last)
 
     def _known_way_back(self, later: int | None, number: int | None) -> list[Document] | None:
         """Return what lies between two pieces of one row or lap that are driven the other way round."""
@@ -279,8 +354,12 @@ class _Rest:
         whole = self.base["segments"]
         return [dict(self.left[k - self.first] if k >= self.first else whole[k]) for k in range(first + 1, last)]
 
-    def _clear(self, between: list[Document]) -> list[Document] | None:
-        is_clear = all(self.ground.is_clear(leg.points, is_backward=leg.is_backward) for leg in map(leg_of, between))
+    def _clear(self, between: list[Document], then: Document | None = None) -> list[Document] | None:
+        """Return segments if nothing stands in their way, turning on the spot before ``then`` included."""
+        legs = [leg_of(one) for one in between]
+        turns = [leg.points[0] for leg in (*legs, *([leg_of(then)] if then else [])) if leg.pivot]
+        is_clear = all(self.ground.is_clear(leg.points, is_backward=leg.is_backward) for leg in legs)
+        is_clear = is_clear and all(self.ground.can_turn(place, self.machine.margin_m / 2) for place in turns)
         return between if is_clear else None
 
     def _exit(self, pose: Pose, before: Work | None, *, is_first: bool) -> list[Document]:
@@ -297,7 +376,7 @@ class _Rest:
         if legs is None:
             self.notes.append("No known way leads home. The robot stays at the end.")
             return []
-        return [_document(leg) for leg in legs]
+        return [document_of(leg) for leg in legs]
 
     def _home(self) -> tuple[float, float] | None:
         if self.wish.home is not None:
@@ -308,7 +387,7 @@ class _Rest:
 
     def _at_speed(self, segment: Document) -> Document:
         wanted = self.wish.row_speed_mps
-        if wanted is None:
+        if wanted is None or not segment["tool_on"]:
             return segment
         top = self.wish.robot.max_speed_mps if self.wish.robot is not None else wanted
         # more than the usual dose takes more time on each metre, as it was planned
@@ -337,13 +416,17 @@ class _Rest:
             angle = 0.0 if before is None or one.get("jump") else abs(turn_between(before, leg))
             if angle > GENTLE_RAD and not self.machine.can_pivot:
                 raise PlanRefused("turn_does_not_fit", "The robot's turning circle does not fit there.")
+            if angle > GENTLE_RAD and not self.ground.can_turn(leg.points[0], -TOUCH_M):
+                text = f"Turning on the spot {place_of(one)}, the robot would swing into what stands there. "
+                then = "Choose other rows." if result else "Drive it away by hand, then choose Resume later."
+                raise PlanRefused("turn_does_not_fit", text + then)
             result.append({**one, "pivot": angle > GENTLE_RAD})
             before = leg
         return result
 
     def _planned(self, head: list[Document], rest: list[Document], left_out: list[Work]) -> PlannedRest:
         is_home = rest[-1]["kind"] == "exit"
-        tool_before, tool_after = _tool_m(self.base["segments"]), _tool_m([*head, *rest])
+        tool_before, tool_after = tool_m(self.base["segments"]), tool_m([*head, *rest])
         whole: Document = {
             **self.base,
             "revision": self.wish.revision,
@@ -357,22 +440,39 @@ class _Rest:
         if self.wish.map_version is not None:
             whole["map_version"] = dict(self.wish.map_version)
         document = canonical(whole)
+        missed_m2 = self._missed_m2([*head, *rest], left_out)
         ahead = self.base["segments"][len(self.done) : len(head)] if self.wish.is_running else []
         if self.wish.is_running and len(self.done) > self.first:
             ahead = [self.left[0], *ahead]
         return PlannedRest(
             document,
             mission_sha256(document),
-            self._statistics([*head, *rest], tool_after / tool_before if tool_before else 0.0),
+            statistics_of(
+                self.wish,
+                self.machine,
+                [*head, *rest],
+                share=tool_after / tool_before if tool_before else 0.0,
+                notes=self.notes,
+            ),
             {
-                "before": self._effort(self.left),
-                "after": self._effort([*ahead, *rest]),
+                "before": effort_of(self.left, self.machine, self.base["width_m"]),
+                "after": effort_of([*ahead, *rest], self.machine, self.base["width_m"]),
                 "left_out": [w.name.capitalize() for w in left_out],
                 "kept_until": self._kept_until(head),
                 "way_m": round(sum(length_m(s) for s in _until_work(rest)), 1) if self.wish.stand else 0.0,
+                "missed_m2": missed_m2,
                 "notes": self.notes,
             },
         )
+
+    def _missed_m2(self, segments: Sequence[Document], left_out: Sequence[Work]) -> float:
+        """Return how much of what was to be worked, and could be, is not any more; say so."""
+        missing = self.ground.missing(segments, [work.segment for work in left_out], self.base["width_m"] / 2)
+        missed_m2 = float(missing.area)
+        if missed_m2 >= TOLD_MISSED_M2:
+            share = missed_m2 / self.ground.field.area
+            self.notes.append(f"{missed_m2:.0f} m2 of the field ({share:.1%}) stay unworked that were to be worked.")
+        return round(missed_m2, 1)
 
     def _kept_until(self, head: Sequence[Document]) -> str:
         if not self.wish.is_running:
@@ -380,74 +480,10 @@ class _Rest:
         name = f"row {head[-1]['row']}" if head[-1]["row"] else "this headland lap"
         return f"The new path begins after {name}."
 
-    def _effort(self, segments: Sequence[Document]) -> dict[str, Any]:
-        work = effort(legs_of(segments), self.machine)
-        width_m = min(self.base["width_m"], self.machine.tool_width_m or math.inf)
-        return {
-            "duration_s": round(work.duration_s, 1),
-            "energy_j": round(work.energy_j),
-            "battery_share": round(work.energy_j / self.machine.battery_j, 4),
-            "length_m": round(work.length_m, 1),
-            "area_m2": round(work.working_length_m * width_m, 1),
-            "rows": len({s["row"] for s in segments if s["row"]}),
-        }
-
-    def _statistics(self, segments: Sequence[Document], share: float) -> dict[str, Any]:
-        """Return the figures of the whole mission that changed; ``share`` of its area is left."""
-        legs = legs_of(segments)
-        work = effort(legs, self.machine)
-        width_m, spacing_m = self.base["width_m"], self.base.get("plant_spacing_m")
-        is_planter = self.wish.robot is not None and self.wish.robot.family is Family.PLANTER
-        return {
-            **(planting(width_m, spacing_m, work.working_length_m) if is_planter else {}),
-            MACHINE: planned_machine(self.base["robot"], self.wish.robot, self.machine, legs, width_m),
-            "length_m": round(work.length_m, 4),
-            "working_length_m": round(work.working_length_m, 4),
-            "duration_s": round(work.duration_s, 4),
-            "working_s": round(work.working_s, 4),
-            "rows": len({s["row"] for s in segments if s["row"]}),
-            "turns": work.turns,
-            "pivots": work.pivots,
-            "reversals": work.reversals,
-            "energy_j": round(work.energy_j, 1),
-            "battery_share": round(work.energy_j / self.machine.battery_j, 4),
-            "covered_share": round(share, 4),
-            "notes": list(self.notes),
-        }
-
-
-def _check_is_one_path(head: Sequence[Document], rest: Sequence[Document]) -> None:
-    """Refuse a rest with a gap: a robot would cross ground that nobody looked at."""
-    found = gap(head[-1]["points"][-1] if head else rest[0]["points"][0], rest)
-    if found is not None:
-        gap_m, one = found
-        where = f"before row {one['row']}" if one.get("row") else "on the headland or on a way"
-        text = f"The new path would have a gap of {gap_m:.2f} m {where}. Choose other rows."
-        raise PlanRefused("gap", text)
-
-
-def _document(leg: Leg) -> Document:
-    rounded = np.round(leg.points, 3) + 0.0
-    keep = np.append(True, np.any(np.diff(rounded, axis=0) != 0, axis=1))
-    kept = rounded[keep] if keep.sum() > 1 else rounded[[0, -1]]
-    segment: Document = {
-        "kind": leg.kind.value,
-        "points": kept.tolist(),
-        "speed_mps": round(leg.speed_mps, 3),
-        "tool_on": False,
-        "row": 0,
-        "pivot": False,
-    }
-    return {**segment, "backward": True} if leg.is_backward else segment
-
 
 def _end_pose(segment: Document) -> Pose:
     leg = leg_of(segment)
     return float(leg.points[-1][0]), float(leg.points[-1][1]), leg.last_heading_rad
-
-
-def _tool_m(segments: Sequence[Document]) -> float:
-    return sum(length_m(s) for s in segments if s.get("tool_on"))
 
 
 def _until_work(segments: Sequence[Document]) -> list[Document]:

@@ -10,8 +10,10 @@ from itertools import pairwise
 import numpy as np
 
 from hmi.domain.mission_document import Document
+from hmi.domain.mission_plan import PlanRefused
 from hmi.domain.mission_rest import WORK_KINDS, is_work
 from hmi.planning.plan import GENTLE_RAD, Leg, LegKind, turn_between
+from hmi.planning.polyline import in_millimetres
 from hmi.planning.projection import Floats
 from hmi.planning.spans import between
 
@@ -83,6 +85,24 @@ def leg_of(segment: Document) -> Leg:
     )
 
 
+def document_of(leg: Leg) -> Document:
+    """Return a way, a lap or a loop as a segment."""
+    rounded = np.round(leg.points, 3) + 0.0
+    keep = np.append(True, np.any(np.diff(rounded, axis=0) != 0, axis=1))
+    kept = rounded[keep] if keep.sum() > 1 else rounded[[0, -1]]
+    segment: Document = {
+        "kind": leg.kind.value,
+        "points": kept.tolist(),
+        "speed_mps": round(leg.speed_mps, 3),
+        "tool_on": leg.tool_on,
+        "row": 0,
+        "pivot": False,
+    }
+    if leg.dose != 1.0:
+        segment["dose"] = leg.dose
+    return {**segment, "backward": True} if leg.is_backward else segment
+
+
 def legs_of(segments: Sequence[Document]) -> list[Leg]:
     """Return a path; pieces of one row or lap count as one."""
     legs = [leg_of(one) for one in segments]
@@ -116,6 +136,19 @@ def gap(place: Sequence[float], segments: Sequence[Document]) -> tuple[float, Do
     return None
 
 
+def check_is_one_path(head: Sequence[Document], rest: Sequence[Document]) -> None:
+    """Refuse a rest with a gap: a robot would cross ground that nobody looked at."""
+    found = gap(head[-1]["points"][-1] if head else rest[0]["points"][0], rest)
+    if found is not None:
+        gap_m, one = found
+        raise PlanRefused("gap", f"The new path would have a gap of {gap_m:.2f} m {place_of(one)}. Choose other rows.")
+
+
+def place_of(segment: Document) -> str:
+    """Return in words where a segment begins."""
+    return f"before row {segment['row']}" if segment.get("row") else "on the headland or on a way"
+
+
 def turned(work: Work, points: Floats) -> Work:
     """Return a piece driven the other way round, along ``points``."""
     return Work({**work.segment, "points": rounded_points(points)}, turned=work.begins)
@@ -144,7 +177,7 @@ def _is_same(part: Document, whole: Document, end: int) -> bool:
 
 def rounded_points(points: Floats) -> list[list[float]]:
     """Return points as they stand in a document."""
-    rounded: list[list[float]] = (np.round(points, 3) + 0.0).tolist()
+    rounded: list[list[float]] = in_millimetres(points).tolist()
     return rounded
 
 

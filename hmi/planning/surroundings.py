@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
 import shapely
 from shapely.geometry import shape
 from shapely.geometry.base import BaseGeometry
@@ -35,7 +38,13 @@ def way_areas(around: Surroundings, frame: LocalFrame) -> list[BaseGeometry]:
 
 
 def limits_of(around: Surroundings, frame: LocalFrame, machine: RobotProfile) -> SpeedLimits:
-    """Return the slow zones, wider by what the machine reaches: none of it is faster there; raises as ``area_of``."""
+    """Return the slow zones, wider by what the machine reaches: none of it is faster there.
+
+    Raises:
+        PlanRefused: as ``area_of``, or a zone has no speed.
+    """
+    if not all(0 < most < math.inf for _, most in around.slow):
+        raise PlanRefused("bad_map", "A slow zone of the map has no speed above 0 m/s.", "field_id")
     areas = ((area_of(geometry, 0.0, frame), most) for geometry, most in around.slow)
     return SpeedLimits(tuple((area.buffer(machine.reach_m), most) for area, most in areas))
 
@@ -57,6 +66,8 @@ def area_of(geometry: Geometry, width_m: float, frame: LocalFrame) -> BaseGeomet
         local = shapely.transform(shape(geometry), frame.to_local)
     except (TypeError, ValueError, AttributeError, shapely.errors.ShapelyError) as error:
         raise PlanRefused("bad_map", "The map has a feature that is not valid GeoJSON.", "field_id") from error
+    if not (np.isfinite(shapely.get_coordinates(local)).all() and math.isfinite(width_m)):
+        raise PlanRefused("bad_map", "The map has a feature whose place or size is not a number.", "field_id")
     if local.geom_type in ("Polygon", "MultiPolygon"):
         return local if local.is_valid else local.buffer(0)
     return local.buffer(max(width_m, 0.1) / 2)

@@ -103,6 +103,8 @@ class DoseMap:
                 led.append((first, last, 0.0))
             elif not led:
                 led.append((begin, begin, spans[1][2] if len(spans) > 1 else 0.0))
+        # a sliver without treatment at the end is worked: the line goes on to where it ended
+        led[-1] = (led[-1][0], spans[-1][1], led[-1][2])
         return [span for span in joined(led) if span[1] - span[0] > 1e-3]
 
 

@@ -79,7 +79,7 @@ async def test_what_is_resumed_later_stays_on_the_field_as_it_is_now(desk: Desk)
     planned = await desk.rests.preview(desk.supervisor, desk.id, RestOrder("later"))
     assert planned.document["map_version"]["number"] == 2
     assert off_the_field_m(planned.document) == 0
-    assert any("left out, something stands there" in note for note in planned.difference["notes"])
+    assert any("laid anew along the edge of the field" in note for note in planned.difference["notes"])
 
 
 async def test_it_carries_the_field_of_the_map_it_was_planned_on_and_so_does_its_picture(desk: Desk) -> None:

@@ -23,6 +23,12 @@ WHEELED = RobotProfile(turning_radius_m=1.5, can_pivot=False)
 ROOM = square(60)
 
 
+def regular(corners: int, radius_m: float) -> Polygon:
+    """Return a field with equal sides."""
+    turns = [2 * math.pi * k / corners for k in range(corners)]
+    return Polygon([(radius_m * math.cos(turn), radius_m * math.sin(turn)) for turn in turns])
+
+
 def loops(plan: Plan) -> list[Leg]:
     """Return the ways from one side of a lap to the next with the tool off."""
     return [leg for leg in plan.legs if leg.kind is LegKind.HEADLAND and not leg.tool_on]
@@ -41,6 +47,28 @@ def test_the_square_of_twenty_metres_is_worked_to_ninety_nine_of_a_hundred() -> 
     assert_drivable(job, plan)
     assert reached(job, plan) >= 0.99
     assert plan.figures.overlap_m2 <= 0.0201 * plan.figures.area_m2
+
+
+def test_a_blunt_corner_is_worked_to_its_tip_and_no_further() -> None:
+    job = Job(regular(5, 14), 3.0, TRACKED)
+    plan = plan_coverage(job)
+    assert_drivable(job, plan)
+    assert loops(plan)
+    assert reached(job, plan) >= 0.985
+    laps = worked_strips([leg for leg in plan.legs if leg.kind is LegKind.HEADLAND], 3.0)
+    turn = 2 * math.pi / 5
+    # where the next side begins on its outer edge the first one may end: two triangles are worked twice
+    beyond_m = 1.5 * (math.tan(turn / 2) * math.cos(turn) + math.sin(turn) - math.tan(turn / 2))
+    twice_m2 = 4.5 * math.sin(turn) * math.cos(turn) + beyond_m**2 * math.tan(turn) / 2
+    assert sum(strip.area for strip in laps) - union_of(laps).area <= len(loops(plan)) * 1.05 * twice_m2
+
+
+def test_a_round_field_is_not_worked_twice_for_its_many_blunt_corners() -> None:
+    job = Job(shapely.Point(0, 0).buffer(13.6257, quad_segs=3), 3.0, TRACKED)
+    plan = plan_coverage(job)
+    assert_drivable(job, plan)
+    assert reached(job, plan) >= 0.985
+    assert plan.figures.overlap_m2 <= 0.06 * plan.figures.area_m2
 
 
 def test_a_machine_that_cannot_turn_on_the_spot_drives_a_loop_in_each_corner() -> None:

@@ -8,17 +8,22 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+import shapely
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from hmi.domain.mission_plan import PathUnfit, Pattern, PlanRefused, PlanWish, TreatedArea, Treatment
+from hmi.domain.mission_plan import PathUnfit, Pattern, PlanRefused, PlanWish, Surroundings, TreatedArea, Treatment
 from hmi.planning.coverage import plan_coverage
-from hmi.planning.given_path import checked_candidate, checked_mission, segments_of
+from hmi.planning.given_path import checked_candidate, checked_mission, legs_of, segments_of
+from hmi.planning.job import checked_field
+from hmi.planning.machine import RobotProfile
 from hmi.planning.mission import job_of, plan_mission
+from hmi.planning.plan import poses_along
 from hmi.planning.projection import LocalFrame
 from tests.hmi.missions.rig import lon_lat
 from tests.hmi.missions.test_document import wish
 from tests.hmi.planning.grounds import convex_fields, crooked_fields
+from tests.hmi.planning.test_properties import fields_with_holes
 from tests.hmi.presenters.robots import SHEET
 
 FRAME = LocalFrame(51.78, 4.26)
@@ -50,11 +55,18 @@ def test_our_own_plan_comes_back_the_same_to_the_byte(pattern: Pattern) -> None:
 
 
 @settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
-@given(st.one_of(convex_fields(), crooked_fields()), st.sampled_from([1.5, 3.0]), st.sampled_from(Pattern))
+@given(
+    st.one_of(convex_fields(), crooked_fields(), fields_with_holes()),
+    st.sampled_from([0.5, 1.5, 3.0]),
+    st.sampled_from(Pattern),
+    st.booleans(),
+)
 @pytest.mark.slow
-def test_whatever_our_planner_makes_is_taken(field: Any, width_m: float, pattern: Pattern) -> None:
+def test_whatever_our_planner_makes_is_taken(field: Any, width_m: float, pattern: Pattern, is_from_home: bool) -> None:
+    inside = field.representative_point()
+    home = (*lon_lat((inside.x, inside.y))[0],) if is_from_home else None
     rings = [FRAME.to_lon_lat(ring.coords).tolist() for ring in (field.exterior, *field.interiors)]
-    asked = wish(parcel={"type": "Polygon", "coordinates": rings}, width_m=width_m, pattern=pattern, home=None)
+    asked = wish(parcel={"type": "Polygon", "coordinates": rings}, width_m=width_m, pattern=pattern, home=home)
     try:
         own = plan_mission(asked).statistics
         path = told_in_millimetres(path_of(asked))
@@ -121,6 +133,56 @@ def test_a_turn_on_the_spot_has_to_be_declared_and_to_be_possible() -> None:
         checked_mission(asked, changed(path, pivots[-1], pivot=False), [])
     with pytest.raises(PathUnfit, match="which this robot cannot"):
         checked_mission(replace(asked, robot=replace(SHEET, can_pivot=False)), path, [])
+
+
+def turned_at(x: float, y: float, *, is_about: bool = False, **more: Any) -> tuple[PlanWish, Segments]:
+    """Return a path that ends its first row at a place, northbound, and turns there on the spot: about, or eastward."""
+    asked = wish(angle_rad=0.0, home=None, **more)
+    turn = {
+        "kind": "turn",
+        "points": [[x, y], [x, y - 6.0] if is_about else [x + 6.0, y]],
+        "pivot": True,
+        "tool_on": False,
+        "row": 0,
+    }
+    row = {"kind": "row", "points": [[x, 12.0], [x, y]], "pivot": False, "tool_on": True, "row": 1}
+    usual = {"speed_mps": 0.3, "dose": 1.0, "is_continued": False, "is_backward": False}
+    return asked, [{**usual, **row}, {**usual, **turn}]
+
+
+REACH_M = RobotProfile().reach_m
+BESIDE = 0.9  # metres from a border: half the outline's width fits, its corners do not
+
+
+@pytest.mark.parametrize(
+    ("place", "stone", "says"),
+    [
+        ((BESIDE, 25.0), None, f"leave the field by {REACH_M - BESIDE - 0.02:.2f} m"),
+        ((20.0, 25.0), (21.08, 24.0), "swing into a hole of the field or an obstacle by 0."),
+        ((20.0, 25.0), (18.95, 26.05), "swing into a hole of the field or an obstacle by 0."),
+    ],
+    ids=["the border", "an obstacle ahead", "an obstacle behind"],
+)
+def test_a_turn_on_the_spot_is_judged_by_the_ground_it_sweeps(
+    place: tuple[float, float], stone: tuple[float, float] | None, says: str
+) -> None:
+    corner = {"type": "Point", "coordinates": lon_lat(stone)[0]} if stone else None
+    around = Surroundings(((corner, 0.1),)) if corner else Surroundings()
+    asked, path = turned_at(*place, is_about=stone is None, surroundings=around)
+    job = job_of(asked)
+    field = checked_field(job)
+    # before and after, and all along, the outline is on the field: only the turn swings it out
+    for leg in legs_of(path):
+        outlines = job.machine.outline_polygons(poses_along(leg.points, 0.1))
+        assert shapely.covers(field, outlines).all()
+    with pytest.raises(PathUnfit) as refused:
+        checked_mission(asked, path, [])
+    assert refused.value.code == "outside"
+    assert says in refused.value.text
+    assert f"{place[0]:.1f} m east and {place[1]:.1f} m north" in refused.value.text
+    farther, clear = turned_at(20.0, 25.0)
+    with pytest.raises(PathUnfit, match="of the ground to be treated only"):  # it drives, and does too little
+        checked_mission(farther, clear, [])
 
 
 def test_a_path_that_does_little_of_the_work_is_refused(usual: tuple[PlanWish, Segments]) -> None:

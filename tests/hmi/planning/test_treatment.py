@@ -42,6 +42,16 @@ def test_the_tool_goes_off_after_the_border_and_on_before_it() -> None:
     assert told(doses.cut([ROW])) == [(0, 40.5, True, 1), (40.5, 58, False, 1), (58, 100, True, 1)]
 
 
+@pytest.mark.parametrize("short_m", [0.0, 0.05, 0.09, 0.2])
+def test_a_row_keeps_its_ends_whatever_is_off_there(short_m: float) -> None:
+    # the tool goes off short of the end by less than is worth a piece of its own, and at the beginning alike
+    off = shapely.box(99.5 - short_m, -5, 200, 5).union(shapely.box(-200, -5, 2.0 + short_m, 5))
+    pieces = DoseMap(((off, 0.0),), lead_in_m=2.0, lead_out_m=0.5).cut([ROW])
+    assert pieces[0].points[0].tolist() == [0.0, 0.0]
+    assert pieces[-1].points[-1].tolist() == [100.0, 0.0]
+    assert all(np.array_equal(a.points[-1], b.points[0]) for a, b in pairwise(pieces))
+
+
 def test_only_the_area_is_treated_where_the_rest_is_off() -> None:
     doses = DoseMap(((MIDDLE, 1.0),), rest=0.0, lead_in_m=2.0, lead_out_m=0.5)
     assert told(doses.cut([ROW])) == [(0, 38, False, 1), (38, 60.5, True, 1), (60.5, 100, False, 1)]
