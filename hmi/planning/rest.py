@@ -42,6 +42,7 @@ from hmi.planning.rest_work import (
 AHEAD_M = 10.0  # a running robot drives on while a person looks at the new rest: the new path begins beyond this
 MAX_SEGMENTS = 20_000
 FEW_MISSED = 0.01  # of the field: no other way to lay the laps is tried for less
+MUCH_MISSED = 0.05  # of the field: then it is worth planning it anew
 TOLD_MISSED_M2 = 1.0
 NO_WAY = ("no_way", "turn_does_not_fit", "gap")
 
@@ -471,7 +472,9 @@ class _Rest:
         missed_m2 = float(missing.area)
         if missed_m2 >= TOLD_MISSED_M2:
             share = missed_m2 / self.ground.field.area
-            self.notes.append(f"{missed_m2:.0f} m2 of the field ({share:.1%}) stay unworked that were to be worked.")
+            way_out = " A new plan of the field may work more of it." if share > MUCH_MISSED else ""
+            told = f"{missed_m2:.0f} m² of the field ({100 * share:.1f} %) stay unworked that were to be worked."
+            self.notes.append(told + way_out)
         return round(missed_m2, 1)
 
     def _kept_until(self, head: Sequence[Document]) -> str:

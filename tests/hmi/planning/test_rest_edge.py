@@ -18,6 +18,7 @@ from shapely.geometry import Polygon
 from hmi.domain.mission_document import Document
 from hmi.domain.mission_plan import PlannedMission, PlanRefused, PlanWish, Surroundings, TreatedArea, Treatment
 from hmi.domain.mission_rest import PlannedRest, Progress, RestWish, cut, is_work, length_m
+from hmi.planning import rest as rest_module
 from hmi.planning.machine import RobotProfile
 from hmi.planning.mission import plan_mission
 from hmi.planning.plan import GENTLE_RAD, poses_along, turn_between
@@ -149,6 +150,17 @@ def test_a_field_that_falls_apart_into_a_narrow_part_says_what_it_loses() -> Non
     missed_m2 = could.difference(worked(made.document["segments"])).area
     assert made.difference["missed_m2"] == pytest.approx(missed_m2, abs=0.5)
     assert missed_m2 < 1 or "stay unworked" in " ".join(made.difference["notes"])
+
+
+@pytest.mark.parametrize("much", [0.0, 0.5])
+def test_where_much_stays_unworked_a_new_plan_is_named_as_the_way_out(
+    much: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(rest_module, "MUCH_MISSED", much)
+    base = planned()
+    made = rest(base, FIELD.difference(shapely.box(50.0, 4.0, 61.0, 51.0)), number_of(base, "row", 2), 5.0)
+    [told] = [note for note in made.difference["notes"] if "stay unworked" in note]
+    assert ("A new plan of the field may work more of it." in told) == (much == 0.0)
 
 
 def test_of_a_lap_half_done_only_the_other_half_is_driven() -> None:
