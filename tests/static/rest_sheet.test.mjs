@@ -5,20 +5,20 @@ import test from 'node:test';
 import vm from 'node:vm';
 
 const SHEET = readFileSync(new URL('../../static/js/ui/rest_sheet.js', import.meta.url), 'utf8');
-const SUM = { duration_s: 1, energy_j: 1, battery_share: 0.1, area_m2: 1, rows: 1 };
+const SUM = { duration_s: 1, energy_j: 1, battery_share: 0.1, area_m2: 1, length_m: 10, rows: 1 };
 const OBSTACLE = { kind: 'obstacle', outline: [[0, 0], [0, 1], [1, 1]], clearance_m: 1 };
 const settled = () => new Promise(setImmediate);
 
 // A sheet on nodes that only remember; answers and timers come when the test says so.
 async function sheet() {
   const node = () => ({ append() {}, replaceChildren() {}, isConnected: true, value: '', remove() {} });
-  const world = { asked: [], sent: [], toasts: [], timer: null, isOpen: true, sends: null, button: node() };
+  const world = { changed: {}, asked: [], sent: [], toasts: [], timer: null, isOpen: true, sends: null, button: node() };
   const api = (method, path, body) => {
     if (method === 'GET' && path.endsWith('/rest')) return { ok: true, data: { progress: { row: 1, rows: 5 }, pieces: [{ number: 3, row: 2, length_m: 10 }] } };
     if (method === 'GET') return path === '/fields' ? { ok: true, data: { homes: [] } } : { ok: false };
     if (path.endsWith('/preview')) {
       const sha256 = `plan ${world.asked.length + 1}`;
-      const data = { sha256, left_out: [], notes: [], kept_until: 'After row 1.', before: SUM, after: SUM, way_m: 0, geometry: { features: [] } };
+      const data = { sha256, left_out: [], notes: [], kept_until: 'After row 1.', before: SUM, after: SUM, ...world.changed, way_m: 0, geometry: { features: [] } };
       return new Promise((resolve) => world.asked.push({ body: structuredClone(body), answer: () => (resolve({ ok: true, data }), settled()) }));
     }
     world.sent.push(body.sha256);
@@ -90,4 +90,18 @@ test('an update that is refused after another tap does not open the button for t
   assert.equal(world.button.disabled, true);
   assert.deepEqual(world.toasts, ['Not changed: It is too late.']);
   assert.equal(world.isOpen, true);
+});
+
+test('a map that changed makes another rest, which can be sent although nobody asked for anything', async () => {
+  const { world, shown, waited } = await sheet();
+  await world.asked[0].answer();
+  assert.deepEqual([shown.said.words, world.button.disabled], ['Nothing changed yet.', true]);
+  for (const changed of [{ notes: ['Rows end sooner.'] }, { after: { ...SUM, length_m: 7 } }]) {
+    world.changed = changed;
+    shown.soon();
+    await waited();
+    await world.asked.at(-1).answer();
+    assert.equal(shown.said.words, 'You changed nothing, yet it comes out another way now. After row 1.');
+    assert.equal(world.button.disabled, false);
+  }
 });

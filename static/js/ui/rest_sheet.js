@@ -21,6 +21,9 @@
     return HL.records.table(["Left to do", "Now", "New", "Difference"], lines.map(([name, was, is, words]) => ({ cells: [name, words(was), words(is), less(was, is, words)] })));
   }
 
+  // whether the rest is another one although nobody asked for anything: most often the field or what stands in it changed
+  const isOther = ({ before: a, after: b, notes }) => notes.length > 0 || Math.abs(a.length_m - b.length_m) > 1 || Math.abs(a.area_m2 - b.area_m2) > 1;
+
   class Sheet {
     constructor(mission, kind) {
       Object.assign(this, { mission, kind, out: new Set(), turn: 0 });
@@ -104,8 +107,9 @@
       this.planned = answer.data;
       this.wished = wished;
       const { left_out: out, notes, kept_until: kept, way_m: way } = this.planned;
-      const isSame = this.kind === "change" && this.wished === this.asItIs;
-      this.say(isSame ? "Nothing changed yet." : this.kind === "change" ? kept : `Way back ${Math.round(way)} m.`, "ready");
+      const isAsItWas = this.kind === "change" && this.wished === this.asItIs;
+      const isSame = isAsItWas && !isOther(this.planned);
+      this.say(isSame ? "Nothing changed yet." : this.kind !== "change" ? `Way back ${Math.round(way)} m.` : isAsItWas ? `You changed nothing, yet it comes out another way now. ${kept}` : kept, "ready");
       const lines = [...(out.length ? [`Left out: ${out.join(", ")}.`] : []), ...notes];
       this.shown.append(this.kind === "change" ? table(this.planned) : "", ...lines.map((line) => el("div", { class: "h-row h-t14 h-b" }, icon("info", "m"), line)));
       this.map.show(this.pictured(this.planned.geometry), this.planned.progress);
