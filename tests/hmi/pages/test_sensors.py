@@ -140,6 +140,19 @@ def test_no_station_lies_under_a_button_the_north_arrow_or_the_scale(
     assert page.evaluate(HIDDEN_SIGNS) == []
 
 
+@pytest.mark.parametrize("size", TABLETS)
+def test_whose_forecast_it_is_stands_on_one_line_and_all_of_its_hours_can_be_reached(
+    look: Look, stations: Callable[..., None], size: str
+) -> None:
+    stations(forecast="fresh")
+    page = opened(look("/sensors", size=size))
+    said = page.locator(".sn-forehead > span")
+    expect(said).to_contain_text("Forecast by")
+    lines = "node => node.getBoundingClientRect().height / parseFloat(getComputedStyle(node).fontSize)"
+    assert said.evaluate(lines) < 2
+    assert page.evaluate("document.querySelector('.sn-hours').scrollWidth") > 200
+
+
 @pytest.mark.long
 def test_a_gap_stays_a_gap_and_values_are_read_by_finger_and_by_keys(look: Look, stations: Callable[..., None]) -> None:
     stations(hole_h=3)
