@@ -122,6 +122,11 @@ class ServiceLink:
         return self.state in ANSWERS
 
     @property
+    def is_away(self) -> bool:
+        """Whether the last call failed; not so before the first one."""
+        return self.state not in ANSWERS | {LinkState.OFF, LinkState.CONNECTING}
+
+    @property
     def clock_off_s(self) -> float:
         """By how much the service's clock and ours differ, seconds; nothing while it is not known."""
         return abs(self.skew_s or 0.0)

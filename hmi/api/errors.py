@@ -23,6 +23,7 @@ from hmi.domain.alarm.life import AlarmRefused
 from hmi.security.errors import BadAccount, SecurityError, TooManyTries
 from hmi.store.errors import (
     AlreadyExists,
+    DatabaseFull,
     DatabaseUnavailable,
     NotFound,
     PicturesBusy,
@@ -58,6 +59,12 @@ _HTTP_CODES = {
 _STORE: tuple[tuple[type[StoreError], int, str, str], ...] = (
     (NotFound, 404, "not_found", "There is no such entry. It may have been removed meanwhile."),
     (AlreadyExists, 409, "already_exists", "This id is taken already."),
+    (
+        DatabaseFull,
+        503,
+        "database_unavailable",
+        "The disk of the server is full: nothing new can be recorded. Make room there, then try again.",
+    ),
     (DatabaseUnavailable, 503, "database_unavailable", "The records cannot be used right now. Try again in a moment."),
     (
         StopListNotWritten,

@@ -35,7 +35,9 @@ class KeeperReport:
             if self._known is None or self._known[0] != version:
                 self._known = version, _read(self._path)
             return self._known[1]
-        except (OSError, ValueError):
+        except ValueError:  # caught while it is written over, on a disk that is full
+            return self._known[1] if self._known is not None else {}
+        except OSError:
             return {}
 
 

@@ -82,12 +82,13 @@ class CloudReport:
         waiting, (count, seen_s) = self._backlog.waiting, self._lost_seen
         if self._lost > count:
             self._lost_seen = count, seen_s = self._lost, self._clock.mono_s()
-        if not waiting.trouble and self._clock.mono_s() - seen_s >= LOST_SHOWN_S:
-            return ()
-        said = [waiting.trouble] if waiting.trouble else []
-        if self._lost:
-            said.append(f"{self._lost} dropped since the start.")
-        return (Finding("cloud-dropped", " ".join(said)[:MAX_TEXT]),)
+        found = []
+        if waiting.trouble:
+            in_memory = max(0, self._backlog.total - waiting.count)
+            found.append(Finding("cloud-unkept", f"{waiting.trouble}. {waits(in_memory)}"[:MAX_TEXT]))
+        if self._clock.mono_s() - seen_s < LOST_SHOWN_S:
+            found.append(Finding("cloud-dropped", f"{self._lost} dropped since the start."))
+        return tuple(found)
 
     @property
     def _lost(self) -> int:

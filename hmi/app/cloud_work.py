@@ -93,7 +93,9 @@ class CloudWork:
         self.refused = RefusedRecords(RefusedFile(settings.data / "cloud" / "refused.db"), clock)
         self.mirror = Mirror(link, states, parts.backlog, clock, whole, changes, parts.others, refused=self.refused)
         read_back = Delays()
-        self.missions = CloudMissions(client, urns.farm_name, clock, read_back, is_ours=is_ours)
+        self.missions = CloudMissions(
+            client, urns.farm_name, clock, read_back, is_ours=is_ours, is_away=lambda: parts.link.is_away
+        )
         self.report = CloudReport(settings, clock, self.mirror, parts.backlog, parts.book, read_back, parts.robots)
 
     @property

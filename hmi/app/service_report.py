@@ -79,5 +79,5 @@ def broker_findings(link: ServiceLink, waiting: int) -> Findings:
     if link.state in NEEDS_PERSON:
         return (Finding("cloud-refused", text[:MAX_TEXT], since_s=link.since_s), *found)
     if not link.is_well:
-        return (Finding("cloud-away", f"{text} {waits(waiting)}"[:MAX_TEXT]), *found)
+        return (Finding("cloud-away", f"{text.rstrip('.')}. {waits(waiting)}"[:MAX_TEXT]), *found)
     return found

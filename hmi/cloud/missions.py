@@ -28,8 +28,10 @@ from hmi.domain.mission_document import canonical, mission_sha256
 TTL_S = 20.0  # agents ask once a second, brokers answer in well under one; older than this it was decided long ago
 ANSWER_S = 25.0  # a little longer than the order lives: after it the robot takes nothing any more
 POLL_S = 0.5
+AWAY_S = 2.0  # a broker that is back answers sooner; a person waits no longer for one that is known to be away
 TIDY_S = 60.0  # until then an agent that was cut off may still answer
 Sleep = Callable[[float], Awaitable[None]]
+WHY = "Admin, Cloud says why."  # whoever sends is seldom who can mend a broker
 log = logging.getLogger(__name__)
 
 
@@ -42,6 +44,7 @@ class CloudMissions:
         delays: of missions that were read back.
         sleep: test seam.
         is_ours: whether the tenant that answers now is ours; in another one a robot of the same name may listen.
+        is_away: whether the broker failed when it was last asked; it gets ``AWAY_S`` to show that it is back.
     """
 
     def __init__(
@@ -53,9 +56,10 @@ class CloudMissions:
         sleep: Sleep = asyncio.sleep,
         *,
         is_ours: IsOurs,
+        is_away: Callable[[], bool] = lambda: False,
     ) -> None:
         self._client, self._farm, self._clock, self._delays, self._sleep = client, farm, clock, delays, sleep
-        self._is_ours = is_ours
+        self._is_ours, self._is_away = is_ours, is_away
         self._waited_for: set[EntityRef] = set()
         self._tidy_s = float("-inf")  # an earlier run may have ended while it waited
 
@@ -103,19 +107,26 @@ class CloudMissions:
         self._tidy_s = float("inf")
 
     async def _challenge(self, robot_id: str) -> str:
+        """Return the robot's newest challenge; only reads, so it can be given up at any moment."""
         try:
-            if not await self._is_ours():
-                text = "The tenant in the cloud is not ours now: nothing was sent. Send the mission directly."
-                raise OrderFailed("cloud_not_ours", text, is_outcome_known=True)
-            found = await self._client.find(presence_ref(self._farm, robot_id))
-            if found is None:
-                raise OrderFailed("no_agent", "The robot has no way to the cloud. Send it directly.",
-                                  is_outcome_known=True)  # fmt: skip
-            return read_presence(found, robot_id).challenge
+            async with asyncio.timeout(AWAY_S if self._is_away() else None):
+                return await self._ask_challenge(robot_id)
         except NgsiError as error:
             log.info("mission by the cloud: %s", error)
-            text = f"The cloud does not answer, so nothing was sent. {error.mend} Or send it directly."
-            raise OrderFailed("cloud_away", text, is_outcome_known=True) from error
+            raise _away() from error
+        except TimeoutError as late:
+            log.info("mission by the cloud: it was away, and did not answer in %g s either", AWAY_S)
+            raise _away() from late
+
+    async def _ask_challenge(self, robot_id: str) -> str:
+        if not await self._is_ours():
+            text = "The tenant in the cloud is not ours now: nothing was sent. Send the mission directly."
+            raise OrderFailed("cloud_not_ours", text, is_outcome_known=True)
+        found = await self._client.find(presence_ref(self._farm, robot_id))
+        if found is None:
+            text = "The robot has no way to the cloud. Send it directly."
+            raise OrderFailed("no_agent", text, is_outcome_known=True)
+        return read_presence(found, robot_id).challenge
 
     def _order(self, robot_id: str, document: Mapping[str, Any], challenge: str) -> MissionOrder:
         plain = canonical({**document, "robot": robot_id})
@@ -145,7 +156,7 @@ class CloudMissions:
             if error.is_outcome_unknown:
                 text = "The cloud did not answer. The robot may get the mission all the same; it does not move by it."
                 raise OrderFailed("cloud_silent", text, is_outcome_known=False) from error
-            text = f"The cloud did not take the mission. {error.mend} Or send it directly."
+            text = f"The cloud did not take the mission. Send it directly. {WHY}"
             raise OrderFailed("cloud_refused", text, is_outcome_known=True) from error
 
     async def _answer(self, order: MissionOrder, begin_s: float) -> MissionAnswer:
@@ -185,6 +196,11 @@ class CloudMissions:
     def _refs(self, order: MissionOrder) -> tuple[EntityRef, EntityRef]:
         names = self._farm, order.robot, order.order_id
         return order_ref(*names), answer_ref(*names)
+
+
+def _away() -> OrderFailed:
+    text = f"The cloud does not answer, so nothing was sent. Send the mission directly. {WHY}"
+    return OrderFailed("cloud_away", text, is_outcome_known=True)
 
 
 def _read(entity: Entity) -> MissionAnswer:

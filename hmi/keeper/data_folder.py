@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import secrets
@@ -10,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 from hmi.keeper.errors import StartError
+
+BLOCK_BYTES = 4096  # file systems give room in blocks of this size
 
 
 def require_writable(data: Path) -> Path:
@@ -37,6 +40,20 @@ def write_json(path: Path, value: Any) -> None:
     except OSError:
         Path(name).unlink(missing_ok=True)
         raise
+
+
+def overwrite_json(path: Path, value: Any) -> None:
+    """Write JSON over what is in ``path``, which takes no room of a disk that is full; raises ``OSError``.
+
+    A reader may see half of it, once.
+    """
+    content = json.dumps(value).encode()
+    with path.open("r+b", buffering=0) as file:
+        room = -(-os.fstat(file.fileno()).st_size // BLOCK_BYTES) * BLOCK_BYTES
+        if len(content) > room:  # half of it would stay
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        file.write(content)
+        file.truncate()
 
 
 def read_json(path: Path) -> Any | None:

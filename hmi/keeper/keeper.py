@@ -14,7 +14,7 @@ from types import FrameType
 
 import psutil
 
-from hmi.keeper.data_folder import read_json, write_json
+from hmi.keeper.data_folder import overwrite_json, read_json, write_json
 from hmi.keeper.errors import StartError
 from hmi.keeper.part import Part, PartSpec
 
@@ -109,8 +109,12 @@ class Keeper:
     def _write(self) -> None:
         """Say how the parts are; a full disk must not end them."""
         view = {"pid": os.getpid(), "parts": {part.spec.name: part.describe() for part in self._parts}}
+        path = self._data / "run" / "keeper.json"
         try:
-            write_json(self._data / "run" / "keeper.json", view)
+            try:
+                write_json(path, view)
+            except OSError:
+                overwrite_json(path, view)  # else a part that fell would be said to run
         except OSError as error:
             if self._write_again_s == math.inf:
                 log.error("keeper.json cannot be written, it is tried again: %s", error)

@@ -31,7 +31,7 @@ from sqlalchemy.exc import (
 from sqlalchemy.exc import TimeoutError as PoolTimeout
 from sqlalchemy.orm import Session
 
-from hmi.store.errors import AlreadyExists, DatabaseUnavailable
+from hmi.store.errors import AlreadyExists, DatabaseFull, DatabaseUnavailable
 from hmi.store.migrations.upgrade import upgrade_to_newest
 
 P = ParamSpec("P")
@@ -41,6 +41,7 @@ BUSY_TIMEOUT_MS = 5000  # longer than any batch or thinning step holds the write
 SERVER_TIMEOUT_S = 5
 """A database server that neither answers nor refuses for so long is gone."""
 THREADS = 4  # SQLite writes one at a time anyway; the others read
+POSTGRES_DISK_FULL = "53100"
 _WRITES = {"headland_writes": True}
 
 
@@ -126,7 +127,8 @@ def _translated() -> Iterator[None]:
     except IntegrityError as error:
         raise AlreadyExists(str(error.orig)) from error
     except (OperationalError, InterfaceError, InternalError, PoolTimeout) as error:
-        raise DatabaseUnavailable(f"the database cannot be used now: {_cause(error)}") from error
+        kind = DatabaseFull if _is_full(error) else DatabaseUnavailable
+        raise kind(f"the database cannot be used now: {_cause(error)}") from error
     except DatabaseError as error:
         if type(error) is not DatabaseError:  # a mistake in a statement is ours, not the disk's
             raise
@@ -135,6 +137,12 @@ def _translated() -> Iterator[None]:
 
 def _cause(error: SQLAlchemyError) -> object:
     return getattr(error, "orig", None) or error
+
+
+def _is_full(error: SQLAlchemyError) -> bool:
+    cause = _cause(error)
+    code = getattr(cause, "sqlite_errorcode", None)
+    return code == sqlite3.SQLITE_FULL or getattr(cause, "sqlstate", None) == POSTGRES_DISK_FULL
 
 
 def _make_engine(url: URL) -> Engine:

@@ -3,7 +3,8 @@
 ::
 
     StoreError
-    ├── DatabaseUnavailable   cannot be opened, is locked, or its disk is full; try again later
+    ├── DatabaseUnavailable   cannot be opened or is locked; try again later
+    │   └── DatabaseFull      its disk is full; somebody has to make room
     ├── DatabaseTooNew        made by a newer Headland
     ├── AlreadyExists         the id is taken
     ├── NotFound              no such row in this farm
@@ -22,6 +23,10 @@ class StoreError(Exception):
 
 class DatabaseUnavailable(StoreError):
     """The database cannot be used now: not reachable, locked, or its disk is full."""
+
+
+class DatabaseFull(DatabaseUnavailable):
+    """The disk of the database is full."""
 
 
 class DatabaseTooNew(StoreError):

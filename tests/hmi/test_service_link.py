@@ -36,10 +36,15 @@ def test_a_failure_is_a_state_with_what_mends_it_and_a_pause(error: errors.Servi
     link = ServiceLink(clock, jitter=1.0)
     link.failed(error)
     assert (link.state, link.may_ask, bool(link.mend)) == (state, False, True)
+    assert link.is_away
     clock.advance(link.again_in_s)
     assert link.may_ask
     link.well(0.2)
-    assert (link.is_well, link.why, link.last_error is not None) == (True, "", True)
+    assert (link.is_well, link.is_away, link.why, link.last_error is not None) == (True, False, "", True)
+
+
+def test_a_service_that_nobody_asked_yet_is_not_said_to_be_away() -> None:
+    assert not ServiceLink(FakeClock()).is_away
 
 
 def test_answers_that_cannot_be_used_count_when_they_come_again_and_again() -> None:

@@ -67,22 +67,23 @@ export class Controls {
     this.north.append(node('span', '', 'N'));
     this.scaleText = node('span', 'hl-map-scale-text');
     this.scaleBar = node('i', 'hl-map-scale-bar');
-    const foot = node('div', 'hl-map-foot', this.north, node('div', 'hl-map-scale', this.scaleText, this.scaleBar));
+    this.foot = node('div', 'hl-map-foot', this.north, node('div', 'hl-map-scale', this.scaleText, this.scaleBar));
     this.notice = node('div', 'hl-map-notice');
     this.notice.setAttribute('role', 'status');
     this.notice.dataset.testid = 'map-notice';
     this.notice.hidden = true;
-    if (hasButtons) this.root.append(this.buttons, this.menu, foot);
+    if (hasButtons) this.root.append(this.buttons, this.menu, this.foot);
     this.root.append(this.notice);
     host.append(this.root);
     this.act = act;
   }
 
-  /** Px of the edges to leave free: `least`, and what the buttons stand on. [top, right, bottom, left] */
+  /** Px of the edges to leave free: `least`, and what buttons, north arrow and scale stand on. [top, right, bottom, left] */
   freePx(least) {
     const { offsetWidth: wide, offsetHeight: high } = this.buttons; // 0 without buttons
     const taken = (size) => Math.max(least, size && size + 2 * EDGE_PX);
-    return wide > high ? [taken(high), least, least, least] : [least, taken(wide), least, least]; // low maps have them in a row
+    const bottom = Math.max(least, this.foot.offsetHeight);
+    return wide > high ? [taken(high), least, bottom, least] : [least, taken(wide), bottom, least]; // low maps have them in a row
   }
 
   #layerMenu(layers, act) {

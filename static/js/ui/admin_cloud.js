@@ -76,7 +76,7 @@
       this.body.replaceChildren(
         el("h2", {}, "Waiting here"), this.waiting(told.waiting, told.counts),
         ...(told.refused ? this.refused(told.refused) : []),
-        el("h2", {}, "Delays"), this.delays(told.delays),
+        el("h2", {}, "Delays"), ...this.delays(told),
         ...(told.arrivals ? [el("h2", {}, "Lost on the way"), this.losses(told.arrivals, told.counts)] : []),
         el("h2", {}, "Since the start"), this.counts(told.counts),
         el("h2", {}, "Changes made there"), this.changes(told.map),
@@ -140,13 +140,18 @@
       });
     }
 
-    delays({ robot_console, robot_cloud, mission, published_mean_s }) {
-      const row = (label, one, beside, hook) => ({ hook, cells: [label, ms(one.mean_s), ms(one.p50_s), ms(one.p99_s), one.count, beside] });
-      return table(["From, to", "Mean", "Median", "99 of 100 below", "Times measured", "Published system"], [
-        row("Robot to console", robot_console, "–", "cloud-delay-console"),
-        row("Robot to cloud", robot_cloud, `${ms(published_mean_s)} mean`, "cloud-delay-cloud"),
-        row("Mission sent, read back", mission, "–", "cloud-delay-mission"),
-      ]);
+    delays({ delays: { robot_console, robot_cloud, mission, published_mean_s }, level, heard_utc: heard }) {
+      const row = (label, one, hook) => ({ hook, cells: [label, ms(one.mean_s), ms(one.p50_s), ms(one.p99_s), one.count] });
+      const isOld = level === "bad" && robot_cloud.count;
+      return [
+        el("p", { class: "h-2", "data-testid": "cloud-delays-said" }, `How old a robot's report is when it arrives; the newest ${robot_cloud.count || "ones"} count. A published system of this kind took ${ms(published_mean_s)} to its cloud, in the mean.`),
+        ...(isOld ? [el("p", { class: "h-b", "data-testid": "cloud-delays-old" }, `Nothing arrives in the cloud now: these are from before ${heard ? HL.records.when(heard) : "it was away"}.`)] : []),
+        table(["From, to", "Mean", "Median", "99 of 100 below", "Times measured"], [
+          row("Robot to console", robot_console, "cloud-delay-console"),
+          row("Robot to cloud", robot_cloud, "cloud-delay-cloud"),
+          row("Mission through the cloud, until the robot has it", mission, "cloud-delay-mission"),
+        ]),
+      ];
     }
 
     // robot to console by the numbers robots give their messages, robot to cloud by what could not be kept here
@@ -156,10 +161,10 @@
       const kinds = (one) => Object.entries(one.kinds).filter(([, kind]) => kind.lost > kind.late).map(([name, kind]) => `${name} ${kind.lost - kind.late}`).join(", ");
       const row = (label, one, which, hook) => ({ hook, cells: [label, one.received, el("span", { "data-testid": `${hook}-lost`, "data-value": one.lost - one.late }, lost(one)), one.twice, one.out_of_order, one.lost_utc ? HL.records.when(one.lost_utc) : "–", which] });
       const silent = heard.not_numbered ? `${heard.not_numbered} of ${heard.numbered + heard.not_numbered} robots do not number their messages: theirs are not counted.` : "";
-      return el("div", {}, table(["From, to", "Arrived", "Lost", "Twice", "Out of order", "Last lost", "Which"], [
+      return el("div", {}, el("p", { class: "h-2", "data-testid": "cloud-losses-said" }, "Since this console started. Lost never arrived. Twice came again, or was sent again since an answer was lost: it counts once."), table(["From, to", "Arrived", "Lost", "Twice", "Out of order", "Last lost", "Which"], [
         row("Robots to console", heard, kinds(heard), "cloud-lost-console"),
         ...heard.robots.map((one) => row(one.id, one, kinds(one), `cloud-lost-${one.id}`)),
-        { hook: "cloud-lost-cloud", cells: ["Robots to cloud", counts.states + counts.others + counts.records, counts.dropped, counts.sent_twice, "–", "–", counts.dropped ? "no room here, or too old" : ""] },
+        { hook: "cloud-lost-cloud", cells: ["All to the cloud", counts.states + counts.others + counts.records, counts.dropped, counts.sent_twice, "–", "–", counts.dropped ? "no room here, or too old" : ""] },
       ]), ...(silent ? [el("p", { class: "h-2" }, silent)] : []), ...(heard.more_robots ? [el("p", { class: "h-2" }, `${heard.more_robots} more robots lost fewer.`)] : []));
     }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import random
 from pathlib import Path
 
@@ -10,6 +11,8 @@ import pytest
 from backend_clients.simulator import faults
 from backend_clients.simulator.faults import Packets, decode_fault, fate
 from backend_clients.simulator.kinematics import TRACKED
+from backend_clients.simulator.latch import LatchMemory
+from backend_clients.simulator.state_folder import SavedSafety, StateFolder
 from tests.backend_clients.simulator.rig import Rig, small_mission
 
 
@@ -153,6 +156,43 @@ def test_an_unreadable_latch_file_counts_as_latched(tmp_path: Path) -> None:
     rig.run(1)
     assert rig.safety.latched
     assert rig.reset(rig.safety.presses[0].stop_id).code == "ok"
+
+
+def test_a_full_disk_stops_no_robot_and_a_stop_latches_over_a_reboot_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig = Rig(tmp_path)
+    rig.start()
+    rig.run(5)
+    with monkeypatch.context() as disk:
+        disk.setattr(Path, "write_bytes", full)
+        before_m = rig.robot.machine.base.distance_m
+        rig.run(5)
+        assert rig.robot.machine.base.distance_m > before_m
+        rig.stop()
+        rig.run(2)
+        rig.restart_process()
+        rig.run(1)
+        assert rig.safety.latched
+        assert rig.reset(rig.safety.presses[0].stop_id).code == "ok"
+    assert not rig.safety.latched
+
+
+def test_what_a_full_disk_did_not_take_is_written_when_there_is_room(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store, mission = StateFolder(tmp_path), small_mission()
+    with monkeypatch.context() as disk:
+        disk.setattr(Path, "write_bytes", full)
+        store.save_mission(mission)
+        assert store.load_mission() == mission
+    assert StateFolder(tmp_path).load_mission() is None
+    store.save_safety(SavedSafety(latch=LatchMemory()))
+    assert StateFolder(tmp_path).load_mission() == mission
+
+
+def full(path: Path, _data: bytes) -> int:
+    raise OSError(errno.ENOSPC, "No space left on device", str(path))
 
 
 def test_the_button_on_the_machine_stops_it_and_its_release_leaves_it_paused() -> None:

@@ -9,7 +9,7 @@ import httpx
 import pytest
 
 from hmi.domain.role import Role
-from hmi.store.errors import DatabaseUnavailable
+from hmi.store.errors import DatabaseFull, DatabaseUnavailable
 from tests.hmi.api.console import Console
 
 
@@ -112,6 +112,19 @@ async def test_a_database_that_is_away_is_told_as_such(console: Console, monkeyp
     monkeypatch.setattr(console.audit, "recent", away)
     answer = await client.get("/audit")
     assert shape(answer) == (503, "database_unavailable")
+    assert "/secret/path" not in answer.text
+
+
+async def test_a_full_disk_is_named_and_who_has_to_make_room(console: Console, monkeypatch: pytest.MonkeyPatch) -> None:
+    client = await console.browser(Role.ADMIN)
+
+    def away(*_args: Any, **_more: Any) -> Any:
+        raise DatabaseFull("full at /secret/path")
+
+    monkeypatch.setattr(console.audit, "recent", away)
+    answer = await client.get("/audit")
+    assert shape(answer) == (503, "database_unavailable")
+    assert "disk of the server is full" in answer.json()["text"]
     assert "/secret/path" not in answer.text
 
 

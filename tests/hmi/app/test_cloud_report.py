@@ -6,11 +6,13 @@ import json
 from pathlib import Path
 
 import httpx
+import pytest
 
 from backend_clients.simulator.context_broker.faults import Faults
 from hmi.app.arrival_report import FromRobots
 from hmi.app.cloud_report import LOST_SHOWN_S, CloudReport
 from hmi.cloud.delays import Delays
+from hmi.cloud.kept_file import OutboxUnusable
 from hmi.cloud.outbox import Piece, Rank
 from hmi.cloud.proposals import ProposalBook
 from hmi.settings import Settings
@@ -92,6 +94,26 @@ async def test_what_was_dropped_is_an_alarm_and_is_counted(tmp_path: Path) -> No
     assert "cloud-dropped" in codes(report)
     assert report.whole()["counts"]["dropped"] > 0
     assert report.whole()["waiting"]["bytes"] <= 2000
+    await rig.close()
+
+
+async def test_a_full_disk_is_an_alarm_of_its_own_and_nothing_is_said_to_be_dropped(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig = Rig(tmp_path)
+    report = report_of(rig)
+
+    def full(*_args: object) -> None:
+        raise OutboxUnusable("outbox.db: database or disk is full")
+
+    with monkeypatch.context() as disk:
+        disk.setattr(rig.outbox, "add", full)
+        rig.backlog.put(Piece("weeder-01", Rank.EVENT, rig.clock.utc().timestamp(), "{}"))
+        await rig.backlog.settle()
+        (alarm,) = [one for one in report.findings() if one.code in ("cloud-unkept", "cloud-dropped")]
+        assert (alarm.code, alarm.text) == ("cloud-unkept", "outbox.db: database or disk is full. 1 record waits.")
+    await rig.backlog.settle()
+    assert not {"cloud-unkept", "cloud-dropped"} & set(codes(report))
     await rig.close()
 
 

@@ -77,6 +77,8 @@ async def test_a_folder_that_takes_no_secret_is_tried_again(tmp_path: Path, monk
     (tmp_path / "cloud").unlink()
     await until(lambda: cloud._work is not None)
     await until(lambda: cloud.report()["state"] == "unreachable")
+    assert cloud._work is not None
+    assert cloud._work.missions._is_away(), "nobody who sends a mission waits long for it"
     await cloud.stop()
 
 

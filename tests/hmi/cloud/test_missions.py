@@ -33,6 +33,7 @@ from backend_clients.simulator.context_broker.faults import Faults, FaultSwitch
 from backend_clients.simulator.faults import Silence
 from backend_clients.simulator.world import World
 from hmi.clock import FakeClock
+from hmi.cloud import missions
 from hmi.cloud.delays import Delays
 from hmi.cloud.missions import ANSWER_S, TIDY_S, CloudMissions
 from hmi.domain.command import OrderFailed
@@ -70,7 +71,9 @@ class Farm:
         theirs = self.clock if robots_ahead is None else Elsewhere(self.clock, robots_ahead)
         self.agents = CloudAgents(self.client(), "hof", dict(self.world.robots), theirs, self._acked)
         self.delays = Delays()
-        self.console = CloudMissions(self.client(), "hof", self.clock, self.delays, self.passes, is_ours=self.asked)
+        self.is_away = False
+        self.console = CloudMissions(self.client(), "hof", self.clock, self.delays, self.passes, is_ours=self.asked,
+                                     is_away=lambda: self.is_away)  # fmt: skip
         self.agents_are_slow_s = 0.0
         self.are_agents_on = True
         self.seen: list[dict[str, Any]] = []
@@ -262,6 +265,30 @@ async def test_a_cloud_that_fails_is_said_so_and_nothing_is_sent_twice(
 
 
 @pytest.mark.slow
+async def test_a_cloud_that_is_known_to_be_away_is_asked_briefly_and_nothing_is_sent(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(missions, "AWAY_S", 0.01)
+    farm = Farm("weeder-01")
+    await farm.agents.round()
+    farm.is_away = True
+    farm.switch.set(Faults(half_open=True))
+    with pytest.raises(OrderFailed) as failed:
+        await farm.console.upload_mission("weeder-01", document())
+    assert (failed.value.code, failed.value.is_outcome_known) == ("cloud_away", True)
+    assert "Send the mission directly" in failed.value.text
+    assert isinstance(failed.value.__cause__, TimeoutError), "nobody waited until the broker was given up"
+    assert await farm.entities(ORDER) == []
+
+
+async def test_a_cloud_that_was_away_and_answers_again_takes_a_mission_at_once() -> None:
+    farm = Farm("weeder-01")
+    await farm.agents.round()
+    farm.is_away = True  # as the console knows it from half a minute ago
+    answer = await farm.console.upload_mission("weeder-01", document())
+    assert answer.is_accepted
+
+
 async def test_a_mission_that_is_too_large_goes_directly() -> None:
     farm = Farm("weeder-01")
     await farm.agents.round()

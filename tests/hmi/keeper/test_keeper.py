@@ -12,6 +12,7 @@ from pathlib import Path
 import psutil
 import pytest
 
+from hmi.keeper import data_folder
 from hmi.keeper import keeper as module
 from hmi.keeper import part as part_module
 from hmi.keeper.data_folder import read_json
@@ -98,11 +99,38 @@ def test_a_full_disk_ends_nothing_and_the_view_is_written_when_there_is_room(
 
     with monkeypatch.context() as disk:
         disk.setattr(module, "write_json", full)
+        disk.setattr(module, "overwrite_json", full)
         served.add("media")
         assert refused.wait(10)
         assert watched.thread.is_alive()
     watched.waits_for("cameras", "starting")
     assert watched.state("console") == "ok"
+
+
+def test_a_part_that_falls_while_the_disk_is_full_is_not_said_to_run(
+    monkeypatch: pytest.MonkeyPatch, watched: Watched, served: set[str]
+) -> None:
+    watched.waits_for("media", "starting")
+
+    def full(*_args: object, **_more: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(data_folder.tempfile, "mkstemp", full)  # no new file, as on a disk without room
+    served.add("media")
+    watched.waits_for("media", "ok")
+    monkeypatch.setattr(part_module, "BACKOFF_S", (1000.0,))
+    psutil.Process(watched.pid("media")).kill()
+    watched.waits_for("media", "down")
+
+
+def test_what_has_no_room_in_the_place_of_the_view_leaves_it_whole(tmp_path: Path) -> None:
+    view = tmp_path / "keeper.json"
+    view.write_text('{"pid": 1}')
+    with pytest.raises(OSError, match="No space"):
+        data_folder.overwrite_json(view, {"pid": 1, "parts": "x" * data_folder.BLOCK_BYTES})
+    assert view.read_text() == '{"pid": 1}'
+    data_folder.overwrite_json(view, {})
+    assert view.read_text() == "{}"
 
 
 def test_a_part_that_the_system_has_no_room_for_ends_no_other(

@@ -219,7 +219,7 @@ def forecast(state: str) -> dict[str, Any]:
         for i in range(24)
     ]
     said = {
-        "fresh": "Made 40 min ago.",
+        "fresh": "Forecast by Weather service, made 15:20, 40 min ago.",
         "old": "Made 9 h ago. It is not renewed.",
         "failed": "The service does not answer.",
     }

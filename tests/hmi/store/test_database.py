@@ -17,7 +17,7 @@ from sqlalchemy import inspect, text
 from hmi.clock import FakeClock
 from hmi.store.counters import Counters
 from hmi.store.database import Database
-from hmi.store.errors import AlreadyExists, DatabaseTooNew, DatabaseUnavailable
+from hmi.store.errors import AlreadyExists, DatabaseFull, DatabaseTooNew, DatabaseUnavailable
 from hmi.store.farms import Farms
 from hmi.store.features import Feature, Features
 from hmi.store.migrations.upgrade import alembic_config, newest_version
@@ -100,6 +100,20 @@ def test_a_folder_that_cannot_be_written_is_said_in_one_sentence(tmp_path: Path)
     (tmp_path / "file").write_text("")
     with pytest.raises(DatabaseUnavailable, match="cannot be opened"):
         Database(f"sqlite:///{tmp_path / 'file' / 'x.db'}")
+
+
+def test_a_full_disk_is_told_from_a_database_that_is_away(database: Database) -> None:
+    with pytest.raises(DatabaseFull):
+        fill(database)
+
+
+def fill(database: Database) -> None:
+    """Do what fails as on a disk without room."""
+    with database.write() as session:
+        if database.engine.dialect.name != "sqlite":
+            session.execute(text("DO $$ BEGIN RAISE EXCEPTION USING ERRCODE = '53100'; END $$"))
+        session.execute(text("PRAGMA max_page_count = 1"))  # as many as there are: what is new finds no room
+        session.execute(text("CREATE TABLE heap AS SELECT zeroblob(1000000) AS body"))
 
 
 def test_a_file_that_is_no_database_is_said_to_be_unusable(tmp_path: Path) -> None:
