@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from statistics import median
 
 import numpy as np
 import shapely
@@ -204,14 +205,17 @@ class _Field:
         return points if first <= last else points[::-1]
 
     def _name_gaps(self, levels: Sequence[_Level]) -> None:
-        gaps = [
-            f"{a.beside_m - b.beside_m:.1f} m between {a.name} and {b.name}"
-            for a, b in pairwise(levels)
-            if a.beside_m - b.beside_m > _WIDE * self.spacing_m
-        ]
+        apart = [(a.beside_m - b.beside_m, f"between {a.name} and {b.name}") for a, b in pairwise(levels)]
+        usual_m = median(gap_m for gap_m, _ in apart) if apart else 0.0
+        rest = "what the tool does not reach from them is not worked."
+        if usual_m <= _WIDE * self.spacing_m:
+            usual_m = self.spacing_m
+        elif usual_m > (1 + _NEARLY) * self.tool_m:  # else one line was recorded for each pass, and nothing is missed
+            said = f"The recorded rows lie {usual_m:.2g} m apart, and the tool is {self.tool_m:.2g} m wide"
+            self.notes.append(f"{said}: {rest}")
+        gaps = [f"{gap_m:.1f} m {where}" for gap_m, where in apart if gap_m > _WIDE * usual_m]
         if gaps:
-            usual = f"The rows lie {self.spacing_m:.2g} m apart, but there are {_listed(gaps)}"
-            self.notes.append(f"{usual}: what the tool does not reach from them is not worked.")
+            self.notes.append(f"The rows lie {usual_m:.2g} m apart, but there are {_listed(gaps)}: {rest}")
 
     # how they are driven
 

@@ -112,6 +112,16 @@ def test_gaps_doubled_and_crossing_rows_are_named() -> None:
     assert notes(rows) == ""
 
 
+def test_one_line_recorded_for_each_pass_is_no_field_full_of_gaps() -> None:
+    passes_of_three = waves(14, 1.5)
+    assert notes(passes_of_three, tool_m=1.5, spacing_m=0.5) == ""
+    narrow = notes(passes_of_three, tool_m=1.0, spacing_m=0.5)
+    assert narrow.startswith("The recorded rows lie 1.5 m apart, and the tool is 1 m wide: ")
+    assert "between" not in narrow
+    one_lacks = notes([*passes_of_three[:5], *passes_of_three[6:]], tool_m=1.5, spacing_m=0.5)
+    assert one_lacks.startswith("The rows lie 1.5 m apart, but there are 3.0 m between row 7 and row 5: ")
+
+
 def _with_gap(points: Floats) -> list[tuple[str, Floats]]:
     middle = len(points) // 2
     return [("a", points[: middle - 1]), ("b", points[middle + 2 :])]
