@@ -72,6 +72,7 @@
       this.exportButton = button("editor-export", "download", "Export", () => {});
       this.export = dropdown(this.exportButton, (close) => this.exportRows(close), "right");
       this.versions = button("editor-versions", "history", "Versions", () => act.versions(), "ico");
+      for (const one of [this.exportButton, this.versions]) attr(one, "disabled", true); // until the map is there
       const edits = [this.undo, this.redo, el("i", { class: "m-rule" })];
       this.node = el("div", { class: "m-bar", role: "toolbar", "aria-label": "Map" }, ...(mayEdit ? edits : []), el("div", { class: "h-seg m-seg" }, ...(mayEdit ? [this.snap] : []), this.layers.node), ...(mayEdit ? [this.walk] : []), el("span", { class: "h-sp" }), ...(mayEdit ? [this.import] : []), this.export.node, this.versions);
     }

@@ -12,6 +12,13 @@ from tests.hmi.pages.maps_screen import show as show
 pytestmark = pytest.mark.browser
 
 
+def test_nothing_is_exported_before_the_map_is_there(show: Show) -> None:
+    page = show()
+    expect(page.get_by_test_id("editor-export")).to_be_enabled()
+    made = "() => { const bar = new HL.maps.Bar({}, {}); return [bar.exportButton.disabled, bar.versions.disabled]; }"
+    assert page.evaluate(made) == [True, True], "a bar that was told of no map yet"
+
+
 def test_the_published_map_is_shown_read_only_until_somebody_edits(show: Show) -> None:
     page = show()
     expect(page.get_by_test_id("map-editor")).to_have_attribute("data-features", "8")
