@@ -95,6 +95,7 @@ class _Rest:
         self.shorter_m: list[float] = []
 
     def run(self) -> PlannedRest:
+        """Return the rest with these laps; raises ``PlanRefused``."""
         head, start, works = self._stitched()
         self.notes += flight_notes(self.wish.surroundings, self.frame, self.machine, self.ground.parcel, self.home)
         left_out = [work for work in works if self._is_left_out(work)]
