@@ -60,7 +60,11 @@ def shape_of(geometry: Geometry, frame: LocalFrame) -> Shape:
 
 def covered_by(feature: MapFeature, frame: LocalFrame) -> Shape:
     """Return the ground a feature covers, metres: lines with their width, points with their radius."""
-    shape = shape_of(feature.geometry, frame)
+    return widened(feature, shape_of(feature.geometry, frame))
+
+
+def widened(feature: MapFeature, shape: Shape) -> Shape:
+    """Return the ground a feature covers whose shape is ``shape``, both in metres."""
     if feature.geometry["type"] == POLYGON:
         return sound(shape)
     if feature.geometry["type"] == POINT:

@@ -316,18 +316,6 @@ def test_what_is_not_in_the_draft_is_shown_where_it_was(surface: EditorPage) -> 
     assert surface.call("return editor.bench.draft.get('well')") is None
 
 
-def test_the_first_point_is_told_as_well_as_the_last_one_taken_back(surface: EditorPage) -> None:
-    surface.open(DRAFT)
-    surface.call("editor.setSnap(false); editor.setTool('road')")
-    assert surface.call("return editor.isDrawing") is False
-    surface.click(0, 110)
-    assert surface.heard("measure") == [""]
-    assert surface.call("return editor.isDrawing") is True
-    surface.call("editor.undoPoint()")
-    assert surface.heard("measure")[-1] == ""
-    assert surface.call("return editor.isDrawing") is False
-
-
 def test_measuring_says_lengths_and_changes_nothing(surface: EditorPage) -> None:
     surface.open(DRAFT)
     surface.call("editor.setSnap(false); editor.setTool('measure')")
@@ -421,31 +409,6 @@ def test_somebody_who_may_only_look_selects_and_moves_nothing(surface: EditorPag
     assert surface.heard("select") == [["parcel-east"]]
     assert surface.heard("change") == []
     assert surface.call("return editor.tool") == "select"
-
-
-def test_the_button_shows_one_site_whole_and_pressed_again_the_next(surface: EditorPage) -> None:
-    abroad = feature("parcel-abroad", "parcel", "Polygon", [ring((1e6, 0), (1e6, 60), (1e6 + 60, 60), (1e6 + 60, 0))])
-    surface.open([*DRAFT, abroad])
-
-    def middle() -> list[float]:
-        at = surface.call(
-            "const { clientWidth, clientHeight } = editor.host;"
-            "return editor.bench.surface.toLonLat([clientWidth / 2, clientHeight / 2])"
-        )
-        return list(at)
-
-    home = middle()
-    assert math.dist(home, at_m(50, 50)) < 0.01, "it begins at the site with the largest parcel"
-    surface.call("editor.fit(['parcel-abroad', 'parcel-north', 'road-south'])")
-    assert math.dist(middle(), at_m(50, 50)) < 0.01, "of what was imported in two places one is seen"
-    surface.call("editor.fit(['parcel-north'])")
-    button = surface.page.get_by_test_id("map-fit")
-    button.click()
-    assert middle() == pytest.approx(home), "the site at hand, whole"
-    button.click()
-    assert math.dist(middle(), at_m(1e6 + 30, 30)) < 0.01
-    button.click()
-    assert middle() == pytest.approx(home)
 
 
 def test_findings_stand_at_their_place_and_crossing_edges_are_orange(surface: EditorPage) -> None:

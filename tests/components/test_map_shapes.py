@@ -184,3 +184,40 @@ def test_a_thousand_parcels_lay_rows_for_what_is_in_view_only(surface: EditorPag
     surface.call("editor.fit([it])", parcels[0]["id"])
     surface.page.wait_for_function("Number(editor.host.dataset.strips) > 0")
     assert int(surface.call("return editor.host.dataset.strips")) <= 5000
+
+
+def test_the_first_point_is_told_as_well_as_the_last_one_taken_back(surface: EditorPage) -> None:
+    surface.open([FIELD])
+    surface.call("editor.setSnap(false); editor.setTool('road')")
+    assert surface.call("return editor.isDrawing") is False
+    surface.click(20, 20)
+    assert surface.heard("measure") == [""]
+    assert surface.call("return editor.isDrawing") is True
+    surface.call("editor.undoPoint()")
+    assert surface.heard("measure")[-1] == ""
+    assert surface.call("return editor.isDrawing") is False
+
+
+def test_the_button_shows_one_site_whole_and_pressed_again_the_next(surface: EditorPage) -> None:
+    abroad = feature("parcel-abroad", "parcel", "Polygon", [ring((1e6, 0), (1e6, 60), (1e6 + 60, 60), (1e6 + 60, 0))])
+    surface.open([FIELD, EAST, BARE, abroad])
+
+    def middle() -> list[float]:
+        at = surface.call(
+            "const { clientWidth, clientHeight } = editor.host;"
+            "return editor.bench.surface.toLonLat([clientWidth / 2, clientHeight / 2])"
+        )
+        return list(at)
+
+    home = middle()
+    assert math.dist(home, at_m(95, 75)) < 0.01, "it begins at the site with the largest parcel"
+    surface.call("editor.fit(['parcel-abroad', 'parcel-north', 'parcel-east'])")
+    assert math.dist(middle(), at_m(95, 75)) < 0.01, "of what was imported in two places one is seen"
+    surface.call("editor.fit(['parcel-north'])")
+    button = surface.page.get_by_test_id("map-fit")
+    button.click()
+    assert middle() == pytest.approx(home), "the site at hand, whole"
+    button.click()
+    assert math.dist(middle(), at_m(1e6 + 30, 30)) < 0.01
+    button.click()
+    assert middle() == pytest.approx(home)

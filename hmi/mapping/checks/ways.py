@@ -10,16 +10,17 @@ from numpy.typing import NDArray
 from shapely import STRtree
 from shapely.geometry.base import BaseGeometry
 
+from hmi.domain.map_ground import CLOSED_KINDS, CROSSED_KINDS
 from hmi.mapping.checks.finding import LOOK, Finding, Fix
 from hmi.mapping.checks.site import Site
-from hmi.mapping.ground import half_width_m
-from hmi.mapping.kinds import LINE, POINT, POLYGON
+from hmi.mapping.ground import widened
+from hmi.mapping.kinds import LINE
 from hmi.mapping.operations.snap_end import ON_ROAD_M
 
 GAP_M = 3.0  # further apart nobody meant them to meet
 REACH_M = 30.0
 BARELY_M = 1.0  # a road that ends at a building or passes its corner
-SHUT_KINDS = ("no-go", "obstacle", "building")
+SHUT_KINDS = tuple(kind for kind in CLOSED_KINDS if kind not in CROSSED_KINDS)
 
 
 def gaps(site: Site) -> Iterator[Finding]:
@@ -85,7 +86,7 @@ def unreachable(site: Site) -> Iterator[Finding]:
     near = _near(site.shapes[parcels], site.shapes[[*roads, *homes]])
     led = near
     if len(homes):
-        ground = shapely.union_all([_ground(site, int(n)) for n in roads])
+        ground = shapely.union_all([_covered(site, int(n)).buffer(ON_ROAD_M) for n in roads])
         ground = shapely.difference(ground, shapely.union_all([shape for _, shape in _shut(site)]))
         ways = shapely.get_parts(ground)
         to_home = _near(ways, site.shapes[homes])
@@ -110,14 +111,9 @@ def _near(shapes: NDArray[np.object_], others: NDArray[np.object_]) -> NDArray[n
 def _shut(site: Site) -> list[tuple[int, BaseGeometry]]:
     """Return index and ground of what no machine enters, and no road makes a gap in."""
     of = [int(n) for kind in SHUT_KINDS for n in site.of_kind(kind)]
-    grounds = [(n, _ground(site, n)) for n in of]
+    grounds = [(n, _covered(site, n)) for n in of]
     return [(n, ground) for n, ground in grounds if not ground.is_empty]
 
 
-def _ground(site: Site, n: int) -> BaseGeometry:
-    """Return the ground a sound feature covers, metres: lines with their width, points with their radius."""
-    feature, shape = site.features[n], site.shapes[n]
-    if feature.geometry["type"] == POLYGON:
-        return shape
-    reach_m = feature.properties.get("radius_m", 0.0) if feature.geometry["type"] == POINT else half_width_m(feature)
-    return shape.buffer(reach_m)
+def _covered(site: Site, n: int) -> BaseGeometry:
+    return widened(site.features[n], site.shapes[n])

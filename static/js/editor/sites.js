@@ -9,10 +9,10 @@ const SAME_PX = 2; // no finger moved the map since
 const middleOf = ([x0, y0, x1, y1]) => [lonOf((x0 + x1) / 2), latOf((y0 + y1) / 2)];
 const sizeOf = ({ box: [x0, y0, x1, y1], isParcel }) => (x1 - x0) * (y1 - y0) + Number(isParcel);
 
-/** Lists of features that lie together, the one with the largest parcel first. */
+/** Lists of features that lie together, the one with the largest parcel first; without parcels the one with the most. */
 export function sitesOf(features) {
   let left = features
-    .map((feature) => ({ feature, box: boxOf([feature]), isParcel: feature.properties.kind === 'parcel' }))
+    .map((feature) => ({ feature, box: boxOf([feature]), isParcel: feature.properties?.kind === 'parcel' }))
     .filter(({ box }) => box)
     .sort((a, b) => sizeOf(b) - sizeOf(a));
   const sites = [];
@@ -22,7 +22,8 @@ export function sitesOf(features) {
     sites.push([...isNear].map(({ feature }) => feature));
     left = left.filter((one) => !isNear.has(one));
   }
-  return sites;
+  const hasParcel = (site) => site.some((one) => one.properties?.kind === 'parcel');
+  return sites.some(hasParcel) ? sites : sites.sort((a, b) => b.length - a.length);
 }
 
 /** The site around the middle of the picture, or the next one where it is shown whole already; viewOf(box): how it is shown. */

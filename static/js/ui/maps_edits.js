@@ -79,18 +79,12 @@
     // for merging a tap takes only what can be merged with what is chosen, so that none takes the farm around it
     several(isOn) {
       this.isSeveral = isOn;
-      if (this.editor) this.editor.several = isOn && this.tool === "merge" ? (one) => this.isMergeable(one) : isOn;
+      if (this.editor) this.editor.several = isOn && this.tool === "merge" ? (one) => this.mergeable(one).includes(one.id) : isOn;
       this.changed();
     }
 
-    isMergeable(one) {
-      const [first] = this.mergeable();
-      return one?.geometry.type === "Polygon" && M.kindOf(one) === (first ? M.kindOf(this.client.features.get(first)) : M.kindOf(one)) && M.kindOf(one) !== "farm";
-    }
-
-    mergeable() {
-      const areas = this.chosen.map((id) => this.client.features.get(id)).filter((one) => one?.geometry.type === "Polygon" && M.kindOf(one) !== "farm");
-      return areas.filter((one) => M.kindOf(one) === M.kindOf(areas[0])).map((one) => one.id);
+    mergeable(...more) {
+      return M.mergeable([...this.chosen.map((id) => this.client.features.get(id)), ...more]).map((one) => one.id);
     }
 
     async merge() {

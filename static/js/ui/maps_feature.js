@@ -147,7 +147,7 @@
     buildSeveral(found, canEdit) {
       const areas = found.filter((one) => one.geometry.type === "Polygon");
       const total = areas.reduce((sum, one) => sum + M.areaM2(one), 0);
-      const isOneKind = areas.every((one) => M.kindOf(one) === M.kindOf(areas[0]) && M.kindOf(one) !== "farm");
+      const isOneKind = M.mergeable(areas).length === areas.length;
       const merge = el("button", { type: "button", class: "h-btn", "data-testid": "feature-merge", title: isOneKind ? "" : "Shapes of one kind can be merged", disabled: !canEdit || areas.length < 2 || !isOneKind, onclick: () => this.act.merge() }, icon("merge", "m"), "Merge");
       this.node.replaceChildren(
         this.head(el("h2", { class: "h-t22 h-b", "data-testid": "feature-title" }, `${found.length} chosen`), el("div", { class: "h-t13 h-2" }, total ? `Together ${M.words(M.area(total))}` : ""), merge, this.tool("feature-delete", "delete", "Delete", () => this.act.remove(), canEdit)),

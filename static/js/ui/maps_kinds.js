@@ -56,6 +56,11 @@
   const kindOf = (feature) => feature.properties?.kind ?? "";
   const label = (kind) => KINDS[kind] ?? kind;
   const nameOf = (feature) => feature.properties?.name || label(kindOf(feature));
+  // of these, the areas of one kind, that of the first: what can be merged; a farm is the ground around
+  const mergeable = (features) => {
+    const areas = features.filter((one) => one?.geometry.type === "Polygon" && kindOf(one) !== "farm");
+    return areas.filter((one) => kindOf(one) === kindOf(areas[0]));
+  };
   const fieldsOf = (feature) => {
     const fields = FIELDS[kindOf(feature)] ?? [];
     return Array.isArray(fields) ? fields : fields[feature.geometry?.type] ?? [];
@@ -115,5 +120,5 @@
 
   const newId = (kind) => `${kind}-${window.headland.uuid().slice(0, 12)}`;
 
-  HL.maps = { KINDS, LAYERS, kindOf, label, nameOf, fieldsOf, moreOf, kindsFor, shown, told, stored, bounds, changeLabel, withProperty, withKind, newId, robots, byName, NAME_CHARS };
+  HL.maps = { KINDS, LAYERS, kindOf, mergeable, label, nameOf, fieldsOf, moreOf, kindsFor, shown, told, stored, bounds, changeLabel, withProperty, withKind, newId, robots, byName, NAME_CHARS };
 })();

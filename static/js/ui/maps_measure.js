@@ -79,15 +79,12 @@
     return isIn;
   }
 
-  // ground around the robots, most of them together: where a farm that has no map begins to be drawn
-  const SITE_M = 20000;
+  // ground around robots: where a farm that has no map begins to be drawn
   const AROUND_M = 150;
   const MOST_LOOKED_AT = 100;
-  function robotSite(robots) {
+  function groundAround(robots) {
     const places = robots.filter(({ lon, lat }) => Number.isFinite(lon) && Number.isFinite(lat)).slice(0, MOST_LOOKED_AT).map(({ lon, lat }) => [lon, lat]);
-    const near = (one) => { const { flat } = plane(one); return places.filter((other) => Math.hypot(...flat(other)) < SITE_M); };
-    const site = places.map(near).sort((a, b) => b.length - a.length)[0] ?? [];
-    return site.length ? site.map((one) => { const { round } = plane(one); return { geometry: { type: "LineString", coordinates: [round([-AROUND_M, -AROUND_M]), round([AROUND_M, AROUND_M])] } }; }) : null;
+    return places.map((one) => { const { round } = plane(one); return { properties: {}, geometry: { type: "LineString", coordinates: [round([-AROUND_M, -AROUND_M]), round([AROUND_M, AROUND_M])] } }; });
   }
 
   const words = ({ text, unit }) => `${text} ${unit}`;
@@ -95,5 +92,5 @@
   const length = (m) => (m >= 100 && HL.units.length(0).unit === "m" ? { text: m.toFixed(0), unit: "m" } : HL.units.length(m));
   const place = ([lon, lat]) => `${Math.abs(lat).toFixed(5)}° ${lat < 0 ? "S" : "N"}, ${Math.abs(lon).toFixed(5)}° ${lon < 0 ? "W" : "E"}`;
 
-  Object.assign(HL.maps, { areaM2, lengthM, rowsThatFit, corners, holes, count, moved, area, length, words, place, plane, robotSite, isInRing });
+  Object.assign(HL.maps, { areaM2, lengthM, rowsThatFit, corners, holes, count, moved, area, length, words, place, plane, groundAround, isInRing });
 })();

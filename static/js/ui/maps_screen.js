@@ -203,7 +203,7 @@
     async lookHere() {
       const { place, problem } = await M.tabletPlace();
       if (problem) return HL.toast(problem, "block");
-      return this.surface.fit(M.robotSite([{ lon: place[0], lat: place[1] }]));
+      return this.surface.fit(M.groundAround([{ lon: place[0], lat: place[1] }]));
     }
 
     notices() {

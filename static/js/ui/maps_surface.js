@@ -69,7 +69,7 @@
     // nothing is drawn yet: a field as drawn on half a continent would be larger than any
     async fitRobots(turn) {
       const answer = await HL.port.api("GET", "/robots");
-      if (turn === this.turn && answer.ok && !this.on.features().length) this.editor?.fit(HL.maps.robotSite(answer.robots ?? []) ?? []);
+      if (turn === this.turn && answer.ok && !this.on.features().length) this.editor?.fit(HL.maps.groundAround(answer.robots ?? []));
     }
 
     fail() {
